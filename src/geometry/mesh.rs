@@ -1,0 +1,185 @@
+//! Indexed triangle meshes, valid by construction.
+
+use super::{Aabb, Ray};
+use glam::Vec3A;
+
+/// Why a mesh could not be made.
+#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+pub enum MeshError {
+    /// No triangle is left, or none was given.
+    #[error(
+        "no usable triangle among the {given} given ({dropped}); check that the file holds faces with finite vertices"
+    )]
+    Empty {
+        /// Triangles given.
+        given: usize,
+        /// Triangles dropped, by reason.
+        dropped: Dropped,
+    },
+    /// More triangles than 32-bit ids with room for the builders' flags can name.
+    #[error("{0} triangles are more than the 2^28 that a tree can hold; split the mesh")]
+    TooLarge(usize),
+}
+
+/// Triangles left out of a mesh because Embree would drop them silently, counted by reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Dropped {
+    /// A vertex has a NaN, infinite or larger coordinate than [`Ray::LARGEST`].
+    pub non_finite: usize,
+    /// A vertex index lies beyond the vertices.
+    pub out_of_range: usize,
+}
+
+impl Dropped {
+    /// All triangles left out.
+    pub fn total(&self) -> usize {
+        self.non_finite + self.out_of_range
+    }
+}
+
+impl std::fmt::Display for Dropped {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{} triangles dropped: {} with non-finite or huge vertices, {} with indices out of range",
+            self.total(),
+            self.non_finite,
+            self.out_of_range
+        )
+    }
+}
+
+/// An indexed triangle mesh. Every index is in range and every triangle's vertices are finite and below
+/// [`Ray::LARGEST`], so that triangle ids mean the same to every builder, Embree's included.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    /// One vertex more than there is, so that 16-byte loads of the last one stay inside (Embree reads so too).
+    padded_vertices: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// Most triangles a mesh may have: block indices and flags share 32 bits.
+    pub const MAX_TRIANGLES: usize = 1 << 28;
+
+    /// Takes vertices (x, y, z in scene units) and triangles (three vertex indices); drops and counts the
+    /// triangles that no builder can hold. A mesh without triangles is allowed here: builders are total.
+    ///
+    /// # Errors
+    /// [`MeshError::TooLarge`] beyond [`Mesh::MAX_TRIANGLES`].
+    pub fn new(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<(Self, Dropped), MeshError> {
+        if triangles.len() > Self::MAX_TRIANGLES {
+            return Err(MeshError::TooLarge(triangles.len()));
+        }
+        let mut dropped = Dropped::default();
+        let finite: Vec<bool> = vertices.iter().map(|v| v.iter().all(|x| x.abs() < Ray::LARGEST)).collect();
+        let mut triangles = triangles;
+        triangles.retain(|t| match t.map(|i| finite.get(i as usize)) {
+            [Some(a), Some(b), Some(c)] if *a && *b && *c => true,
+            [Some(_), Some(_), Some(_)] => {
+                dropped.non_finite += 1;
+                false
+            }
+            _ => {
+                dropped.out_of_range += 1;
+                false
+            }
+        });
+        let mut padded_vertices = vertices;
+        padded_vertices.push([0.0; 3]);
+        Ok((Self { padded_vertices, triangles }, dropped))
+    }
+
+    /// As [`Mesh::new`], but an error if no triangle is left: for files that must hold something.
+    ///
+    /// # Errors
+    /// [`MeshError::Empty`] and those of [`Mesh::new`].
+    pub fn new_non_empty(
+        vertices: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+    ) -> Result<(Self, Dropped), MeshError> {
+        let given = triangles.len();
+        let (mesh, dropped) = Self::new(vertices, triangles)?;
+        if mesh.triangles.is_empty() { Err(MeshError::Empty { given, dropped }) } else { Ok((mesh, dropped)) }
+    }
+
+    /// Number of triangles.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// True without triangles.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// The vertices, x, y, z in scene units.
+    #[inline]
+    pub fn vertices(&self) -> &[[f32; 3]] {
+        &self.padded_vertices[..self.padded_vertices.len() - 1]
+    }
+
+    /// The vertices followed by one of padding, for APIs that read 16 bytes per vertex.
+    #[inline]
+    pub fn padded_vertices(&self) -> &[[f32; 3]] {
+        &self.padded_vertices
+    }
+
+    /// The triangles as vertex indices, all in range.
+    #[inline]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The three corners of triangle `prim`.
+    #[inline]
+    pub fn corners(&self, prim: u32) -> [Vec3A; 3] {
+        self.triangles[prim as usize].map(|i| Vec3A::from_array(self.padded_vertices[i as usize]))
+    }
+
+    /// The box of triangle `prim`.
+    #[inline]
+    pub fn bounds_of(&self, prim: u32) -> Aabb {
+        Aabb::of_triangle(self.corners(prim))
+    }
+
+    /// The box of all triangles (vertices in no triangle do not count).
+    pub fn bounds(&self) -> Aabb {
+        use rayon::prelude::*;
+        (0..self.len() as u32)
+            .into_par_iter()
+            .with_min_len(1 << 14)
+            .map(|prim| self.bounds_of(prim))
+            .reduce(|| Aabb::EMPTY, Aabb::union)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_triangles_are_dropped_and_counted() {
+        let vertices = vec![
+            [0.0; 3],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [f32::NAN, 0.0, 0.0],
+            [0.0, f32::INFINITY, 0.0],
+            [2e18, 0.0, 0.0],
+        ];
+        let triangles = vec![[0, 1, 2], [0, 1, 3], [0, 1, 4], [0, 1, 5], [0, 1, 6]];
+        let (mesh, dropped) = Mesh::new(vertices, triangles).unwrap();
+        assert_eq!(mesh.triangles(), &[[0, 1, 2]]);
+        assert_eq!(dropped, Dropped { non_finite: 3, out_of_range: 1 });
+        assert_eq!(mesh.bounds(), mesh.bounds_of(0));
+    }
+
+    #[test]
+    fn an_empty_file_is_an_error_but_an_empty_mesh_is_not() {
+        assert!(Mesh::new(vec![], vec![]).unwrap().0.is_empty());
+        assert!(matches!(Mesh::new_non_empty(vec![], vec![]), Err(MeshError::Empty { .. })));
+    }
+}

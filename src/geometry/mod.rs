@@ -1,0 +1,9 @@
+//! Boxes, rays and indexed triangle meshes.
+
+mod aabb;
+mod mesh;
+mod ray;
+
+pub use aabb::Aabb;
+pub use mesh::{Dropped, Mesh, MeshError};
+pub use ray::{Hit, Ray, Tracer};

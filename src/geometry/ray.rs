@@ -1,0 +1,71 @@
+//! Rays and hits.
+
+use glam::Vec3;
+
+/// A ray segment: a hit at parameter `t` counts if `tnear < t <= tfar`, as in Embree.
+/// `dir` need not be a unit vector; `t` is in units of its length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct Ray {
+    /// Origin, scene units.
+    pub org: Vec3,
+    /// Start of the segment, exclusive; >= 0.
+    pub tnear: f32,
+    /// Direction.
+    pub dir: Vec3,
+    /// End of the segment, inclusive; may be infinite.
+    pub tfar: f32,
+}
+
+impl Ray {
+    /// Largest coordinate that Embree accepts (its `FLT_LARGE`); anything larger aborts Debian's build.
+    pub const LARGEST: f32 = 1.844e18;
+
+    /// True if Embree accepts the ray: finite origin and direction below [`Ray::LARGEST`], `tnear >= 0`,
+    /// no NaN.
+    pub fn is_valid(&self) -> bool {
+        let bounded = |v: Vec3| v.abs().cmple(Vec3::splat(Self::LARGEST)).all();
+        bounded(self.org)
+            && bounded(self.dir)
+            && self.tnear >= 0.0
+            && self.tnear.is_finite()
+            && !self.tfar.is_nan()
+    }
+}
+
+/// The closest hit of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct Hit {
+    /// Ray parameter of the hit; infinite for a miss.
+    pub t: f32,
+    /// Barycentric coordinate of the triangle's second vertex.
+    pub u: f32,
+    /// Barycentric coordinate of the triangle's third vertex.
+    pub v: f32,
+    /// Triangle, an index into the mesh; [`Hit::NONE`] for a miss.
+    pub prim: u32,
+}
+
+impl Hit {
+    /// The triangle id of a miss.
+    pub const NONE: u32 = u32::MAX;
+    /// A miss.
+    pub const MISS: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, prim: Self::NONE };
+
+    /// True if a triangle was hit.
+    #[inline]
+    pub fn is_hit(&self) -> bool {
+        self.prim != Self::NONE
+    }
+}
+
+/// Anything that answers ray queries over one mesh: our kernel over any tree, or Embree.
+/// Calls are single-threaded; callers share a tracer among threads and give each its own batch.
+pub trait Tracer: Sync {
+    /// The closest hit of each ray. `hits` has the length of `rays`.
+    fn closest(&self, rays: &[Ray], hits: &mut [Hit]);
+
+    /// Whether anything is hit by each ray. `occluded` has the length of `rays`.
+    fn any(&self, rays: &[Ray], occluded: &mut [bool]);
+}

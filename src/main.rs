@@ -1,0 +1,5 @@
+//! The `phr` command.
+
+fn main() -> std::process::ExitCode {
+    phr::cli::main()
+}

@@ -1,0 +1,1 @@
+//! Traversal kernels, the path tracer and its recorded rays.
