@@ -123,6 +123,7 @@ fn generate_bindings(embree: &Embree) -> Result<(), String> {
         .clang_arg(format!("-I{}", embree.include.display()))
         .allowlist_item("(rtc|RTC|embree_sys_).*")
         .prepend_enum_name(false)
+        .derive_default(true)
         .rust_edition(bindgen::RustEdition::Edition2024)
         .parse_callbacks(Box::new(bindgen::CargoCallbacks::new()))
         .parse_callbacks(Box::new(ShimNames))

@@ -5,13 +5,15 @@
 //! names; `rtcGetRayFromRayN` and its like, which C++ alone has, too.
 //! `build.rs` finds Embree through `EMBREE3_DIR` or in the distribution's paths.
 
+// Generated code, whose unsafe blocks only read and write bit patterns of its own plain structures.
 #[allow(
     missing_docs,
     non_camel_case_types,
     non_snake_case,
     non_upper_case_globals,
     rust_2018_idioms,
-    clippy::all
+    clippy::all,
+    clippy::undocumented_unsafe_blocks
 )]
 mod bindings {
     include!(concat!(env!("OUT_DIR"), "/embree3.rs"));
