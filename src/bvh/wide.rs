@@ -72,6 +72,17 @@ impl Link {
         self.0 & Self::LEAF_BIT == 0
     }
 
+    /// The same reference after its node moved `nodes` or its blocks `blocks` places up.
+    #[inline]
+    #[must_use]
+    pub fn moved(self, nodes: usize, blocks: usize) -> Self {
+        match self.get() {
+            Child::Empty => self,
+            Child::Inner(index) => Self::inner(index + nodes),
+            Child::Leaf { first, count } => Self::leaf(first + blocks, count),
+        }
+    }
+
     /// The reference, unpacked.
     #[inline]
     pub fn get(self) -> Child {
