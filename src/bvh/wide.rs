@@ -60,6 +60,12 @@ impl Link {
         self.0
     }
 
+    /// The link packed in `bits`, as [`Link::bits`] gave them.
+    #[inline]
+    pub fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
     /// True for an unused slot.
     #[inline]
     pub fn is_empty(self) -> bool {
