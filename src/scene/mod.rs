@@ -1,20 +1,28 @@
 //! Scenes: a mesh, its cameras and where it came from.
+//!
+//! A scene is read from a file (`load`, with the feature `files`) or made by a [`Generator`]. [`paper`] lists
+//! the nine scenes of the paper, whose files few people have, and the generated stand-ins for them.
+
+#[cfg(feature = "files")]
+mod error;
+mod fingerprint;
+mod generate;
+#[cfg(feature = "files")]
+mod load;
+#[cfg(feature = "files")]
+mod obj;
+#[cfg(feature = "files")]
+mod ply;
+mod views;
+
+#[cfg(feature = "files")]
+pub use error::SceneError;
+pub use generate::{Generator, builtin, generator};
+#[cfg(feature = "files")]
+pub use load::load;
+pub use views::{InvalidView, View, views_around};
 
 use crate::geometry::{Dropped, Mesh};
-use glam::Vec3;
-
-/// A pinhole camera.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct View {
-    /// Position, scene units.
-    pub eye: Vec3,
-    /// Point looked at.
-    pub target: Vec3,
-    /// Up direction, not parallel to the line of sight.
-    pub up: Vec3,
-    /// Vertical field of view, degrees.
-    pub fov_y_deg: f32,
-}
 
 /// A scene ready to be built and rendered.
 #[derive(Clone, Debug)]
@@ -27,8 +35,17 @@ pub struct Scene {
     pub dropped: Dropped,
     /// At least one camera.
     pub views: Vec<View>,
-    /// First 16 hex digits of a hash of the mesh (vertices and triangles), which names the very geometry.
+    /// 16 hex digits of a hash of the mesh (vertices and triangles), which names the very geometry.
     pub sha: String,
     /// "file PATH" or "generated, seed N".
     pub source: String,
+}
+
+impl Scene {
+    /// A scene of `mesh`, with the hash computed and, if `views` is empty, cameras around the geometry.
+    pub fn new(name: String, mesh: Mesh, dropped: Dropped, views: Vec<View>, source: String) -> Self {
+        let views = if views.is_empty() { views_around(&mesh) } else { views };
+        let sha = fingerprint::of(&mesh);
+        Self { name, mesh, dropped, views, sha, source }
+    }
 }

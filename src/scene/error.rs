@@ -1,0 +1,71 @@
+//! What can be wrong with a scene file.
+
+use crate::geometry::MeshError;
+use std::path::PathBuf;
+
+/// Why a scene could not be loaded: one line that names the file, the place in it and the remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The file is missing or cannot be opened.
+    #[error("{}: {source}; check the path and its permissions", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The path names a directory.
+    #[error("{}: a directory; name a scene file in it (.ply or .obj)", .0.display())]
+    Directory(PathBuf),
+    /// Neither PLY nor OBJ by its name.
+    #[error("{}: not a scene file by its name; give a .ply or .obj, plain or with .gz or .zst", .0.display())]
+    UnknownFormat(PathBuf),
+    /// The content is not what its format asks for.
+    #[error("{}: {place}: {problem}; {remedy}", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// A line, or an element and its index from 0.
+        place: String,
+        /// What is wrong there.
+        problem: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The file could be read but holds no mesh that can be built.
+    #[error("{}: {source}", path.display())]
+    Unusable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with the mesh.
+        source: MeshError,
+    },
+}
+
+/// What a reader of one format says; the file's name is added by its caller.
+#[derive(Debug)]
+pub(super) struct Fault {
+    /// A line, or an element and its index from 0.
+    pub place: String,
+    /// What is wrong there.
+    pub problem: String,
+    /// What to do.
+    pub remedy: &'static str,
+}
+
+impl Fault {
+    /// The remedy where bytes are missing or make no sense.
+    pub const DAMAGED: &'static str = "the file is truncated or damaged, fetch or export it again";
+
+    /// Texts from the file may stand in `problem`: control characters and length are kept in bounds here.
+    pub fn new(place: impl Into<String>, problem: &str, remedy: &'static str) -> Self {
+        let problem = problem.chars().take(160).map(|c| if c.is_control() { '?' } else { c }).collect();
+        Self { place: place.into(), problem, remedy }
+    }
+
+    /// The same, with the file's name.
+    pub fn in_file(self, path: &std::path::Path) -> SceneError {
+        let Self { place, problem, remedy } = self;
+        SceneError::Malformed { path: path.to_owned(), place, problem, remedy }
+    }
+}
