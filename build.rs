@@ -1,1 +1,44 @@
-fn main() {}
+//! Provenance for the records: git revision, compiler and target features. Nothing else depends on it.
+
+use std::process::Command;
+
+fn main() {
+    println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rerun-if-changed=src");
+    for file in ["HEAD", "logs/HEAD"] {
+        let path = output("git", &["rev-parse", "--git-path", file]);
+        if let Some(path) = path.filter(|path| std::path::Path::new(path).exists()) {
+            println!("cargo:rerun-if-changed={path}");
+        }
+    }
+    let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
+    set("PHR_GIT_REV", revision());
+    set("PHR_RUSTC", output(&rustc, &["--version"]));
+    set("PHR_TARGET", std::env::var("TARGET").ok());
+    set("PHR_PROFILE", std::env::var("PROFILE").ok());
+    set("PHR_OPT_LEVEL", std::env::var("OPT_LEVEL").ok());
+    set("PHR_TARGET_FEATURES", std::env::var("CARGO_CFG_TARGET_FEATURE").ok());
+    set(
+        "PHR_RUSTFLAGS",
+        std::env::var("CARGO_ENCODED_RUSTFLAGS").ok().map(|flags| flags.replace('\x1f', " ")),
+    );
+}
+
+/// The commit, marked where tracked files differ from it.
+fn revision() -> Option<String> {
+    let commit = output("git", &["rev-parse", "--short=12", "HEAD"])?;
+    let changed =
+        output("git", &["--no-optional-locks", "status", "--porcelain", "--untracked-files=no"]).is_some();
+    Some(if changed { format!("{commit}-dirty") } else { commit })
+}
+
+/// A command's standard output, or `None` where it fails or says nothing.
+fn output(program: &str, arguments: &[&str]) -> Option<String> {
+    let output = Command::new(program).args(arguments).output().ok().filter(|o| o.status.success())?;
+    let text = String::from_utf8(output.stdout).ok()?.trim().to_owned();
+    (!text.is_empty()).then_some(text)
+}
+
+fn set(name: &str, value: Option<String>) {
+    println!("cargo:rustc-env={name}={}", value.as_deref().unwrap_or("unknown"));
+}

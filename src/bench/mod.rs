@@ -1,1 +1,17 @@
-//! Placeholder.
+//! The benchmark driver: what is run ([`plan`]), who is measured ([`contender`]), how ([`run`], [`measure`])
+//! and what is written ([`samples`], [`records`], [`environment`]).
+
+pub mod contender;
+pub mod embree_side;
+pub mod environment;
+pub mod load;
+pub mod measure;
+pub mod plan;
+pub mod random;
+pub mod rays;
+pub mod records;
+pub mod run;
+pub mod samples;
+pub mod statistics;
+pub mod summary;
+pub mod warnings;

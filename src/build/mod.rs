@@ -1,8 +1,26 @@
 //! Builders: from an indexed mesh to a traversable [`Bvh4`].
 
+mod binary;
+mod collapse;
+mod cut;
+mod cut_recursion;
+mod hunt;
+mod lbvh;
+mod morton;
+mod object_split;
+mod phr;
+mod primitives;
+mod radix_sort;
+mod spatial_split;
+mod top_down;
+
+pub use collapse::Lbvh;
+pub use hunt::{Hunt, HuntConfig};
+pub use phr::{Phr, PhrConfig};
+
 use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// A named part of a build and how long it took on the wall clock.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -53,11 +71,48 @@ pub trait Builder: Send {
     fn build(&mut self, mesh: &Mesh) -> Build;
 }
 
+impl Build {
+    /// Puts a build together; `temporary` is what the builder held beside the tree, bytes.
+    fn finish(tree: Bvh4, phases: Vec<Phase>, counts: Counts, temporary: usize) -> Self {
+        let peak_bytes = (temporary + tree.bytes()) as u64;
+        Self { tree, phases, counts: Counts { peak_bytes, ..counts } }
+    }
+
+    /// The whole build's duration: the sum of its phases.
+    pub fn duration(&self) -> Duration {
+        self.phases.iter().map(|phase| phase.duration).sum()
+    }
+}
+
+/// Times consecutive phases.
+struct Stopwatch {
+    last: Instant,
+    phases: Vec<Phase>,
+}
+
+impl Stopwatch {
+    fn start() -> Self {
+        Self { last: Instant::now(), phases: Vec::new() }
+    }
+
+    fn lap(&mut self, name: &'static str) {
+        let now = Instant::now();
+        self.phases.push(Phase { name, duration: now - self.last });
+        self.last = now;
+    }
+}
+
 /// Names of all builders, in the order of the table.
-pub const NAMES: &[&str] = &["lbvh", "phr-fast", "phr-hq"];
+pub const NAMES: &[&str] = &["lbvh", "hunt-50", "hunt-500", "phr-fast", "phr-hq"];
 
 /// The builder called `name`, or `None`; names are those of [`NAMES`].
 pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
-    let _ = name;
-    None
+    Some(match name {
+        "lbvh" => Box::new(Lbvh::default()),
+        "hunt-50" => Box::new(Hunt::new("hunt-50", HuntConfig { cut_length: 50, max_leaf: 8 })),
+        "hunt-500" => Box::new(Hunt::new("hunt-500", HuntConfig { cut_length: 500, max_leaf: 8 })),
+        "phr-fast" => Box::new(Phr::new("phr-fast", PhrConfig::FAST)),
+        "phr-hq" => Box::new(Phr::new("phr-hq", PhrConfig::HQ)),
+        _ => return None,
+    })
 }

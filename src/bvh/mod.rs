@@ -1,5 +1,12 @@
 //! The wide tree every builder emits, what it costs, and the proof that it is whole.
 
+mod clip;
+mod epo;
+mod statistics;
+mod validate;
 mod wide;
 
+pub use epo::epo;
+pub use statistics::{Statistics, sah_cost};
+pub use validate::Invalid;
 pub use wide::{Bvh4, Bvh8, Child, Link, MAX_DEPTH, MAX_LEAF_BLOCKS, TriangleBlock, WideBvh, WideNode};

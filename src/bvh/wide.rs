@@ -60,6 +60,12 @@ impl Link {
         self.0
     }
 
+    /// The link packed in `bits`, as [`Link::bits`] gave them.
+    #[inline]
+    pub fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
     /// True for an unused slot.
     #[inline]
     pub fn is_empty(self) -> bool {
@@ -70,6 +76,17 @@ impl Link {
     #[inline]
     pub fn is_inner(self) -> bool {
         self.0 & Self::LEAF_BIT == 0
+    }
+
+    /// The same reference after its node moved `nodes` or its blocks `blocks` places up.
+    #[inline]
+    #[must_use]
+    pub fn moved(self, nodes: usize, blocks: usize) -> Self {
+        match self.get() {
+            Child::Empty => self,
+            Child::Inner(index) => Self::inner(index + nodes),
+            Child::Leaf { first, count } => Self::leaf(first + blocks, count),
+        }
     }
 
     /// The reference, unpacked.

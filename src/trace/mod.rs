@@ -1,1 +1,28 @@
 //! Traversal kernels, the path tracer and its recorded rays.
+//!
+//! * [`BvhTracer`] answers closest-hit and any-hit queries over any [`crate::bvh::WideBvh`], with the best
+//!   instructions the machine has ([`Isa`]);
+//! * [`record`] runs a path tracer once per view and keeps its rays ([`RayBatches`]), so that every tree
+//!   traces the very same ones; [`render`] is the same path tracer without the recording;
+//! * [`verify`] compares the hits of two tracers, with [`oracle`] in double precision to settle disputes.
+
+mod batches;
+mod brute_force;
+mod camera;
+mod image;
+mod kernel;
+mod lights;
+pub mod oracle;
+mod path;
+mod rng;
+pub mod verify;
+
+pub use batches::{RayBatches, RayKind, any_in_parallel, closest_in_parallel};
+pub use brute_force::BruteForce;
+pub use camera::Camera;
+pub use image::Image;
+#[cfg(feature = "harness")]
+pub use image::ImageError;
+pub use kernel::{BvhTracer, Isa, TraversalCounts};
+pub use path::{PathSettings, Recording, record, render};
+pub use verify::{hit_count, hit_hash};

@@ -1,0 +1,120 @@
+//! Whether the processors were ours: the kernel's accounts of this process, and a spin check.
+
+use serde::{Deserialize, Serialize};
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+/// Processor time over a span, summed over this process's threads, in seconds. Without such accounts
+/// (anywhere but on Linux) `ran_s` and `waited_s` stay 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Load {
+    /// Wall clock.
+    pub wall_s: f64,
+    /// Time on a processor.
+    pub ran_s: f64,
+    /// Time ready to run, but waiting for a processor that others held.
+    pub waited_s: f64,
+}
+
+/// A reading of the accounts, from which [`Accounts::since`] takes the difference.
+#[derive(Clone, Copy, Debug)]
+pub struct Accounts {
+    at: Instant,
+    ran_ns: u64,
+    waited_ns: u64,
+}
+
+impl Accounts {
+    /// Reads the accounts of all threads.
+    pub fn read() -> Self {
+        let (mut ran_ns, mut waited_ns) = (0, 0);
+        for task in std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten() {
+            let text = std::fs::read_to_string(task.path().join("schedstat")).unwrap_or_default();
+            let mut fields = text.split_whitespace().map(|field| field.parse().unwrap_or(0));
+            ran_ns += fields.next().unwrap_or(0);
+            waited_ns += fields.next().unwrap_or(0);
+        }
+        Self { at: Instant::now(), ran_ns, waited_ns }
+    }
+
+    /// What happened since `self` was read. A thread that ended meanwhile takes its account with it.
+    pub fn since(&self) -> Load {
+        let now = Self::read();
+        Load {
+            wall_s: now.at.duration_since(self.at).as_secs_f64(),
+            ran_s: now.ran_ns.saturating_sub(self.ran_ns) as f64 * 1e-9,
+            waited_s: now.waited_ns.saturating_sub(self.waited_ns) as f64 * 1e-9,
+        }
+    }
+}
+
+/// Result of the spin check.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spin {
+    /// Threads that spun together.
+    pub threads: usize,
+    /// Work of one thread alone, million steps per second.
+    pub alone: f64,
+    /// Work of all threads together.
+    pub together: f64,
+    /// `together / (threads * alone)`: 1 if every thread had a processor of its own.
+    pub efficiency: f64,
+}
+
+impl Spin {
+    /// Below this [`Spin::efficiency`] the machine cannot carry the threads.
+    pub const ENOUGH: f64 = 0.85;
+
+    /// Spins once on one thread and once on `threads`, each for `span`.
+    pub fn check(threads: usize, span: Duration) -> Self {
+        let alone = spin(span);
+        let together = std::thread::scope(|scope| {
+            let spinning: Vec<_> = (0..threads).map(|_| scope.spawn(|| spin(span))).collect();
+            spinning.into_iter().map(|thread| thread.join().unwrap_or(0.0)).sum::<f64>()
+        });
+        Self { threads, alone, together, efficiency: together / (threads as f64 * alone) }
+    }
+
+    /// True if every thread had nearly a processor of its own.
+    pub fn is_enough(&self) -> bool {
+        self.efficiency >= Self::ENOUGH
+    }
+}
+
+/// Million steps of dependent arithmetic per second that this thread makes during `span`.
+fn spin(span: Duration) -> f64 {
+    const BLOCK: u64 = 1 << 14;
+    let start = Instant::now();
+    let (mut steps, mut x) = (0, 1u64);
+    while start.elapsed() < span {
+        for _ in 0..BLOCK {
+            x = black_box(x.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1));
+        }
+        steps += BLOCK;
+    }
+    steps as f64 * 1e-6 / start.elapsed().as_secs_f64()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn accounts_see_work() {
+        let before = Accounts::read();
+        assert!(spin(Duration::from_millis(30)) > 0.0);
+        let load = before.since();
+        assert!(load.wall_s >= 0.03);
+        if cfg!(target_os = "linux") {
+            assert!(load.ran_s + load.waited_s > 0.0);
+        }
+    }
+
+    #[test]
+    fn the_spin_check_reports_what_it_measured() {
+        let spin = Spin::check(2, Duration::from_millis(10));
+        assert_eq!(spin.threads, 2);
+        assert!(spin.alone > 0.0 && spin.together > 0.0);
+        assert!((spin.efficiency - spin.together / (2.0 * spin.alone)).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,295 @@
+//! What a run consists of: scenes, cells (a builder at a width) with their kernels, and settings.
+//! Everything that can be wrong with a request is found here, before anything is timed or written.
+
+use super::contender::{self, Cell};
+use crate::scene::{self, Scene, SceneError};
+use crate::trace::PathSettings;
+use regex::Regex;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Why a request cannot be run.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// Neither a file nor a generated scene.
+    #[error("{0}: no such file, nor a generated scene of that name; `phr scenes` lists those")]
+    NoSuchScene(String),
+    /// A folder in place of a file.
+    #[error("{}: is a directory; name a scene file in it (.obj or .ply, plain, .gz or .zst)", .0.display())]
+    Directory(PathBuf),
+    /// Two scenes whose rows could not be told apart.
+    #[error("two scenes are called {0}; rename one of the files")]
+    SameName(String),
+    /// A scene file that cannot be used.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Not a builder.
+    #[error("no builder is called {name}; there are {known}")]
+    NoSuchBuilder {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// A count that must be positive.
+    #[error("--{0} 0: nothing would be measured; give 1 or more")]
+    Zero(&'static str),
+    /// A count beyond reason.
+    #[error("--{option} {value}: more than {most}; give less")]
+    TooMuch {
+        /// The option's name.
+        option: &'static str,
+        /// Its value.
+        value: usize,
+        /// The most it may be.
+        most: usize,
+    },
+    /// The filter leaves nothing.
+    #[error("--filter {0}: matches no \"scene builder width kernel\"; see `phr bench --list`")]
+    NothingLeft(String),
+    /// The folder of `--scenes` is none.
+    #[error("{}: not a folder; --scenes takes the folder that holds the paper's scene files", .0.display())]
+    NotAFolder(PathBuf),
+}
+
+/// Where a scene comes from.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// A file.
+    File(PathBuf),
+    /// A generator, by name.
+    Generated(&'static str),
+}
+
+/// A scene to be run.
+#[derive(Clone, Debug)]
+pub struct PlannedScene {
+    /// Name in the records.
+    pub name: String,
+    /// Where it comes from.
+    pub source: Source,
+    /// Triangles, as far as known without loading; the progress bar's weight.
+    pub triangles: usize,
+}
+
+impl PlannedScene {
+    /// The scene called `name` on a command line: a file if there is one, else a generator's.
+    ///
+    /// # Errors
+    /// Neither, or a folder.
+    pub fn find(name: &str) -> Result<Self, PlanError> {
+        let path = Path::new(name);
+        if let Some(generator) = scene::generator(name).filter(|_| !path.is_file()) {
+            return Ok(Self::generated(generator));
+        }
+        if path.is_dir() {
+            return Err(PlanError::Directory(path.to_owned()));
+        }
+        if !path.exists() {
+            return Err(PlanError::NoSuchScene(name.into()));
+        }
+        Ok(Self::file(path))
+    }
+
+    fn generated(generator: &'static scene::Generator) -> Self {
+        let name = generator.name;
+        Self { name: name.into(), source: Source::Generated(name), triangles: generator.triangles }
+    }
+
+    fn file(path: &Path) -> Self {
+        // A triangle takes some six bytes compressed, thirty plain; this only weighs the progress bar.
+        let compressed = path.extension().is_some_and(|ending| ending == "gz" || ending == "zst");
+        let bytes = path.metadata().map_or(0, |metadata| metadata.len() as usize);
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = file.split('.').next().unwrap_or_default().to_owned();
+        let triangles = bytes / if compressed { 6 } else { 30 };
+        Self { name, source: Source::File(path.to_owned()), triangles }
+    }
+
+    /// Where it comes from, without folders.
+    pub fn origin(&self) -> String {
+        match &self.source {
+            Source::File(path) => format!("file {}", path.file_name().unwrap_or_default().to_string_lossy()),
+            Source::Generated(name) => format!("generated: {name}"),
+        }
+    }
+
+    /// Loads or generates it.
+    ///
+    /// # Errors
+    /// Those of [`scene::load`].
+    pub fn load(&self) -> Result<Scene, SceneError> {
+        match &self.source {
+            Source::File(path) => scene::load(path),
+            Source::Generated(name) => Ok(scene::generator(name).map_or_else(
+                || unreachable!("{name} was found when the plan was made"),
+                scene::Generator::generate,
+            )),
+        }
+    }
+}
+
+/// What can be set about a run, and must be the same where one is resumed (but for `rounds`).
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Views per scene, at most.
+    pub views: usize,
+    /// Longest path, in segments.
+    pub max_depth: u32,
+    /// Visits to each cell.
+    pub rounds: usize,
+    /// Threads of each side.
+    pub threads: usize,
+    /// Seed of the paths and of the order of visits.
+    pub seed: u64,
+    /// Only builds are timed.
+    pub build_only: bool,
+    /// Whole path-traced frames are timed beside the recorded rays.
+    pub frames: bool,
+}
+
+impl Settings {
+    /// The path tracer's settings.
+    pub fn path(&self) -> PathSettings {
+        PathSettings { width: self.width, height: self.height, max_depth: self.max_depth, seed: self.seed }
+    }
+
+    fn check(&self) -> Result<(), PlanError> {
+        let counts = [
+            ("size", self.width as usize, 1 << 14),
+            ("size", self.height as usize, 1 << 14),
+            ("views", self.views, 1 << 10),
+            ("rounds", self.rounds, 1 << 16),
+            ("threads", self.threads, 1 << 10),
+        ];
+        for (option, value, most) in counts {
+            if value == 0 {
+                return Err(PlanError::Zero(option));
+            }
+            if value > most {
+                return Err(PlanError::TooMuch { option, value, most });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The sets of scenes that have a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Set {
+    /// Small generated scenes that need no download.
+    Builtin,
+    /// The paper's nine, or stand-ins for them.
+    Paper,
+}
+
+/// What is asked of a run.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Files and generators by name.
+    pub scenes: Vec<String>,
+    /// A set of scenes.
+    pub set: Option<Set>,
+    /// Folder with the paper's own scene files.
+    pub folder: Option<PathBuf>,
+    /// Builders by name; all if empty.
+    pub builders: Vec<String>,
+    /// Only what matches "scene builder width kernel".
+    pub filter: Option<Regex>,
+    /// The settings.
+    pub settings: Settings,
+}
+
+/// A run that can be made.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The scenes, in order, with their cells.
+    pub scenes: Vec<(PlannedScene, Vec<Cell>)>,
+    /// The settings.
+    pub settings: Settings,
+}
+
+impl Plan {
+    /// Checks a request.
+    ///
+    /// # Errors
+    /// Whatever is wrong with it.
+    pub fn new(request: &Request) -> Result<Self, PlanError> {
+        request.settings.check()?;
+        let mut scenes = Vec::new();
+        match request.set {
+            Some(Set::Builtin) => scenes.extend(scene::builtin().iter().map(PlannedScene::generated)),
+            Some(Set::Paper) => {}
+            None => {}
+        }
+        for name in &request.scenes {
+            scenes.push(PlannedScene::find(name)?);
+        }
+        for (i, scene) in scenes.iter().enumerate() {
+            if scenes[..i].iter().any(|other| other.name == scene.name) {
+                return Err(PlanError::SameName(scene.name.clone()));
+            }
+        }
+        let cells = cells(&request.builders, request.settings.build_only)?;
+        let mut plan = Self { scenes: Vec::new(), settings: request.settings.clone() };
+        for scene in scenes {
+            let left: Vec<Cell> = cells
+                .iter()
+                .filter_map(|cell| filtered(cell, &scene.name, request.filter.as_ref()))
+                .collect();
+            if !left.is_empty() {
+                plan.scenes.push((scene, left));
+            }
+        }
+        if plan.scenes.is_empty() {
+            let filter = request.filter.as_ref().map_or("", Regex::as_str);
+            return Err(PlanError::NothingLeft(filter.into()));
+        }
+        Ok(plan)
+    }
+
+    /// One line per "scene builder width kernel", what `--filter` is matched against.
+    pub fn lines(&self) -> impl Iterator<Item = String> + '_ {
+        self.scenes.iter().flat_map(|(scene, cells)| cells.iter().flat_map(|cell| cell.lines(&scene.name)))
+    }
+
+    /// Reads every scene file once, so that a broken one is found before anything is timed.
+    ///
+    /// # Errors
+    /// The first broken one's.
+    pub fn check_files(&self) -> Result<(), SceneError> {
+        for (scene, _) in self.scenes.iter().filter(|(scene, _)| matches!(scene.source, Source::File(_))) {
+            scene.load()?;
+        }
+        Ok(())
+    }
+}
+
+/// The cells of the builders asked for, in the table's order.
+fn cells(builders: &[String], build_only: bool) -> Result<Vec<Cell>, PlanError> {
+    let all = contender::cells(build_only);
+    for name in builders {
+        if !all.iter().any(|cell| cell.builder == *name) {
+            let mut known: Vec<&str> = all.iter().map(|cell| cell.builder.as_str()).collect();
+            known.dedup();
+            return Err(PlanError::NoSuchBuilder { name: name.clone(), known: known.join(", ") });
+        }
+    }
+    Ok(all.into_iter().filter(|cell| builders.is_empty() || builders.contains(&cell.builder)).collect())
+}
+
+/// The cell with the kernels that pass the filter, or `None` if none does.
+fn filtered(cell: &Cell, scene: &str, filter: Option<&Regex>) -> Option<Cell> {
+    let Some(filter) = filter else { return Some(cell.clone()) };
+    if cell.kernels.is_empty() {
+        return cell.lines(scene).iter().any(|line| filter.is_match(line)).then(|| cell.clone());
+    }
+    let passes = |kernel: &contender::Kernel| filter.is_match(&cell.line(scene, kernel.name()));
+    let kernels: Vec<_> = cell.kernels.iter().copied().filter(passes).collect();
+    (!kernels.is_empty()).then(|| Cell { kernels, ..cell.clone() })
+}

@@ -1,0 +1,343 @@
+//! From samples to rows.
+
+use super::contender::Kernel;
+use super::load::Load;
+use super::records::{ALL, COLD, NO_KERNEL, Row, SCHEMA, WARM, figures};
+use super::samples::{CellSamples, Check, KernelChecks, Samples, SceneSamples, VisitSamples};
+use super::statistics::Summary;
+use super::warnings::Warning;
+use crate::trace::RayKind;
+
+/// What all rows of a run share.
+#[derive(Clone, Debug, Default)]
+pub struct Header {
+    /// Names the run.
+    pub run_id: String,
+    /// Start of the run.
+    pub utc: String,
+    /// Name given to the machine.
+    pub host: String,
+    /// Revision of this program.
+    pub git_rev: String,
+    /// Threads of each side.
+    pub threads: usize,
+    /// Rounds asked for.
+    pub rounds: usize,
+    /// What is wrong with the whole run.
+    pub warnings: Vec<Warning>,
+}
+
+/// The rows of all samples.
+pub fn rows(samples: &Samples, header: &Header) -> Vec<Row> {
+    samples.scenes.iter().flat_map(|scene| scene_rows(scene, header)).collect()
+}
+
+/// The rows of one scene.
+pub fn scene_rows(scene: &SceneSamples, header: &Header) -> Vec<Row> {
+    let begun = scene.cells.iter().filter(|cell| cell.error.is_some() || !cell.visits.is_empty());
+    begun.flat_map(|cell| cell_rows(scene, cell, header)).collect()
+}
+
+fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<Row> {
+    let facts = &cell.facts;
+    let base = Row {
+        schema: SCHEMA,
+        run_id: header.run_id.clone(),
+        utc: header.utc.clone(),
+        host: header.host.clone(),
+        git_rev: header.git_rev.clone(),
+        scene: scene.name.clone(),
+        scene_sha: scene.sha.clone(),
+        triangles: scene.triangles,
+        builder: cell.cell.builder.clone(),
+        builder_config: facts.config.clone(),
+        engine: facts.engine.clone(),
+        width: cell.cell.width,
+        threads: header.threads as u32,
+        regime: WARM.into(),
+        rounds: cell.visits.len() as u32,
+        view: ALL.into(),
+        kernel: NO_KERNEL.into(),
+        ray_kind: ALL.into(),
+        ..Row::default()
+    };
+    if let Some(error) = &cell.error {
+        return vec![Row { error: error.clone(), ..base }];
+    }
+    let known = Row {
+        sah: facts.sah.map(figures),
+        epo: facts.epo.map(figures),
+        nodes: facts.nodes,
+        leaves: facts.leaves,
+        leaf_fill: facts.leaf_fill.map(figures),
+        refs_per_tri: facts.refs_per_tri.map(figures),
+        bytes: facts.bytes,
+        peak_bytes: cell.visits.iter().filter_map(|visit| visit.builds.peak_bytes).max(),
+        ..base
+    };
+
+    let of_run = |samples: &[f64]| {
+        let mut warnings = header.warnings.clone();
+        warnings.extend(Warning::of_samples(samples));
+        if cell.visits.len() < header.rounds {
+            warnings.push(Warning::Unfinished);
+        }
+        warnings
+    };
+    let colds: Vec<f64> = cell.visits.iter().map(|visit| visit.builds.cold_ms).collect();
+    let cold = with_builds(Row { regime: COLD.into(), ..known.clone() }, &colds, of_run(&colds));
+    let mut rows = vec![cold];
+
+    // A visit's builds count as one sample, their median, as its traces do.
+    let warms: Vec<f64> =
+        cell.visits.iter().filter_map(|visit| super::statistics::median(&visit.builds.warm_ms)).collect();
+    let mut warnings = of_run(&warms);
+    let load = sum(cell.visits.iter().map(|visit| visit.builds.load));
+    warnings.extend(Warning::of_load(&load, header.threads));
+    let warm = with_builds(known, &warms, warnings.clone());
+    if cell.checks.is_empty() {
+        rows.push(warm);
+        return rows;
+    }
+    let load = sum(cell.visits.iter().map(|visit| visit.load));
+    warnings.extend(Warning::of_load(&load, header.threads));
+    for kernel in &cell.checks {
+        let row = Row { kernel: kernel.kernel.name().into(), isa: kernel.isa.clone(), ..warm.clone() };
+        if let Some(reason) = &kernel.unavailable {
+            rows.push(Row { error: format!("not available: {reason}"), ..row });
+        } else if let Some(mismatch) = &kernel.mismatch {
+            rows.push(Row { verified: Some(false), error: mismatch.clone(), ..row });
+        } else {
+            rows.extend(kernel_rows(&row, &warnings, kernel, cell, scene.views));
+        }
+    }
+    rows
+}
+
+fn with_builds(row: Row, samples: &[f64], warnings: Vec<Warning>) -> Row {
+    let Some(summary) = Summary::of(samples) else { return row };
+    Row {
+        build_ms_median: Some(figures(summary.median)),
+        build_ms_mad: Some(figures(summary.mad)),
+        build_ms_min: Some(figures(summary.min)),
+        build_ms_max: Some(figures(summary.max)),
+        build_mtri_s: Some(figures(row.triangles as f64 * 1e-3 / summary.median)),
+        warnings: Warning::join(&warnings),
+        ..row
+    }
+}
+
+/// One row per view and kind, and those that sum over views, kinds or both.
+fn kernel_rows(
+    row: &Row,
+    warnings: &[Warning],
+    kernel: &KernelChecks,
+    cell: &CellSamples,
+    views: usize,
+) -> Vec<Row> {
+    let views = || (0..views).map(Some).chain([None]);
+    let kinds = || RayKind::ALL.map(Some).into_iter().chain([None]);
+    let pairs = views().flat_map(|view| kinds().map(move |kind| (view, kind)));
+    pairs.map(|(view, kind)| batch_row(row, warnings, kernel, cell, view, kind)).collect()
+}
+
+fn batch_row(
+    row: &Row,
+    warnings: &[Warning],
+    kernel: &KernelChecks,
+    cell: &CellSamples,
+    view: Option<usize>,
+    kind: Option<RayKind>,
+) -> Row {
+    let matches =
+        |check: &&Check| view.is_none_or(|view| view == check.view) && (kind.is_none() || kind == check.kind);
+    let checks: Vec<&Check> = kernel.checks.iter().filter(matches).collect();
+    let total = |value: fn(&Check) -> u64| checks.iter().map(|check| value(check)).sum::<u64>();
+    let rays = total(|check| check.rays);
+    let per_ray = |value: fn(&Check) -> Option<u64>| {
+        let sum = checks.iter().map(|check| value(check)).sum::<Option<u64>>()?;
+        (rays > 0).then(|| figures(sum as f64 / rays as f64))
+    };
+    let samples =
+        times(cell, kernel.kernel, view, |found| found.is_some() && (kind.is_none() || kind == found));
+    let frames = if kind.is_none() {
+        Summary::of(&times(cell, kernel.kernel, view, |found| found.is_none()))
+    } else {
+        None
+    };
+    let summary = Summary::of(&samples).filter(|_| rays > 0);
+    let mut warnings = warnings.to_vec();
+    warnings.extend(Warning::of_samples(&samples));
+    Row {
+        view: view.map_or(ALL.into(), |view| view.to_string()),
+        ray_kind: kind.map_or(ALL, RayKind::name).into(),
+        rays: Some(rays),
+        trace_ms_median: summary.map(|s| figures(s.median)),
+        trace_ms_mad: summary.map(|s| figures(s.mad)),
+        trace_ms_min: summary.map(|s| figures(s.min)),
+        trace_ms_max: summary.map(|s| figures(s.max)),
+        mrays_s: summary.map(|s| figures(rays as f64 * 1e-3 / s.median)),
+        frame_ms_median: frames.map(|s| figures(s.median)),
+        frame_ms_mad: frames.map(|s| figures(s.mad)),
+        frame_ms_min: frames.map(|s| figures(s.min)),
+        node_visits_per_ray: per_ray(|check| check.node_visits),
+        block_tests_per_ray: per_ray(|check| check.block_tests),
+        hits: Some(total(|check| check.hits)),
+        hit_hash: if let [check] = checks[..] { check.hash.clone() } else { String::new() },
+        verified: Some(true),
+        warnings: Warning::join(&warnings),
+        ..row.clone()
+    }
+}
+
+/// Per visit, the time of all matching traces together; visits without any are left out.
+fn times(
+    cell: &CellSamples,
+    kernel: Kernel,
+    view: Option<usize>,
+    kind: impl Fn(Option<RayKind>) -> bool,
+) -> Vec<f64> {
+    let sum = |visit: &VisitSamples| {
+        let matching = visit.timings.iter().filter(|timing| {
+            timing.kernel == kernel && view.is_none_or(|view| view == timing.view) && kind(timing.kind)
+        });
+        let times: Vec<f64> = matching.map(|timing| timing.ms).collect();
+        (!times.is_empty()).then(|| times.iter().sum())
+    };
+    cell.visits.iter().filter_map(sum).collect()
+}
+
+fn sum(loads: impl Iterator<Item = Load>) -> Load {
+    loads.fold(Load::default(), |a, b| Load {
+        wall_s: a.wall_s + b.wall_s,
+        ran_s: a.ran_s + b.ran_s,
+        waited_s: a.waited_s + b.waited_s,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::contender::{Builds, Cell, Facts};
+    use crate::bench::samples::Timing;
+    use crate::geometry::Dropped;
+
+    /// Two views, shadow rays in the first only, three rounds; primary rays take 1 ms a view, shadow 2 ms.
+    fn scene() -> SceneSamples {
+        let check = |view, kind, rays| Check {
+            view,
+            kind: Some(kind),
+            rays,
+            hits: rays / 2,
+            hash: format!("{view}{rays}"),
+            node_visits: Some(10 * rays),
+            block_tests: None,
+            ..Check::default()
+        };
+        let checks = KernelChecks {
+            kernel: Kernel::Phr,
+            isa: "avx2".into(),
+            unavailable: None,
+            checks: vec![
+                check(0, RayKind::Primary, 1000),
+                check(0, RayKind::Shadow, 500),
+                check(1, RayKind::Primary, 1000),
+            ],
+            mismatch: None,
+        };
+        let timing = |view, kind, ms| Timing { kernel: Kernel::Phr, view, kind, ms };
+        let visit = |round| VisitSamples {
+            round,
+            place: 0,
+            builds: Builds { cold_ms: 30.0, warm_ms: vec![10.0, 11.0, 10.0], ..Builds::default() },
+            timings: vec![
+                timing(0, Some(RayKind::Primary), 1.0),
+                timing(0, Some(RayKind::Shadow), 2.0),
+                timing(0, None, 9.0),
+                timing(1, Some(RayKind::Primary), 1.0),
+                timing(1, None, 5.0),
+            ],
+            load: Load::default(),
+        };
+        let cell = Cell { builder: "phr-hq".into(), width: 4, kernels: vec![Kernel::Phr] };
+        let cells = vec![CellSamples {
+            cell,
+            facts: Facts { sah: Some(12.0), ..Facts::default() },
+            checks: vec![checks],
+            visits: (0..3).map(visit).collect(),
+            error: None,
+        }];
+        SceneSamples {
+            name: "s".into(),
+            sha: "0".into(),
+            source: "test".into(),
+            triangles: 1_000_000,
+            dropped: Dropped::default(),
+            views: 2,
+            invalid_rays: 0,
+            cells,
+        }
+    }
+
+    fn header() -> Header {
+        Header { threads: 2, rounds: 3, ..Header::default() }
+    }
+
+    fn find<'a>(rows: &'a [Row], view: &str, kind: &str) -> &'a Row {
+        let mut found = rows.iter().filter(|r| r.regime == WARM && r.view == view && r.ray_kind == kind);
+        let row = found.next().unwrap();
+        assert!(found.next().is_none(), "{view} {kind} twice");
+        row
+    }
+
+    #[test]
+    fn sums_are_sums_of_their_parts() {
+        let rows = scene_rows(&scene(), &header());
+        assert_eq!(rows.len(), 1 + 3 * 4);
+        let total = find(&rows, ALL, ALL);
+        assert_eq!((total.rays, total.trace_ms_median, total.mrays_s), (Some(2500), Some(4.0), Some(0.625)));
+        assert_eq!((total.hits, total.frame_ms_median), (Some(1250), Some(14.0)));
+        assert_eq!((total.node_visits_per_ray, total.block_tests_per_ray), (Some(10.0), None));
+        assert_eq!((total.build_ms_median, total.build_mtri_s), (Some(10.0), Some(100.0)));
+        let primary = find(&rows, ALL, "primary");
+        assert_eq!(
+            (primary.rays, primary.trace_ms_median, primary.frame_ms_median),
+            (Some(2000), Some(2.0), None)
+        );
+        let view = find(&rows, "0", ALL);
+        assert_eq!(
+            (view.rays, view.trace_ms_median, view.frame_ms_median),
+            (Some(1500), Some(3.0), Some(9.0))
+        );
+        assert_eq!(find(&rows, "0", "shadow").hit_hash, "0500");
+        let none = find(&rows, "1", "shadow");
+        assert_eq!((none.rays, none.mrays_s), (Some(0), None));
+        assert!(rows.iter().all(|row| row.is_good() && row.sah == Some(12.0)));
+        let cold = rows.iter().find(|row| row.regime == COLD).unwrap();
+        assert_eq!((cold.build_ms_median, cold.kernel.as_str()), (Some(30.0), NO_KERNEL));
+    }
+
+    #[test]
+    fn wrong_hits_and_failed_builders_have_no_figures() {
+        let mut wrong = scene();
+        wrong.cells[0].checks[0].mismatch = Some("ray 7".into());
+        let rows = scene_rows(&wrong, &header());
+        let row = rows.iter().find(|row| row.kernel == "phr").unwrap();
+        assert!(!row.is_good() && row.mrays_s.is_none() && row.error == "ray 7");
+        assert_eq!(rows.iter().filter(|row| row.kernel == "phr").count(), 1);
+
+        let mut failed = scene();
+        failed.cells[0].error = Some("not the builder asked for".into());
+        let rows = scene_rows(&failed, &header());
+        assert_eq!(rows.len(), 1);
+        assert!(!rows[0].is_good() && rows[0].build_ms_median.is_none());
+    }
+
+    #[test]
+    fn missing_rounds_are_told() {
+        let rows = scene_rows(&scene(), &Header { rounds: 5, ..header() });
+        assert!(rows.iter().all(|row| row.warnings.contains("Unfinished") && row.rounds == 3));
+        let rows = scene_rows(&scene(), &header());
+        assert!(rows.iter().all(|row| !row.warnings.contains("Unfinished")));
+    }
+}

@@ -1,0 +1,100 @@
+//! Build-from-hierarchy with cuts of constant length (Hunt, Mark, Fussell 2007, adapted to BVHs as in paper 5):
+//! PHR's recursion, refined by opening the largest nodes until the cut is long enough, without spatial splits.
+
+use super::binary::{BinaryTree, Node};
+use super::cut::{Cut, open};
+use super::cut_recursion::{CutRecursion, Refine, Scratch};
+use super::lbvh::Auxiliary;
+use super::phr::gather_counts;
+use super::top_down::{self, Pool};
+use super::{Build, Builder, Counts, Stopwatch};
+use crate::geometry::{Aabb, Mesh};
+
+/// Parameters of Hunt's method.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct HuntConfig {
+    /// Nodes of every cut, while there are so many.
+    pub cut_length: usize,
+    /// Most triangles of a leaf, as in [`super::PhrConfig::max_leaf`].
+    pub max_leaf: u32,
+}
+
+/// The rule of constant length: a partial sort by area, then the largest are opened (paper 5).
+struct ConstantLength(usize);
+
+impl Refine for ConstantLength {
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, _: u32, side: &mut Vec<Node>, refined: &mut Vec<Node>) {
+        // Opening a node makes a cut one longer; several rounds are needed after an uneven split.
+        while side.len() < self.0 {
+            let mut areas: Vec<(f32, usize)> = side
+                .iter()
+                .enumerate()
+                .filter(|(_, node)| !node.is_leaf())
+                .map(|(i, node)| (node.bounds().half_area(), i))
+                .collect();
+            if areas.is_empty() {
+                break;
+            }
+            let wanted = (self.0 - side.len()).min(areas.len());
+            areas.select_nth_unstable_by(wanted - 1, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            let mut opened = vec![false; side.len()];
+            areas[..wanted].iter().for_each(|&(_, i)| opened[i] = true);
+            for (node, opened) in side.drain(..).zip(opened) {
+                if opened { open(tree, &node, clip, refined) } else { refined.push(node) }
+            }
+            std::mem::swap(side, refined);
+        }
+        refined.append(side);
+    }
+}
+
+/// Builds by Hunt's method; memory is kept between builds.
+pub struct Hunt {
+    name: &'static str,
+    config: HuntConfig,
+    auxiliary: Auxiliary,
+    pool: Pool<Scratch>,
+}
+
+impl Hunt {
+    /// A builder called `name` in records.
+    pub fn new(name: &'static str, config: HuntConfig) -> Self {
+        Self { name, config, auxiliary: Auxiliary::default(), pool: Pool::default() }
+    }
+}
+
+impl Builder for Hunt {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn config(&self) -> serde_json::Value {
+        serde_json::json!(self.config)
+    }
+
+    fn build(&mut self, mesh: &Mesh) -> Build {
+        let mut phases = self.auxiliary.build(mesh);
+        let mut watch = Stopwatch::start();
+        let tree = &self.auxiliary.tree;
+        let refine = ConstantLength(self.config.cut_length);
+        let recursion = CutRecursion {
+            tree,
+            refine,
+            spatial_above: f32::INFINITY,
+            max_references: 1.0,
+            max_leaf: self.config.max_leaf,
+        };
+        let root =
+            tree.root.map(|root| recursion.root(Cut::initial(tree, root, 0.0, self.config.cut_length)));
+        let tree = top_down::build(&recursion, root, mesh, &self.pool);
+        watch.lap("cuts and nodes");
+        phases.extend(watch.phases);
+        let counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };
+        Build::finish(
+            tree,
+            phases,
+            gather_counts(counts, &self.pool),
+            self.auxiliary.bytes() + self.pool.bytes(),
+        )
+    }
+}

@@ -1,0 +1,143 @@
+//! Progressive Hierarchical Refinement (Hendrich, Meister, Bittner 2017): the paper's builder.
+
+use super::binary::{BinaryTree, Node};
+use super::cut::{Cut, open};
+use super::cut_recursion::{CutRecursion, Refine, Scratch};
+use super::lbvh::Auxiliary;
+use super::top_down::{self, Pool};
+use super::{Build, Builder, Counts, Stopwatch};
+use crate::geometry::{Aabb, Mesh};
+
+/// Parameters of PHR.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct PhrConfig {
+    /// alpha of equation 2: how fast cuts shrink with depth.
+    pub alpha: f32,
+    /// delta of equation 2: how fine the initial cut is.
+    pub delta: f32,
+    /// Most nodes of the initial cut (paper 4.1: "e.g. 2048").
+    pub max_cut: usize,
+    /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3").
+    pub spatial_threshold: f32,
+    /// Most references per triangle that spatial splits may make: a bound on memory, not in the paper.
+    pub max_references: f32,
+    /// Most triangles of a leaf. Up to four always are one; more where the cost model has a leaf of several
+    /// quartets cheaper than a node (the paper leaves leaves open).
+    pub max_leaf: u32,
+}
+
+impl PhrConfig {
+    /// PHR-Fast (paper 4.3).
+    pub const FAST: Self = Self {
+        alpha: 0.5,
+        delta: 6.0,
+        max_cut: 2048,
+        spatial_threshold: 1e-3,
+        max_references: 2.0,
+        max_leaf: 8,
+    };
+    /// PHR-HQ (paper 4.3).
+    pub const HQ: Self = Self { alpha: 0.55, delta: 9.0, ..Self::FAST };
+}
+
+/// The threshold rule of equation 2: nodes larger than `t_d = S / 2^(alpha d + delta)` are opened one level.
+struct Threshold {
+    /// Half of `t_d` by depth d: areas are compared halved.
+    by_depth: Vec<f32>,
+}
+
+impl Threshold {
+    fn new(scene: Aabb, config: &PhrConfig) -> Self {
+        let at =
+            |d: u32| f64::from(scene.half_area()) / f64::from(config.alpha * d as f32 + config.delta).exp2();
+        Self { by_depth: (0..=128).map(|d| at(d) as f32).collect() }
+    }
+
+    fn at(&self, depth: u32) -> f32 {
+        self.by_depth[(depth as usize).min(self.by_depth.len() - 1)]
+    }
+}
+
+impl Refine for Threshold {
+    fn refine(
+        &self,
+        tree: &BinaryTree,
+        clip: &Aabb,
+        depth: u32,
+        side: &mut Vec<Node>,
+        refined: &mut Vec<Node>,
+    ) {
+        let threshold = self.at(depth);
+        for node in side.drain(..) {
+            if node.is_leaf() || node.bounds().half_area() <= threshold {
+                refined.push(node);
+            } else {
+                open(tree, &node, clip, refined);
+            }
+        }
+    }
+}
+
+/// Builds by PHR; memory is kept between builds.
+pub struct Phr {
+    name: &'static str,
+    config: PhrConfig,
+    auxiliary: Auxiliary,
+    pool: Pool<Scratch>,
+}
+
+impl Phr {
+    /// A builder called `name` in records.
+    pub fn new(name: &'static str, config: PhrConfig) -> Self {
+        Self { name, config, auxiliary: Auxiliary::default(), pool: Pool::default() }
+    }
+}
+
+impl Builder for Phr {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn config(&self) -> serde_json::Value {
+        serde_json::json!(self.config)
+    }
+
+    fn build(&mut self, mesh: &Mesh) -> Build {
+        let mut phases = self.auxiliary.build(mesh);
+        let mut watch = Stopwatch::start();
+        let tree = &self.auxiliary.tree;
+        let scene = self.auxiliary.primitives.bounds;
+        let refine = Threshold::new(scene, &self.config);
+        let threshold = refine.at(0);
+        let recursion = CutRecursion {
+            tree,
+            refine,
+            spatial_above: scene.half_area() * self.config.spatial_threshold,
+            max_references: self.config.max_references,
+            max_leaf: self.config.max_leaf,
+        };
+        let root =
+            tree.root.map(|root| recursion.root(Cut::initial(tree, root, threshold, self.config.max_cut)));
+        let tree = top_down::build(&recursion, root, mesh, &self.pool);
+        watch.lap("cuts and nodes");
+        phases.extend(watch.phases);
+        let counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };
+        Build::finish(
+            tree,
+            phases,
+            gather_counts(counts, &self.pool),
+            self.auxiliary.bytes() + self.pool.bytes(),
+        )
+    }
+}
+
+/// Adds up what the tasks counted.
+pub(super) fn gather_counts(mut counts: Counts, pool: &Pool<Scratch>) -> Counts {
+    pool.for_each_scratch(|scratch| {
+        let of_task = std::mem::take(&mut scratch.counts);
+        counts.splits += of_task.splits;
+        counts.spatial_splits += of_task.spatial_splits;
+        counts.swept += of_task.swept;
+    });
+    counts
+}

@@ -1,0 +1,223 @@
+//! The spatial split of a cut by a plane sweep over the boundaries of its nodes' boxes (paper 4.4, equation 3).
+
+use super::binary::Node;
+use super::object_split::sortable;
+use crate::geometry::Aabb;
+
+/// The best spatial split of a cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SpatialSplit {
+    /// `C_S` of equation 3 with half areas; infinite if there is no plane.
+    pub cost: f32,
+    /// Axis the plane is normal to.
+    pub axis: usize,
+    /// Where it is.
+    pub plane: f32,
+}
+
+impl SpatialSplit {
+    /// No split.
+    pub const NONE: Self = Self { cost: f32::INFINITY, axis: 0, plane: 0.0 };
+
+    /// Whether a box reaches left of the plane. One that lies in it does: it must be on one side.
+    #[inline]
+    pub fn on_left(&self, bounds: Aabb) -> bool {
+        let (min, max) = (bounds.min[self.axis], bounds.max[self.axis]);
+        min < self.plane || max <= self.plane
+    }
+
+    /// Whether a box reaches right of the plane.
+    #[inline]
+    pub fn on_right(&self, bounds: Aabb) -> bool {
+        bounds.max[self.axis] > self.plane
+    }
+
+    /// The part of a box on the left.
+    #[inline]
+    pub fn left_of(&self, mut bounds: Aabb) -> Aabb {
+        bounds.max[self.axis] = bounds.max[self.axis].min(self.plane);
+        bounds
+    }
+
+    /// The part of a box on the right.
+    #[inline]
+    pub fn right_of(&self, mut bounds: Aabb) -> Aabb {
+        bounds.min[self.axis] = bounds.min[self.axis].max(self.plane);
+        bounds
+    }
+}
+
+/// Memory for sweeps.
+#[derive(Default)]
+pub(super) struct SpatialSweep {
+    /// (sortable lower << 32 | sortable upper boundary, node), sorted.
+    by_lower: Vec<(u64, u32)>,
+    /// (sortable upper boundary, node), sorted.
+    by_upper: Vec<(u32, u32)>,
+    /// `right[k]`: union of all but the first k nodes by upper boundary.
+    right: Vec<Aabb>,
+}
+
+impl SpatialSweep {
+    /// The spatial split of `nodes`, whose union is `bounds`, of least cost; of equal ones the first by axis,
+    /// then by plane.
+    pub fn best(&mut self, nodes: &[Node], bounds: Aabb) -> SpatialSplit {
+        (0..3).fold(SpatialSplit::NONE, |best, axis| {
+            let candidate = self.best_along(axis, nodes, bounds);
+            if candidate.cost < best.cost { candidate } else { best }
+        })
+    }
+
+    fn best_along(&mut self, axis: usize, nodes: &[Node], bounds: Aabb) -> SpatialSplit {
+        let n = nodes.len();
+        self.by_lower.clear();
+        self.by_upper.clear();
+        for (i, node) in nodes.iter().enumerate() {
+            let b = node.bounds();
+            let (lower, upper) = (sortable(b.min[axis]), sortable(b.max[axis]));
+            self.by_lower.push((u64::from(lower) << 32 | u64::from(upper), i as u32));
+            self.by_upper.push((upper, i as u32));
+        }
+        self.by_lower.sort_unstable();
+        self.by_upper.sort_unstable();
+        self.right.resize(n + 1, Aabb::EMPTY);
+        self.right[n] = Aabb::EMPTY;
+        for k in (0..n).rev() {
+            self.right[k] = self.right[k + 1].union(nodes[self.by_upper[k].1 as usize].bounds());
+        }
+
+        let mut best = SpatialSplit::NONE;
+        let mut left = Aabb::EMPTY;
+        // On the left so far, and past the plane on the left (wholly there).
+        let (mut on_left, mut ended) = (0, 0);
+        let (mut next_lower, mut next_upper) = (0, 0);
+        while next_upper < n {
+            // The next plane: the least boundary not yet looked at.
+            let upper = nodes[self.by_upper[next_upper].1 as usize].bounds().max[axis];
+            let plane = match self.by_lower.get(next_lower) {
+                Some(&(_, i)) => nodes[i as usize].bounds().min[axis].min(upper),
+                None => upper,
+            };
+            let at = sortable(plane);
+            while next_lower < n && (self.by_lower[next_lower].0 >> 32) as u32 <= at {
+                next_lower += 1;
+            }
+            while next_upper < n && self.by_upper[next_upper].0 <= at {
+                next_upper += 1;
+                ended = next_upper;
+            }
+            // Left of the plane is what begins before it, or begins and ends in it.
+            let reach = u64::from(at) << 32 | u64::from(at);
+            while on_left < n && self.by_lower[on_left].0 <= reach {
+                left = left.union(nodes[self.by_lower[on_left].1 as usize].bounds());
+                on_left += 1;
+            }
+            let on_right = n - ended;
+            if on_left == 0 || on_right == 0 || plane <= bounds.min[axis] || plane >= bounds.max[axis] {
+                continue;
+            }
+            let split = SpatialSplit { cost: 0.0, axis, plane };
+            let cost = split.left_of(left).half_area() * on_left as f32
+                + split.right_of(self.right[ended]).half_area() * on_right as f32;
+            if cost < best.cost {
+                best = SpatialSplit { cost, ..split };
+            }
+        }
+        best
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3A;
+
+    fn nodes(boxes: &[[f32; 2]]) -> (Vec<Node>, Aabb) {
+        let nodes: Vec<Node> = boxes
+            .iter()
+            .map(|&[lo, hi]| Node::leaf(Aabb::new(Vec3A::new(lo, 0., 0.), Vec3A::new(hi, 1., 1.)), 0))
+            .collect();
+        let bounds = nodes.iter().map(Node::bounds).collect();
+        (nodes, bounds)
+    }
+
+    /// Equation 3 evaluated at every boundary of every axis, by its definition.
+    fn by_definition(nodes: &[Node], bounds: Aabb) -> f32 {
+        let mut best = f32::INFINITY;
+        for axis in 0..3 {
+            for node in nodes {
+                for plane in [node.bounds().min[axis], node.bounds().max[axis]] {
+                    let split = SpatialSplit { cost: 0.0, axis, plane };
+                    let left: Vec<Aabb> = nodes
+                        .iter()
+                        .map(Node::bounds)
+                        .filter(|&b| split.on_left(b))
+                        .map(|b| split.left_of(b))
+                        .collect();
+                    let right: Vec<Aabb> = nodes
+                        .iter()
+                        .map(Node::bounds)
+                        .filter(|&b| split.on_right(b))
+                        .map(|b| split.right_of(b))
+                        .collect();
+                    if !left.is_empty()
+                        && !right.is_empty()
+                        && plane > bounds.min[axis]
+                        && plane < bounds.max[axis]
+                    {
+                        let area = |boxes: &[Aabb]| boxes.iter().copied().collect::<Aabb>().half_area();
+                        let cost = area(&left) * left.len() as f32 + area(&right) * right.len() as f32;
+                        best = best.min(cost);
+                    }
+                }
+            }
+        }
+        best
+    }
+
+    #[test]
+    fn a_wall_in_the_plane_is_on_exactly_one_side() {
+        let split = SpatialSplit { cost: 0.0, axis: 0, plane: 2.0 };
+        for (bounds, left, right) in [
+            ([2., 2.], true, false),
+            ([1., 2.], true, false),
+            ([2., 3.], false, true),
+            ([1., 3.], true, true),
+        ] {
+            let (nodes, _) = nodes(&[bounds]);
+            assert_eq!(split.on_left(nodes[0].bounds()), left);
+            assert_eq!(split.on_right(nodes[0].bounds()), right);
+        }
+    }
+
+    #[test]
+    fn the_sweep_finds_what_the_definition_says() {
+        let (long, bounds) = nodes(&[[0., 10.], [0., 1.], [9., 10.], [5., 5.], [0., 4.]]);
+        let best = SpatialSweep::default().best(&long, bounds);
+        assert_eq!(best.cost, by_definition(&long, bounds));
+        let mut state = 1u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 24) as f32 / 16.0
+        };
+        for n in 2..30 {
+            let nodes: Vec<Node> = (0..n)
+                .map(|_| {
+                    let (a, b) =
+                        (Vec3A::new(random(), random(), random()), Vec3A::new(random(), random(), random()));
+                    // Every third box is a wall.
+                    let flat = if n % 3 == 0 { Vec3A::new(0.0, 1.0, 1.0) } else { Vec3A::ONE };
+                    Node::leaf(Aabb::new(a.min(b), a.min(b) + (a.max(b) - a.min(b)) * flat), 0)
+                })
+                .collect();
+            let bounds = nodes.iter().map(Node::bounds).collect();
+            assert_eq!(SpatialSweep::default().best(&nodes, bounds).cost, by_definition(&nodes, bounds));
+        }
+    }
+
+    #[test]
+    fn one_box_has_no_plane() {
+        let (nodes, bounds) = nodes(&[[0., 1.]]);
+        assert_eq!(SpatialSweep::default().best(&nodes, bounds), SpatialSplit::NONE);
+    }
+}

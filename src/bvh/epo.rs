@@ -1,0 +1,174 @@
+//! End-point overlap: how much foreign surface a ray's end points meet inside each node's box.
+//! Aila, Karras, Laine, *On Quality Metrics of Bounding Volume Hierarchies*, HPG 2013, equation 2.
+//!
+//! `EPO = sum over nodes n of C(n) * area(surface outside n's subtree, but inside n's box) / area(surface)`,
+//! with C = 1 for an inner node and the number of quartets for a leaf. Large meshes are sampled by area.
+
+use super::clip::Polygon;
+use super::{Child, Link, WideBvh};
+use crate::geometry::Mesh;
+use rayon::prelude::*;
+
+/// Triangles looked at, at most: evenly spaced along the cumulative area. A fixed number keeps the cost of
+/// measuring bounded; meshes with fewer triangles are measured whole.
+const SAMPLES: usize = 1 << 16;
+
+/// The end-point overlap of `tree` over `mesh`; 0 for trees of one leaf and surfaces without area.
+pub fn epo<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh) -> f64 {
+    let order = LeafOrder::of(tree, mesh.len());
+    let samples = samples(mesh);
+    let overlap: f64 = samples
+        .par_iter()
+        .with_min_len(64)
+        .map(|&(prim, weight)| {
+            let triangle = Polygon::triangle(mesh.corners(prim));
+            let area = triangle.area();
+            let visit = Visit { tree, order: &order, leaves: order.leaves_of(prim) };
+            if area > 0.0 { weight * visit.below(tree.root, tree.bounds, &triangle) / area } else { 0.0 }
+        })
+        .collect::<Vec<_>>()
+        .iter()
+        .sum();
+    overlap
+}
+
+/// Triangles and their share of the whole area (which add up to 1).
+fn samples(mesh: &Mesh) -> Vec<(u32, f64)> {
+    let areas: Vec<f64> = (0..mesh.len() as u32)
+        .into_par_iter()
+        .map(|prim| Polygon::triangle(mesh.corners(prim)).area())
+        .collect();
+    let total: f64 = areas.iter().sum();
+    if !(total > 0.0 && total.is_finite()) {
+        return Vec::new();
+    }
+    let share = |(prim, area): (usize, &f64)| (prim as u32, area / total);
+    if areas.len() <= SAMPLES {
+        return areas.iter().enumerate().map(share).collect();
+    }
+    let mut cumulative = 0.0;
+    let mut taken = 0;
+    let mut samples = Vec::new();
+    for (prim, area) in areas.iter().enumerate() {
+        cumulative += area / total;
+        // Sample k stands at (k + 1/2) / SAMPLES; a large triangle takes several at once.
+        let upto = ((cumulative * SAMPLES as f64 + 0.5).floor() as usize).min(SAMPLES);
+        if upto > taken {
+            samples.push((prim as u32, (upto - taken) as f64 / SAMPLES as f64));
+            taken = upto;
+        }
+    }
+    samples
+}
+
+/// Leaves numbered depth first, so that a subtree is an interval of them and membership two comparisons.
+struct LeafOrder {
+    /// Half-open interval of leaf numbers below each inner node.
+    interval: Vec<(u32, u32)>,
+    /// Number of the leaf that begins at each block.
+    leaf_of_block: Vec<u32>,
+    /// (triangle, leaf), sorted: a triangle may be in several leaves after spatial splits.
+    leaf_of: Vec<(u32, u32)>,
+    first_of: Vec<u32>,
+}
+
+impl LeafOrder {
+    fn of<const N: usize>(tree: &WideBvh<N>, triangles: usize) -> Self {
+        let mut order = Self {
+            interval: vec![(0, 0); tree.nodes.len()],
+            leaf_of_block: vec![0; tree.blocks.len()],
+            leaf_of: Vec::with_capacity(triangles),
+            first_of: vec![0; triangles + 1],
+        };
+        let mut leaves = 0;
+        order.number(tree, tree.root, &mut leaves);
+        order.leaf_of.par_sort_unstable();
+        for &(prim, _) in &order.leaf_of {
+            order.first_of[prim as usize + 1] += 1;
+        }
+        for i in 0..triangles {
+            order.first_of[i + 1] += order.first_of[i];
+        }
+        order
+    }
+
+    fn number<const N: usize>(&mut self, tree: &WideBvh<N>, link: Link, leaves: &mut u32) {
+        match link.get() {
+            Child::Empty => {}
+            Child::Inner(index) => {
+                let begin = *leaves;
+                for child in tree.nodes[index].links {
+                    self.number(tree, child, leaves);
+                }
+                self.interval[index] = (begin, *leaves);
+            }
+            Child::Leaf { first, count } => {
+                self.leaf_of_block[first] = *leaves;
+                self.leaf_of.extend(tree.leaf_ids(first, count).map(|prim| (prim, *leaves)));
+                *leaves += 1;
+            }
+        }
+    }
+
+    fn leaves_of(&self, prim: u32) -> &[(u32, u32)] {
+        &self.leaf_of[self.first_of[prim as usize] as usize..self.first_of[prim as usize + 1] as usize]
+    }
+}
+
+struct Visit<'a, const N: usize> {
+    tree: &'a WideBvh<N>,
+    order: &'a LeafOrder,
+    leaves: &'a [(u32, u32)],
+}
+
+impl<const N: usize> Visit<'_, N> {
+    /// Cost-weighted area of the triangle inside the boxes of `link`'s subtree that do not hold it.
+    /// `part` is what is left of it inside the parent's box, which contains this one.
+    fn below(&self, link: Link, bounds: crate::geometry::Aabb, part: &Polygon) -> f64 {
+        let part = part.clipped(bounds);
+        if part.is_empty() {
+            return 0.0;
+        }
+        match link.get() {
+            Child::Empty => 0.0,
+            Child::Inner(index) => {
+                let (begin, end) = self.order.interval[index];
+                let holds = self.leaves.iter().any(|&(_, leaf)| begin <= leaf && leaf < end);
+                let own = if holds { 0.0 } else { part.area() };
+                let node = &self.tree.nodes[index];
+                own + node.children().map(|(bounds, child)| self.below(child, bounds, &part)).sum::<f64>()
+            }
+            Child::Leaf { first, count } => {
+                let number = self.order.leaf_of_block[first];
+                let holds = self.leaves.iter().any(|&(_, leaf)| leaf == number);
+                if holds { 0.0 } else { part.area() * count as f64 }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::{Bvh4, TriangleBlock, WideNode};
+
+    /// Two triangles of area 1/2 in leaves of their own; the second's box is swollen to hold the first.
+    #[test]
+    fn a_foreign_triangle_in_a_box_counts_its_area() {
+        let vertices =
+            vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [5., 0., 0.], [6., 0., 0.], [5., 1., 0.]];
+        let (mesh, _) = Mesh::new(vertices, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
+        let build = |second| {
+            let mut node = WideNode::<4>::EMPTY;
+            let mut blocks = vec![TriangleBlock::EMPTY; 2];
+            for prim in 0..2u32 {
+                let bounds = if prim == 1 { second } else { mesh.bounds_of(0) };
+                blocks[prim as usize].set(0, mesh.corners(prim), prim);
+                node.set(prim as usize, bounds, Link::leaf(prim as usize, 1));
+            }
+            Bvh4 { root: Link::inner(0), bounds: mesh.bounds(), nodes: vec![node], blocks }
+        };
+        assert_eq!(epo(&build(mesh.bounds_of(1)), &mesh), 0.0);
+        assert_eq!(epo(&build(mesh.bounds()), &mesh), 0.5);
+    }
+}

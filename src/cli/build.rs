@@ -1,0 +1,92 @@
+//! `phr build`: one scene, one builder, its phases and its tree.
+
+use super::{Failure, say};
+use crate::bench::contender::{self, Shown, Visit};
+use crate::bench::plan::PlannedScene;
+use crate::bench::statistics::Summary;
+use crate::report::grid::{Grid, short};
+
+/// Build a scene and tell the phases and the tree's statistics
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scene file or name of a generated scene
+    scene: String,
+    /// Builder (repeatable) [default: all]
+    #[arg(long = "builder", value_name = "NAME")]
+    builders: Vec<String>,
+    /// Children per node, where the builder leaves a choice
+    #[arg(long, value_name = "N")]
+    width: Option<u32>,
+    /// Threads [default: all processors]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let pool = super::pool(arguments.threads.unwrap_or_else(super::all_threads))?;
+    let cells = if arguments.builders.is_empty() {
+        let all = contender::cells(true);
+        all.into_iter().filter(|cell| arguments.width.is_none_or(|width| cell.width == width)).collect()
+    } else {
+        let cell = |name: &String| super::cell(name, arguments.width);
+        arguments.builders.iter().map(cell).collect::<Result<Vec<_>, _>>()?
+    };
+    if cells.is_empty() {
+        let width = arguments.width.unwrap_or_default();
+        return Err(Failure::Bad(format!("--width {width}: no builder builds such trees; give 4 or 8")));
+    }
+    let scene = PlannedScene::find(&arguments.scene)?.load()?;
+    if scene.dropped.total() > 0 {
+        eprintln!("phr: {}: {}", scene.name, scene.dropped);
+    }
+    say(&format!("{}: {} triangles ({})", scene.name, scene.mesh.len(), scene.source))?;
+    let visit = Visit { mesh: &scene.mesh, pool: &pool, kernels: &[], facts: true };
+    for cell in cells {
+        let mut text = String::new();
+        contender::visit(&cell, &visit, &mut |shown| text = describe(&shown)).map_err(Failure::Wrong)?;
+        say(&format!("\n{}, width {}\n{text}", cell.builder, cell.width))?;
+    }
+    Ok(())
+}
+
+fn describe(shown: &Shown<'_>) -> String {
+    let builds = &shown.builds;
+    let mut grid = Grid::new(["", "value"]);
+    let mut line = |name: &str, value: String| grid.push(vec![name.into(), value]);
+    if let Some(warm) = Summary::of(&builds.warm_ms) {
+        let (median, min) = (short(warm.median), short(warm.min));
+        line("build, warm", format!("{median} ms (median of {}, least {min})", warm.count));
+    }
+    line("build, cold", format!("{} ms", short(builds.cold_ms)));
+    for (name, ms) in &builds.phases {
+        line(&format!("  {name}"), format!("{} ms", short(*ms)));
+    }
+    if let Some(bytes) = builds.peak_bytes {
+        line("peak memory", mebibytes(bytes));
+    }
+    let facts = shown.facts.clone().unwrap_or_default();
+    let mut figure = |name: &str, value: Option<String>| {
+        if let Some(value) = value {
+            line(name, value);
+        }
+    };
+    figure("tree", facts.bytes.map(mebibytes));
+    figure("SAH cost", facts.sah.map(|x| format!("{x:.4}")));
+    figure("EPO", facts.epo.map(|x| format!("{x:.4}")));
+    figure("nodes", facts.nodes.map(|n| n.to_string()));
+    figure("leaves", facts.leaves.map(|n| n.to_string()));
+    figure("depth", facts.depth.map(|n| n.to_string()));
+    figure("leaf fill", facts.leaf_fill.map(|x| format!("{:.1} %", 100.0 * x)));
+    figure("references per triangle", facts.refs_per_tri.map(|x| format!("{x:.4}")));
+    figure("built by", Some(facts.engine));
+    figure("parameters", Some(facts.config));
+    // A list of name and value needs no frame.
+    let plain = grid.markdown();
+    let lines = plain.lines().skip(2).map(|line| line.trim_matches(|c| c == '|' || c == ' '));
+    lines.map(|line| format!("  {}\n", line.replacen(" | ", "  ", 1))).collect()
+}
+
+fn mebibytes(bytes: u64) -> String {
+    format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64)
+}

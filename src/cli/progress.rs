@@ -1,0 +1,56 @@
+//! A progress bar with the time left, on stderr and at a terminal only.
+
+use crate::bench::records::Row;
+use crate::bench::run::Progress;
+use crate::report::table;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::time::Duration;
+
+/// Shows a run's course; prints each scene's table to standard output when the scene is done.
+pub struct Bar(ProgressBar);
+
+impl Bar {
+    /// A bar, hidden in a pipe.
+    pub fn new() -> Self {
+        if !std::io::stderr().is_terminal() {
+            return Self(ProgressBar::hidden());
+        }
+        let bar = ProgressBar::with_draw_target(Some(1), ProgressDrawTarget::stderr());
+        let template = "{elapsed_precise} [{bar:24}] {percent:>3} %, {eta} left; {wide_msg}";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.enable_steady_tick(Duration::from_secs(1));
+        Self(bar)
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}
+
+impl Progress for Bar {
+    fn begin(&mut self, total: u64) {
+        self.0.set_length(total);
+    }
+
+    fn at(&mut self, doing: &str) {
+        self.0.set_message(doing.to_owned());
+    }
+
+    fn advance(&mut self, units: u64) {
+        self.0.inc(units);
+    }
+
+    fn note(&mut self, text: &str) {
+        self.0.suspend(|| eprintln!("phr: {text}"));
+    }
+
+    fn scene(&mut self, rows: &[Row]) {
+        // The table is in table1.md too: a closed standard output is no reason to end a long run.
+        let Some(row) = rows.first() else { return };
+        self.0.suspend(|| super::say(&(table::scene(rows, &row.scene) + "\n")).unwrap_or_default());
+    }
+}

@@ -1,0 +1,112 @@
+//! `phr verify`: do all trees see what the reference sees?
+
+use super::{Failure, say};
+use crate::bench::embree_side;
+use crate::bench::measure::Bench;
+use crate::bench::plan::{Plan, Request, Settings};
+use crate::bench::rays;
+use crate::bench::samples::KernelChecks;
+use crate::report::grid::Grid;
+use std::sync::atomic::AtomicBool;
+
+/// Compare every builder's hits with the reference's (Embree's, where it is there)
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scene files or names of generated scenes
+    #[arg(required = true)]
+    scenes: Vec<String>,
+    /// Only this builder (repeatable)
+    #[arg(long = "builder", value_name = "NAME")]
+    builders: Vec<String>,
+    /// Views per scene, at most
+    #[arg(long, default_value_t = 3, value_name = "N")]
+    views: usize,
+    /// Pixels across and down
+    #[arg(long, default_value_t = 256, value_name = "PIXELS")]
+    size: u32,
+    /// Threads [default: all processors]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let settings = Settings {
+        width: arguments.size,
+        height: arguments.size,
+        views: arguments.views,
+        max_depth: 8,
+        rounds: 1,
+        threads: arguments.threads.unwrap_or_else(super::all_threads),
+        seed: 1,
+        build_only: false,
+        frames: false,
+    };
+    let request = Request {
+        scenes: arguments.scenes.clone(),
+        set: None,
+        folder: None,
+        builders: arguments.builders.clone(),
+        filter: None,
+        settings,
+    };
+    let plan = Plan::new(&request)?;
+    let pool = super::pool(plan.settings.threads)?;
+    let mut wrong = 0;
+    for (planned, cells) in &plan.scenes {
+        let scene = planned.load()?;
+        if scene.dropped.total() > 0 {
+            eprintln!("phr: {}: {}", scene.name, scene.dropped);
+        }
+        let mut grid = Grid::new([&scene.name, "kernel", "rays", "equal", "ties", "edges", "verdict"]);
+        let stop = AtomicBool::new(false);
+        embree_side::reference(&scene.mesh, &pool, &mut |reference| {
+            let rays = pool.install(|| rays::record(reference, &scene, &plan.settings));
+            let mut bench = Bench::new(&scene, &rays, Some(reference), &plan.settings, &pool, &stop);
+            for cell in cells {
+                let name = format!("{} / {}", cell.builder, cell.width);
+                match bench.verify(cell) {
+                    Ok(kernels) => kernels.iter().for_each(|kernel| {
+                        wrong += usize::from(kernel.mismatch.is_some());
+                        grid.push(line(&name, kernel));
+                    }),
+                    Err(reason) => {
+                        wrong += 1;
+                        grid.push(vec![
+                            name,
+                            "-".into(),
+                            "-".into(),
+                            "-".into(),
+                            "-".into(),
+                            "-".into(),
+                            reason,
+                        ]);
+                    }
+                }
+            }
+        })
+        .map_err(Failure::Wrong)?;
+        say(&(grid.markdown() + "\n"))?;
+    }
+    if wrong > 0 { Err(Failure::Wrong(format!("{wrong} trees give wrong hits, see above"))) } else { Ok(()) }
+}
+
+fn line(name: &str, kernel: &KernelChecks) -> Vec<String> {
+    let sum = |value: fn(&crate::bench::samples::Check) -> u64| {
+        kernel.checks.iter().map(value).sum::<u64>().to_string()
+    };
+    let verdict = match (&kernel.unavailable, &kernel.mismatch) {
+        (Some(reason), _) => format!("not available: {reason}"),
+        (_, Some(mismatch)) => format!("WRONG: {mismatch}"),
+        _ => "verified".into(),
+    };
+    vec![
+        name.into(),
+        kernel.kernel.name().into(),
+        sum(|check| check.rays),
+        sum(|check| check.equal),
+        sum(|check| check.ties),
+        sum(|check| check.edge),
+        verdict,
+    ]
+}

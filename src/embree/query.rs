@@ -1,0 +1,141 @@
+//! Ray queries: our rays into Embree's structures and its hits into ours.
+//!
+//! Debian's Embree is compiled with assertions and aborts on an invalid ray, so none may reach it. Rays are
+//! checked in runs of [`RUN`], which stay in the first-level cache, before the run is traced: about a
+//! nanosecond per ray, and the traced loop itself holds nothing but the conversion and the call.
+
+use crate::geometry::{Hit, Ray};
+use embree_sys as sys;
+
+/// The id under which every scene's one geometry is attached.
+pub(super) const GEOMETRY: u32 = 0;
+
+/// Rays checked at a time: 8 KiB.
+const RUN: usize = 256;
+
+/// Closest hits of `rays`; an invalid ray misses.
+///
+/// # Safety
+/// `scene` is live and committed, and nothing changes it during the call.
+pub(super) unsafe fn closest(scene: sys::RTCScene, rays: &[Ray], hits: &mut [Hit]) {
+    debug_assert_eq!(rays.len(), hits.len());
+    let mut context = context();
+    let mut query = sys::RTCRayHit::default();
+    let mut trace = |ray: &Ray| {
+        query.ray = embree_ray(ray);
+        query.hit.geomID = sys::RTC_INVALID_GEOMETRY_ID;
+        // SAFETY: the caller's promise for the scene; context and query are whole, aligned by their types and
+        // not shared; the ray is valid.
+        unsafe { sys::rtcIntersect1(scene, &mut context, &mut query) };
+        if query.hit.geomID == sys::RTC_INVALID_GEOMETRY_ID {
+            Hit::MISS
+        } else {
+            Hit { t: query.ray.tfar, u: query.hit.u, v: query.hit.v, prim: query.hit.primID }
+        }
+    };
+    for (rays, hits) in rays.chunks(RUN).zip(hits.chunks_mut(RUN)) {
+        if all_valid(rays) {
+            for (ray, hit) in rays.iter().zip(hits) {
+                *hit = trace(ray);
+            }
+        } else {
+            for (ray, hit) in rays.iter().zip(hits) {
+                *hit = if ray.is_valid() { trace(ray) } else { Hit::MISS };
+            }
+        }
+    }
+}
+
+/// Whether each of `rays` hits anything; an invalid ray does not.
+///
+/// # Safety
+/// As for [`closest`].
+pub(super) unsafe fn any(scene: sys::RTCScene, rays: &[Ray], occluded: &mut [bool]) {
+    debug_assert_eq!(rays.len(), occluded.len());
+    let mut context = context();
+    let mut trace = |ray: &Ray| {
+        let mut query = embree_ray(ray);
+        // SAFETY: as in `closest`.
+        unsafe { sys::rtcOccluded1(scene, &mut context, &mut query) };
+        // A hit sets `tfar` to minus infinity; a segment that ends before its start hits nothing.
+        query.tfar < 0.0 && ray.tfar >= 0.0
+    };
+    for (rays, occluded) in rays.chunks(RUN).zip(occluded.chunks_mut(RUN)) {
+        if all_valid(rays) {
+            for (ray, occluded) in rays.iter().zip(occluded) {
+                *occluded = trace(ray);
+            }
+        } else {
+            for (ray, occluded) in rays.iter().zip(occluded) {
+                *occluded = ray.is_valid() && trace(ray);
+            }
+        }
+    }
+}
+
+pub(super) fn context() -> sys::RTCIntersectContext {
+    let mut context = sys::RTCIntersectContext::default();
+    // SAFETY: writes the structure given.
+    unsafe { sys::rtcInitIntersectContext(&mut context) };
+    context
+}
+
+/// Without short-circuits, so that the loop holds no branch.
+fn all_valid(rays: &[Ray]) -> bool {
+    rays.iter().fold(true, |all, ray| all & ray.is_valid())
+}
+
+#[inline(always)]
+fn embree_ray(ray: &Ray) -> sys::RTCRay {
+    sys::RTCRay {
+        org_x: ray.org.x,
+        org_y: ray.org.y,
+        org_z: ray.org.z,
+        tnear: ray.tnear,
+        dir_x: ray.dir.x,
+        dir_y: ray.dir.y,
+        dir_z: ray.dir.z,
+        time: 0.0,
+        tfar: ray.tfar,
+        mask: u32::MAX,
+        id: 0,
+        flags: 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::embree::samples::{rays, soup};
+    use crate::embree::{Config, Device, EmbreeBuilder, Width};
+    use crate::geometry::{Hit, Tracer};
+
+    #[test]
+    fn all_builders_hit_the_same_with_and_without_invalid_rays_in_the_batch() {
+        let mesh = soup(2000);
+        let rays = rays(2000);
+        let mut reference: Option<Vec<Hit>> = None;
+        for width in Width::ALL {
+            for builder in EmbreeBuilder::ALL {
+                let device = Device::new(&Config { builder, width, threads: 1 }).unwrap();
+                let scene = device.prepare(&mesh).unwrap().commit().unwrap();
+                let mut hits = vec![Hit::MISS; rays.len()];
+                let mut occluded = vec![false; rays.len()];
+                scene.closest(&rays, &mut hits);
+                scene.any(&rays, &mut occluded);
+                let reference = reference.get_or_insert_with(|| hits.clone());
+                for ((hit, occluded), expected) in hits.iter().zip(&occluded).zip(reference.iter()) {
+                    assert_eq!((hit.is_hit(), *occluded), (expected.is_hit(), expected.is_hit()));
+                    assert!(hit.t == expected.t || (hit.t - expected.t).abs() <= 1e-5 * hit.t);
+                }
+                let mut spoiled = rays.clone();
+                spoiled[700].org.x = f32::NAN;
+                let mut others = vec![Hit::MISS; rays.len()];
+                scene.closest(&spoiled, &mut others);
+                hits[700] = Hit::MISS;
+                assert_eq!(others, hits);
+            }
+        }
+        let hit = reference.unwrap().iter().filter(|hit| hit.is_hit()).count();
+        assert!((100..1900).contains(&hit), "{hit} hits");
+    }
+}

@@ -1,0 +1,126 @@
+//! A scene of one triangle mesh: made, committed (which builds the tree) and traced.
+
+use super::query;
+use super::{Device, EmbreeError};
+use crate::geometry::{Aabb, Hit, Mesh, Ray, Tracer};
+use embree_sys as sys;
+use glam::Vec3A;
+
+/// A reference to an Embree scene, released when dropped.
+struct Handle(sys::RTCScene);
+
+// SAFETY: a scene is not bound to a thread; its reference count is atomic.
+unsafe impl Send for Handle {}
+// SAFETY: through `&Handle` a committed scene is only traced and asked for its bounds, which Embree allows from
+// any number of threads; `Prepared::commit`, which changes it, takes the only owner by value.
+unsafe impl Sync for Handle {}
+
+impl Drop for Handle {
+    fn drop(&mut self) {
+        // SAFETY: this owner's reference, released once.
+        unsafe { sys::rtcReleaseScene(self.0) };
+    }
+}
+
+/// A scene ready to be built: one geometry, so that Morton order spans the whole mesh, over the mesh's own
+/// buffers.
+pub struct Prepared<'a> {
+    handle: Handle,
+    device: &'a Device,
+    mesh: &'a Mesh,
+}
+
+impl<'a> Prepared<'a> {
+    pub(super) fn new(device: &'a Device, mesh: &'a Mesh) -> Result<Self, EmbreeError> {
+        // SAFETY: the device is live. The buffers live as long as `'a`, which the scene does not outlive, and
+        // are not written to meanwhile (`mesh` is borrowed); their strides, formats and counts are those of
+        // `[f32; 3]` and `[u32; 3]`, and 16 bytes can be read from the last vertex on because of the padding
+        // one. The scene keeps its own reference to the geometry.
+        let handle = unsafe {
+            let handle = Handle(sys::rtcNewScene(device.raw()));
+            let geometry = sys::rtcNewGeometry(device.raw(), sys::RTC_GEOMETRY_TYPE_TRIANGLE);
+            device.check("making a scene")?;
+            let share = |kind, format, pointer, count| {
+                sys::rtcSetSharedGeometryBuffer(geometry, kind, 0, format, pointer, 0, 12, count);
+            };
+            let vertices = mesh.padded_vertices().as_ptr().cast();
+            share(sys::RTC_BUFFER_TYPE_VERTEX, sys::RTC_FORMAT_FLOAT3, vertices, mesh.vertices().len());
+            share(
+                sys::RTC_BUFFER_TYPE_INDEX,
+                sys::RTC_FORMAT_UINT3,
+                mesh.triangles().as_ptr().cast(),
+                mesh.len(),
+            );
+            sys::rtcCommitGeometry(geometry);
+            sys::rtcAttachGeometryByID(handle.0, geometry, query::GEOMETRY);
+            sys::rtcReleaseGeometry(geometry);
+            handle
+        };
+        device.check("attaching the mesh")?;
+        Ok(Self { handle, device, mesh })
+    }
+
+    /// Builds the tree: `rtcCommitScene` and a look at the error code, nothing else.
+    ///
+    /// # Errors
+    /// [`EmbreeError::Call`] with Embree's text.
+    pub fn commit(self) -> Result<EmbreeScene<'a>, EmbreeError> {
+        // SAFETY: the scene is live and owned here alone.
+        unsafe { sys::rtcCommitScene(self.handle.0) };
+        self.device.check("building the tree")?;
+        Ok(EmbreeScene { handle: self.handle, device: self.device, mesh: self.mesh })
+    }
+
+    /// Sets the scene's build quality, as an application without a device string would.
+    #[cfg(test)]
+    pub(super) fn set_quality(&mut self, quality: sys::RTCBuildQuality) {
+        // SAFETY: the scene is live and owned here alone.
+        unsafe { sys::rtcSetSceneBuildQuality(self.handle.0, quality) };
+    }
+}
+
+/// A committed scene: Embree's tree over a mesh, traced by `rtcIntersect1` and `rtcOccluded1`.
+pub struct EmbreeScene<'a> {
+    handle: Handle,
+    device: &'a Device,
+    mesh: &'a Mesh,
+}
+
+impl<'a> EmbreeScene<'a> {
+    /// The box of all triangles; empty without any.
+    pub fn bounds(&self) -> Aabb {
+        let mut bounds = sys::RTCBounds::default();
+        // SAFETY: the scene is live and committed, `bounds` is written.
+        unsafe { sys::rtcGetSceneBounds(self.raw(), &mut bounds) };
+        Aabb::new(
+            Vec3A::new(bounds.lower_x, bounds.lower_y, bounds.lower_z),
+            Vec3A::new(bounds.upper_x, bounds.upper_y, bounds.upper_z),
+        )
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &'a Mesh {
+        self.mesh
+    }
+
+    /// The device it was built with.
+    pub fn device(&self) -> &'a Device {
+        self.device
+    }
+
+    pub(super) fn raw(&self) -> sys::RTCScene {
+        self.handle.0
+    }
+}
+
+impl Tracer for EmbreeScene<'_> {
+    fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+        // SAFETY: the scene is committed and live.
+        unsafe { query::closest(self.raw(), rays, hits) }
+    }
+
+    fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
+        // SAFETY: the scene is committed and live.
+        unsafe { query::any(self.raw(), rays, occluded) }
+    }
+}

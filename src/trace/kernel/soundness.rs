@@ -1,0 +1,119 @@
+//! The proof that a tree's links may be followed unchecked: trees have public fields, the kernel reads them
+//! without bounds checks and with a stack of fixed size.
+
+use crate::bvh::{Child, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
+
+/// A tree whose links are in range, whose nodes have one parent each and whose inner levels do not exceed
+/// [`MAX_DEPTH`]. Only made by [`SoundTree::new`]; the borrow keeps the proof true.
+#[derive(Debug)]
+pub(super) struct SoundTree<'a, const N: usize> {
+    tree: &'a WideBvh<N>,
+}
+
+impl<const N: usize> Clone for SoundTree<'_, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<const N: usize> Copy for SoundTree<'_, N> {}
+
+impl<'a, const N: usize> SoundTree<'a, N> {
+    /// Walks `tree` from the root.
+    pub(super) fn new(tree: &'a WideBvh<N>) -> Result<Self, String> {
+        const { assert!(2 <= N && N <= 8, "the stack has room for at most eight children per node") };
+        let mut seen = vec![false; tree.nodes.len()];
+        let mut pending = vec![(tree.root, 0)];
+        while let Some((link, level)) = pending.pop() {
+            match link.get() {
+                Child::Empty => {}
+                Child::Leaf { first, count } if first + count <= tree.blocks.len() => {}
+                Child::Leaf { first, count } => {
+                    return Err(format!("leaf of {count} blocks from {first} of {}", tree.blocks.len()));
+                }
+                Child::Inner(index) => {
+                    let Some(node) = tree.nodes.get(index) else {
+                        return Err(format!("link to node {index} of {}", tree.nodes.len()));
+                    };
+                    if std::mem::replace(&mut seen[index], true) {
+                        return Err(format!("node {index} has two parents"));
+                    }
+                    if level == MAX_DEPTH {
+                        return Err(format!("more than {MAX_DEPTH} inner levels"));
+                    }
+                    pending.extend(node.links.iter().map(|&child| (child, level + 1)));
+                }
+            }
+        }
+        Ok(Self { tree })
+    }
+
+    #[inline(always)]
+    pub(super) fn root(self) -> Link {
+        self.tree.root
+    }
+
+    /// Node `index`.
+    ///
+    /// # Safety
+    /// `index` comes from an inner link reached from the root.
+    #[inline(always)]
+    pub(super) unsafe fn node(self, index: usize) -> &'a WideNode<N> {
+        debug_assert!(index < self.tree.nodes.len());
+        // SAFETY: `new` found every inner link reached from the root in range.
+        unsafe { self.tree.nodes.get_unchecked(index) }
+    }
+
+    /// The blocks of a leaf.
+    ///
+    /// # Safety
+    /// `first` and `count` come from a leaf's link reached from the root.
+    #[inline(always)]
+    pub(super) unsafe fn leaf(self, first: usize, count: usize) -> &'a [TriangleBlock] {
+        debug_assert!(first + count <= self.tree.blocks.len());
+        // SAFETY: `new` found every leaf reached from the root in range.
+        unsafe { self.tree.blocks.get_unchecked(first..first + count) }
+    }
+
+    /// Where the data of `link` lies; only for prefetching.
+    #[inline(always)]
+    pub(super) fn address(self, link: Link) -> *const u8 {
+        const INDEX: u32 = (1 << 28) - 1;
+        if link.is_inner() {
+            self.tree.nodes.as_ptr().wrapping_add(link.bits() as usize).cast()
+        } else {
+            self.tree.blocks.as_ptr().wrapping_add((link.bits() & INDEX) as usize).cast()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Aabb;
+    use glam::Vec3A;
+
+    fn tree(links: &[(usize, Link)], nodes: usize) -> WideBvh<4> {
+        let mut tree = WideBvh::<4> { root: Link::inner(0), ..WideBvh::default() };
+        tree.nodes = vec![WideNode::EMPTY; nodes];
+        tree.blocks = vec![TriangleBlock::EMPTY; 2];
+        for (slot, &(node, link)) in links.iter().enumerate() {
+            tree.nodes[node].set(slot % 4, Aabb::new(Vec3A::ZERO, Vec3A::ONE), link);
+        }
+        tree
+    }
+
+    #[test]
+    fn malformed_trees_are_refused() {
+        assert!(SoundTree::new(&WideBvh::<4>::default()).is_ok());
+        assert!(SoundTree::new(&tree(&[(0, Link::leaf(0, 2))], 1)).is_ok());
+        let flaw = |tree: &WideBvh<4>| SoundTree::new(tree).unwrap_err();
+        assert!(flaw(&tree(&[(0, Link::leaf(1, 2))], 1)).contains("leaf of 2 blocks from 1"));
+        assert!(flaw(&tree(&[(0, Link::inner(7))], 1)).contains("node 7 of 1"));
+        assert!(flaw(&tree(&[(0, Link::inner(0))], 1)).contains("two parents"));
+        assert!(flaw(&tree(&[(0, Link::inner(1)), (0, Link::inner(1))], 2)).contains("two parents"));
+        let chain: Vec<_> = (0..MAX_DEPTH).map(|node| (node, Link::inner(node + 1))).collect();
+        assert!(flaw(&tree(&chain, MAX_DEPTH + 1)).contains("inner levels"));
+        assert!(SoundTree::new(&tree(&chain[..MAX_DEPTH - 1], MAX_DEPTH)).is_ok());
+    }
+}

@@ -1,0 +1,141 @@
+//! Embree through its safe wrapper: hits, invalid rays, memory, bad devices.
+#![cfg(feature = "embree")]
+
+use glam::Vec3;
+use phr::embree::{Config, Device, EmbreeBuilder, Width, version};
+use phr::geometry::{Hit, Mesh, Ray, Tracer};
+
+const SAH4: Config = Config { builder: EmbreeBuilder::Sah, width: Width::Four, threads: 2 };
+
+/// A unit square in the plane z = 0: triangle 0 below the diagonal, 1 above.
+fn square() -> Mesh {
+    let vertices = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    Mesh::new(vertices, vec![[0, 1, 2], [1, 3, 2]]).unwrap().0
+}
+
+/// A wavy sheet of 2 n^2 triangles.
+fn sheet(n: u32) -> Mesh {
+    let mut vertices = Vec::new();
+    let mut triangles = Vec::new();
+    for (i, j) in (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+        let (x, y) = (i as f32 / n as f32, j as f32 / n as f32);
+        vertices.push([x, y, 0.1 * (20.0 * x).sin() * (15.0 * y).cos()]);
+        if i < n && j < n {
+            let a = i * (n + 1) + j;
+            triangles.extend([[a, a + n + 1, a + 1], [a + 1, a + n + 1, a + n + 2]]);
+        }
+    }
+    Mesh::new(vertices, triangles).unwrap().0
+}
+
+fn down(x: f32, y: f32) -> Ray {
+    Ray { org: Vec3::new(x, y, 2.0), tnear: 0.0, dir: Vec3::new(0.0, 0.0, -1.0), tfar: f32::INFINITY }
+}
+
+fn closest(tracer: &dyn Tracer, rays: &[Ray]) -> Vec<Hit> {
+    let mut hits = vec![Hit::MISS; rays.len()];
+    tracer.closest(rays, &mut hits);
+    hits
+}
+
+fn any(tracer: &dyn Tracer, rays: &[Ray]) -> Vec<bool> {
+    let mut occluded = vec![false; rays.len()];
+    tracer.any(rays, &mut occluded);
+    occluded
+}
+
+fn near(hit: Hit, t: f32, u: f32, v: f32) -> bool {
+    [hit.t - t, hit.u - u, hit.v - v].iter().all(|difference| difference.abs() < 1e-5)
+}
+
+#[test]
+fn hits_carry_distance_barycentrics_and_triangle() {
+    let mesh = square();
+    for width in Width::ALL {
+        for builder in EmbreeBuilder::ALL {
+            let device = Device::new(&Config { builder, width, threads: 1 }).unwrap();
+            let scene = device.prepare(&mesh).unwrap().commit().unwrap();
+            assert_eq!(scene.bounds(), mesh.bounds());
+            let mut short = down(0.25, 0.125);
+            short.tfar = 1.5;
+            let mut backward = short;
+            backward.tfar = f32::NEG_INFINITY;
+            let rays = [down(0.25, 0.125), down(0.75, 0.5), down(2.0, 0.0), short, backward];
+            let hits = closest(&scene, &rays);
+            assert!(near(hits[0], 2.0, 0.25, 0.125) && hits[0].prim == 0, "{hits:?}");
+            assert!(near(hits[1], 2.0, 0.25, 0.25) && hits[1].prim == 1, "{hits:?}");
+            assert_eq!(hits[2..], [Hit::MISS; 3]);
+            assert_eq!(any(&scene, &rays), [true, true, false, false, false]);
+        }
+    }
+}
+
+#[test]
+fn invalid_rays_miss_and_leave_the_others_alone() {
+    let mesh = square();
+    let device = Device::new(&SAH4).unwrap();
+    let scene = device.prepare(&mesh).unwrap().commit().unwrap();
+    let good = down(0.25, 0.125);
+    let mut rays = vec![good; 1000];
+    rays[1].org.x = f32::NAN;
+    rays[300].dir.y = f32::NAN;
+    rays[301].tnear = -1.0;
+    rays[302].tnear = f32::NAN;
+    rays[303].tfar = f32::NAN;
+    rays[304].org.z = 3e18;
+    rays[999].dir.z = f32::NEG_INFINITY;
+    let invalid = [1, 300, 301, 302, 303, 304, 999];
+    let hits = closest(&scene, &rays);
+    let occluded = any(&scene, &rays);
+    for (i, (hit, occluded)) in hits.iter().zip(occluded).enumerate() {
+        assert_eq!((hit.is_hit(), occluded), (!invalid.contains(&i), !invalid.contains(&i)), "ray {i}");
+    }
+}
+
+#[test]
+fn scenes_without_triangles_are_missed() {
+    let mesh = Mesh::new(vec![], vec![]).unwrap().0;
+    for width in Width::ALL {
+        for builder in EmbreeBuilder::ALL {
+            let device = Device::new(&Config { builder, width, threads: 1 }).unwrap();
+            let scene = device.prepare(&mesh).unwrap().commit().unwrap();
+            assert!(scene.bounds().is_empty());
+            assert_eq!(closest(&scene, &[down(0.0, 0.0)]), [Hit::MISS]);
+            assert_eq!(any(&scene, &[down(0.0, 0.0)]), [false]);
+        }
+    }
+}
+
+#[test]
+fn memory_is_counted_and_given_back() {
+    let mesh = sheet(100);
+    let device = Device::new(&SAH4).unwrap();
+    let scene = device.prepare(&mesh).unwrap().commit().unwrap();
+    let held = device.memory();
+    assert!(held.live_bytes > 40 * mesh.len() && held.peak_bytes > held.live_bytes, "{held:?}");
+    drop(scene);
+    assert_eq!(device.memory().live_bytes, 0);
+    assert_eq!(device.memory().peak_bytes, held.peak_bytes);
+    device.reset_peak();
+    assert_eq!(device.memory().peak_bytes, 0);
+}
+
+#[test]
+fn threads_share_a_scene() {
+    let mesh = sheet(40);
+    let device = Device::new(&SAH4).unwrap();
+    let scene = device.prepare(&mesh).unwrap().commit().unwrap();
+    let rays: Vec<Ray> = (0..2000).map(|i| down(i as f32 / 2000.0, (i % 37) as f32 / 37.0)).collect();
+    let alone = closest(&scene, &rays);
+    assert!(alone.iter().all(Hit::is_hit));
+    std::thread::scope(|threads| {
+        for _ in 0..4 {
+            threads.spawn(|| assert_eq!(closest(&scene, &rays), alone));
+        }
+    });
+}
+
+#[test]
+fn the_library_tells_its_version() {
+    assert!(version().starts_with("3."), "{}", version());
+}

@@ -1,0 +1,144 @@
+//! The comparison of hits must find what is wrong and excuse only what rounding explains.
+
+mod trace_support;
+
+use phr::geometry::{Hit, Ray};
+use phr::trace::verify::{compare_any, compare_closest, witness};
+use phr::trace::{BruteForce, hit_hash};
+use trace_support::*;
+
+#[test]
+fn every_forged_answer_is_found() {
+    let mesh = soup(400, 3);
+    let rays = rays(&mesh, 4000, 4);
+    let reference = closest(&BruteForce(&mesh), &rays);
+    assert_eq!(compare_closest(&mesh, &rays, &reference, &reference).equal, rays.len());
+
+    let interior = |hit: &Hit| hit.is_hit() && hit.u > 0.05 && hit.v > 0.05 && hit.u + hit.v < 0.95;
+    type Forgery = (&'static str, fn(Hit) -> Hit);
+    let forgeries: [Forgery; 5] = [
+        ("lost", |_| Hit::MISS),
+        ("farther", |hit| Hit { t: hit.t * 1.01, ..hit }),
+        ("nearer", |hit| Hit { t: hit.t * 0.99, ..hit }),
+        ("NaN", |hit| Hit { t: f32::NAN, ..hit }),
+        ("no such triangle", |hit| Hit { prim: 77_777, ..hit }),
+    ];
+    for (name, forge) in forgeries {
+        let mut forged = 0;
+        let hits: Vec<Hit> = reference
+            .iter()
+            .map(|hit| {
+                if interior(hit) && hit.t > 0.01 {
+                    forged += 1;
+                    forge(*hit)
+                } else {
+                    *hit
+                }
+            })
+            .collect();
+        for (a, b) in [(&reference, &hits), (&hits, &reference)] {
+            let verdict = compare_closest(&mesh, &rays, a, b);
+            assert_eq!(verdict.rays, verdict.equal + verdict.ties + verdict.edge + verdict.mismatched);
+            // Rays that start on the surface or graze it are rightly doubtful.
+            assert!(verdict.mismatched + verdict.edge == forged, "{name}: {verdict}, {forged} forged");
+            assert!(verdict.mismatched * 100 > forged * 97, "{name}: {verdict}, {forged} forged");
+        }
+    }
+    let invented: Vec<Hit> = reference
+        .iter()
+        .map(|hit| if hit.is_hit() { *hit } else { Hit { t: 1.0, u: 0.2, v: 0.2, prim: 0 } })
+        .collect();
+    let misses = reference.iter().filter(|hit| !hit.is_hit()).count();
+    let verdict = compare_closest(&mesh, &rays, &reference, &invented);
+    assert!(verdict.mismatched * 100 > misses * 99, "{verdict}, {misses} invented");
+}
+
+#[test]
+fn forged_shadows_are_found() {
+    let mesh = soup(400, 5);
+    let rays = rays(&mesh, 4000, 6);
+    let brute = BruteForce(&mesh);
+    let reference = any(&brute, &rays);
+    let inverted: Vec<bool> = reference.iter().map(|x| !x).collect();
+    for (a, b) in [(&reference, &inverted), (&inverted, &reference)] {
+        let verdict = compare_any(&mesh, &rays, a, b, witness(&[&brute]));
+        assert!(verdict.mismatched * 100 > rays.len() * 97, "{verdict}");
+        for example in verdict.mismatches {
+            let shown = example.reference.is_hit() || example.hit.is_hit();
+            assert_eq!(shown, reference[example.ray], "{example}");
+        }
+    }
+}
+
+#[test]
+fn a_shadow_behind_a_grazed_edge_is_still_a_shadow() {
+    // The ray passes exactly through an edge of the first triangle and the middle of the second.
+    let mesh = mesh(
+        vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [-1.0, -1.0, -1.0],
+            [2.0, -1.0, -1.0],
+            [-1.0, 2.0, -1.0],
+        ],
+        vec![[0, 1, 2], [3, 4, 5]],
+    );
+    let brute = BruteForce(&mesh);
+    let long = ray([0.25, 0.0, 1.0], [0.0, 0.0, -1.0]);
+    let short = Ray { tfar: 1.5, ..long };
+    let verdict = compare_any(&mesh, &[long, short], &[true, true], &[false, false], witness(&[&brute]));
+    assert_eq!((verdict.mismatched, verdict.edge), (1, 1));
+    assert_eq!(verdict.mismatches[0].ray, 0);
+    assert_eq!(verdict.mismatches[0].reference.prim, 1);
+}
+
+#[test]
+fn coplanar_twins_tie_and_edges_are_counted_apart() {
+    let triangle = one_triangle();
+    let mesh = joined(&triangle, &triangle);
+    let hit = |prim| Hit { t: 1.0, u: 0.25, v: 0.25, prim };
+    let down = ray([0.25, 0.25, 1.0], [0.0, 0.0, -1.0]);
+    let verdict = compare_closest(&mesh, &[down], &[hit(0)], &[hit(1)]);
+    assert_eq!((verdict.ties, verdict.is_ok()), (1, true));
+
+    let edge = ray([0.5, 0.5, 1.0], [0.0, 0.0, -1.0]);
+    let verdict = compare_closest(&mesh, &[edge], &[hit(0)], &[Hit::MISS]);
+    assert_eq!((verdict.edge, verdict.is_ok()), (1, true));
+
+    let beside = ray([0.7, 0.7, 1.0], [0.0, 0.0, -1.0]);
+    let verdict = compare_closest(&mesh, &[beside], &[hit(0)], &[Hit::MISS]);
+    assert_eq!(verdict.mismatched, 1);
+    let text = verdict.to_string();
+    assert!(text.contains("1 mismatches (ray 0: reference hit triangle 0 at 1e0, not nothing)"), "{text}");
+}
+
+#[test]
+fn verdicts_add_up() {
+    let mesh = one_triangle();
+    let down = ray([0.25, 0.25, 1.0], [0.0, 0.0, -1.0]);
+    let hit = Hit { t: 1.0, u: 0.25, v: 0.25, prim: 0 };
+    let good = compare_closest(&mesh, &[down; 3], &[hit; 3], &[hit; 3]);
+    let bad = compare_closest(&mesh, &[down], &[hit], &[Hit::MISS]);
+    let both = good.and(&bad);
+    assert_eq!((both.rays, both.equal, both.mismatched, both.mismatches[0].ray), (4, 3, 1, 3));
+}
+
+#[test]
+fn hashes_forgive_last_bits_but_not_more() {
+    let hits: Vec<Hit> = (1..1000).map(|i| Hit { t: i as f32 * 0.37, ..Hit::MISS }).collect();
+    let hits: Vec<Hit> = hits.iter().map(|hit| Hit { prim: 1, ..*hit }).collect();
+    let changed = |i: usize, t: f32| {
+        let mut hits = hits.clone();
+        hits[i].t = t;
+        hit_hash(&hits)
+    };
+    let hash = hit_hash(&hits);
+    let forgiven = (0..999).filter(|&i| changed(i, hits[i].t.next_up()) == hash).count();
+    assert!(forgiven > 990, "{forgiven}");
+    assert!((0..999).all(|i| changed(i, hits[i].t * 1.001) != hash));
+    let mut swapped = hits.clone();
+    swapped.swap(3, 4);
+    assert_ne!(hit_hash(&swapped), hash);
+    assert_ne!(hit_hash(&hits[1..]), hash);
+}

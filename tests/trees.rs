@@ -1,0 +1,173 @@
+//! Every builder on every awkward input: the tree is whole, and the same at any number of threads.
+
+use phr::build::{self, Build};
+use phr::bvh::{Bvh4, Child, sah_cost};
+use phr::geometry::Mesh;
+
+/// A mesh of separate triangles.
+fn soup(triangles: impl IntoIterator<Item = [[f32; 3]; 3]>) -> Mesh {
+    let vertices: Vec<_> = triangles.into_iter().flatten().collect();
+    let triangles = (0..vertices.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    Mesh::new(vertices, triangles).unwrap().0
+}
+
+/// Deterministic numbers in [0, 1).
+fn random(seed: u32) -> impl FnMut() -> f32 {
+    let mut state = u64::from(seed) ^ 0x9e37_79b9_7f4a_7c15;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f32 / (1u32 << 24) as f32
+    }
+}
+
+fn random_soup(n: usize, size: f32) -> Mesh {
+    let mut r = random(7);
+    let mut point = move |scale: f32| [r() * scale, r() * scale, r() * scale];
+    soup((0..n).map(|_| {
+        let at = point(100.0);
+        [0; 3].map(|_| {
+            let d = point(size);
+            [at[0] + d[0], at[1] + d[1], at[2] + d[2]]
+        })
+    }))
+}
+
+/// An axis-aligned grid of quads in the plane z = 0, and walls through it: planes full of flat boxes.
+fn coplanar_grid(n: u32) -> Mesh {
+    let mut triangles = Vec::new();
+    for axis in 0..3 {
+        for i in 0..n {
+            for j in 0..n {
+                let corner = |di: u32, dj: u32| {
+                    let mut p = [0.0; 3];
+                    p[(axis + 1) % 3] = (i + di) as f32;
+                    p[(axis + 2) % 3] = (j + dj) as f32;
+                    p[axis] = (n / 2) as f32;
+                    p
+                };
+                triangles.push([corner(0, 0), corner(1, 0), corner(0, 1)]);
+                triangles.push([corner(1, 0), corner(1, 1), corner(0, 1)]);
+            }
+        }
+    }
+    soup(triangles)
+}
+
+/// Long diagonal needles that cross each other: much work for spatial splits.
+fn needles(n: usize) -> Mesh {
+    let mut r = random(3);
+    soup((0..n).map(|_| {
+        let (a, b) = ([r() * 100.0, r() * 100.0, r() * 100.0], [r() * 100.0, r() * 100.0, r() * 100.0]);
+        [a, b, [a[0] + 1e-3, a[1], a[2]]]
+    }))
+}
+
+fn awkward() -> Vec<(&'static str, Mesh)> {
+    let unit = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let at = |x: f32, s: f32| unit.map(|[a, b, c]| [x + s * a, s * b, s * c]);
+    let mut with_bad: Vec<_> = (0..50).map(|i| at(i as f32, 0.5)).collect();
+    with_bad.push([[f32::NAN, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    with_bad.push([[0.0, 0.0, 0.0], [f32::INFINITY, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    with_bad.push([[0.0, 0.0, 0.0], [3e18, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    let concentric = (0..2000).map(|i| {
+        let s = 1.0 + i as f32;
+        [[-s, -s, 0.0], [s, -s, 0.0], [0.0, 2.0 * s, 0.0]]
+    });
+    vec![
+        ("empty", soup([])),
+        ("one", soup([unit])),
+        ("four", soup((0..4).map(|i| at(i as f32, 1.0)))),
+        ("five", soup((0..5).map(|i| at(i as f32, 1.0)))),
+        ("identical", soup((0..3000).map(|_| unit))),
+        ("all in one point", soup((0..500).map(|_| [[1.0; 3]; 3]))),
+        (
+            "all on one line",
+            soup((0..3000).map(|i| [[i as f32, 0.0, 0.0], [i as f32 + 0.5, 0.0, 0.0], [i as f32, 0.0, 0.0]])),
+        ),
+        ("coplanar grids", coplanar_grid(40)),
+        ("equal centroids", soup(concentric)),
+        ("NaN, infinite and huge vertices", soup(with_bad)),
+        ("needles", needles(5000)),
+        ("extremely large", soup((0..3000).map(|i| at(i as f32 * 1e14, 1e17)))),
+        ("extremely small", soup((0..3000).map(|i| at(i as f32 * 1e-38, 1e-38)))),
+        (
+            "one huge among tiny",
+            soup((0..3000).map(|i| if i == 0 { at(0.0, 1e18) } else { at(i as f32 * 1e-3, 1e-4) })),
+        ),
+        ("geometric series", soup((0..250).map(|i| at(2.0f32.powi(i - 190), 2.0f32.powi(i - 195))))),
+        ("random", random_soup(30_000, 3.0)),
+    ]
+}
+
+fn build_with(threads: usize, name: &str, mesh: &Mesh) -> Build {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let mut builder = build::by_name(name).unwrap();
+    pool.install(|| builder.build(mesh))
+}
+
+#[test]
+fn every_tree_is_whole_and_the_same_at_any_thread_count() {
+    for (input, mesh) in awkward() {
+        for name in build::NAMES {
+            let build = build_with(1, name, &mesh);
+            if let Err(invalid) = build.tree.validate(&mesh) {
+                panic!("{name} on {input}: {invalid}");
+            }
+            for threads in [2, 8] {
+                let other = build_with(threads, name, &mesh).tree;
+                assert!(other == build.tree, "{name} on {input}: another tree at {threads} threads");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_used_builder_builds_the_same_tree_as_a_new_one() {
+    let (first, second) = (random_soup(20_000, 5.0), needles(3000));
+    for name in build::NAMES {
+        let mut used = build::by_name(name).unwrap();
+        used.build(&first);
+        assert!(used.build(&second).tree == build_with(1, name, &second).tree, "{name}");
+    }
+}
+
+#[test]
+fn four_triangles_are_one_quartet() {
+    let mesh = soup((0..4).map(|i| [[i as f32, 0., 0.], [i as f32 + 1.0, 0., 0.], [i as f32, 1., 1.]]));
+    for name in build::NAMES {
+        let tree = build_with(1, name, &mesh).tree;
+        assert_eq!(tree.root.get(), Child::Leaf { first: 0, count: 1 }, "{name}");
+        assert_eq!(sah_cost(&tree), 1.0, "{name}");
+    }
+}
+
+#[test]
+fn two_distant_quartets_cost_what_a_hand_says() {
+    // Two clusters of four unit-square halves, each with box 1 x 1 x 0 (half area 1), 9 apart along x:
+    // the whole is 10 x 1 x 0, half area 10, so 1 + (1 * 1 + 1 * 1) / 10.
+    let triangle = |x: f32| [[x, 0., 0.], [x + 1.0, 0., 0.], [x, 1., 0.]];
+    let mesh = soup([0., 0., 0., 0., 9., 9., 9., 9.].map(triangle));
+    for name in build::NAMES {
+        let tree: Bvh4 = build_with(1, name, &mesh).tree;
+        assert!((sah_cost(&tree) - 1.2).abs() < 1e-6, "{name}: {}", sah_cost(&tree));
+    }
+}
+
+#[test]
+fn a_better_preset_makes_a_cheaper_tree() {
+    let mesh = random_soup(30_000, 3.0);
+    let cost = |name| sah_cost(&build_with(2, name, &mesh).tree);
+    assert!(cost("phr-hq") <= cost("phr-fast") && cost("phr-fast") < cost("lbvh"));
+}
+
+#[test]
+fn spatial_splits_are_made_where_they_pay_and_stay_bounded() {
+    let mesh = needles(5000);
+    let build = build_with(2, "phr-hq", &mesh);
+    assert!(build.counts.spatial_splits > 0);
+    let references = build.tree.blocks.iter().flat_map(|block| block.ids()).count();
+    assert!(references > mesh.len() && references <= 2 * mesh.len(), "{references}");
+    for name in ["hunt-50", "hunt-500"] {
+        assert_eq!(build_with(2, name, &mesh).counts.spatial_splits, 0);
+    }
+}
