@@ -3,7 +3,7 @@
 
 use super::binary::{BinaryTree, Node};
 use super::lbvh::Auxiliary;
-use super::top_down::{self, Pool, TopDown};
+use super::top_down::{self, Pool, QUARTET, TopDown};
 use super::{Build, Builder, Counts, Stopwatch};
 use crate::geometry::{Aabb, Mesh};
 
@@ -16,6 +16,10 @@ impl TopDown for Collapse<'_> {
 
     fn count(&self, node: &Node) -> u32 {
         node.count
+    }
+
+    fn is_leaf(&self, node: &Node) -> bool {
+        node.count <= QUARTET
     }
 
     fn half_area(&self, node: &Node) -> f32 {

@@ -23,6 +23,8 @@ pub(super) struct Cut {
     pub capacity: u32,
     /// Binary splits above.
     pub depth: u32,
+    /// To be a leaf.
+    pub is_leaf: bool,
 }
 
 impl Cut {

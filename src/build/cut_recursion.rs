@@ -5,7 +5,7 @@ use super::binary::{BinaryTree, Node};
 use super::cut::{Cut, SPACE, gather, open};
 use super::object_split::{ObjectSplit, Sweep};
 use super::spatial_split::{SpatialSplit, SpatialSweep};
-use super::top_down::TopDown;
+use super::top_down::{QUARTET, TopDown};
 use crate::geometry::Aabb;
 
 /// From this many binary splits on, the triangles left are halved by count: no input makes the tree deeper
@@ -36,6 +36,8 @@ pub(super) struct CutRecursion<'a, R> {
     pub spatial_above: f32,
     /// Most references per triangle that spatial splits may make.
     pub max_references: f32,
+    /// Most triangles of a leaf.
+    pub max_leaf: u32,
 }
 
 /// Memory and counts of one task.
@@ -57,7 +59,7 @@ impl<R: Refine> CutRecursion<'_, R> {
         let count: u32 = nodes.iter().map(|node| node.count).sum();
         let bounds = nodes.iter().map(Node::bounds).collect();
         let capacity = (count as f32 * self.max_references) as u32;
-        Cut { nodes, clip: SPACE, bounds, count, capacity, depth: 0 }
+        Cut { nodes, clip: SPACE, bounds, count, capacity, depth: 0, is_leaf: count <= QUARTET }
     }
 
     /// Opens a cut of one node, whatever the threshold, until there is something to split.
@@ -88,6 +90,19 @@ impl<R: Refine> CutRecursion<'_, R> {
     fn measure(&self, cut: &mut Cut) {
         cut.bounds = cut.nodes.iter().map(Node::bounds).collect();
         cut.count = cut.nodes.iter().map(|node| node.count).sum();
+        cut.is_leaf = cut.count <= QUARTET;
+    }
+
+    /// Whether a leaf costs no more than a node with the two sides as leaves, in the cost model of Table 1: a
+    /// leaf costs its quartets, a node one.
+    fn leaf_is_cheaper(&self, cut: &Cut, sides: [&[Node]; 2]) -> bool {
+        let leaf = |area: f32, count: u32| area * count.div_ceil(QUARTET) as f32;
+        let side_cost = |side: &[Node]| {
+            let bounds: Aabb = side.iter().map(Node::bounds).collect();
+            leaf(bounds.half_area(), side.iter().map(|node| node.count).sum())
+        };
+        let area = cut.bounds.half_area();
+        cut.count <= self.max_leaf && leaf(area, cut.count) <= area + sides.map(side_cost).iter().sum::<f32>()
     }
 
     /// A spatial split, if the rules allow one that is cheaper than `object`.
@@ -125,7 +140,15 @@ impl<R: Refine> CutRecursion<'_, R> {
         self.refine.refine(self.tree, &clip, depth, side, &mut nodes);
         // Room for duplicates is handed down in proportion to what each side holds.
         let capacity = (f64::from(parent.capacity) * f64::from(own) / f64::from(references)) as u32;
-        let mut cut = Cut { nodes, clip, bounds: Aabb::EMPTY, count: 0, capacity: capacity.max(own), depth };
+        let mut cut = Cut {
+            nodes,
+            clip,
+            bounds: Aabb::EMPTY,
+            count: 0,
+            capacity: capacity.max(own),
+            depth,
+            is_leaf: false,
+        };
         self.measure(&mut cut);
         if cut.nodes.is_empty() {
             scratch.spare.push(cut.nodes);
@@ -143,6 +166,10 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         cut.count
     }
 
+    fn is_leaf(&self, cut: &Cut) -> bool {
+        cut.is_leaf
+    }
+
     fn half_area(&self, cut: &Cut) -> f32 {
         cut.bounds.half_area()
     }
@@ -153,10 +180,11 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         } else if cut.depth >= MAX_DEPTH {
             self.open_fully(&mut cut);
         }
-        match cut.nodes.len() {
-            0 => return [None, None],
-            1 => return [Some(cut), None],
-            _ => {}
+        if cut.nodes.is_empty() {
+            return [None, None];
+        }
+        if cut.is_leaf {
+            return [Some(cut), None];
         }
         scratch.counts.splits += 1;
         scratch.counts.swept += cut.nodes.len() as u64;
@@ -191,6 +219,14 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
             let (a, b) = cut.nodes.split_at(cut.nodes.len() / 2);
             left.extend_from_slice(a);
             right.extend_from_slice(b);
+        }
+
+        if self.leaf_is_cheaper(&cut, [&left, &right]) {
+            left.clear();
+            right.clear();
+            scratch.sides = [left, right];
+            cut.is_leaf = true;
+            return [Some(cut), None];
         }
 
         // Refine.

@@ -15,6 +15,8 @@ use crate::geometry::{Aabb, Mesh};
 pub struct HuntConfig {
     /// Nodes of every cut, while there are so many.
     pub cut_length: usize,
+    /// Most triangles of a leaf, as in [`super::PhrConfig::max_leaf`].
+    pub max_leaf: u32,
 }
 
 /// The rule of constant length: a partial sort by area, then the largest are opened (paper 5).
@@ -75,7 +77,13 @@ impl Builder for Hunt {
         let mut watch = Stopwatch::start();
         let tree = &self.auxiliary.tree;
         let refine = ConstantLength(self.config.cut_length);
-        let recursion = CutRecursion { tree, refine, spatial_above: f32::INFINITY, max_references: 1.0 };
+        let recursion = CutRecursion {
+            tree,
+            refine,
+            spatial_above: f32::INFINITY,
+            max_references: 1.0,
+            max_leaf: self.config.max_leaf,
+        };
         let root =
             tree.root.map(|root| recursion.root(Cut::initial(tree, root, 0.0, self.config.cut_length)));
         let tree = top_down::build(&recursion, root, mesh, &self.pool);

@@ -1,7 +1,8 @@
 //! LBVH (Lauterbach et al. 2009) as the paper builds it in 4.7: Morton codes, a parallel sort, and a recursion
 //! that finds each node's children where the highest bit of the code changes. Three changes: the sort is a
 //! radix sort; boxes are united on the way back up instead of by atomic counters; and triangles that share a
-//! code are coded anew within their own bounds, so that 32 bits suffice for any scene.
+//! code are parted by the middle of their own centroids' bounds, which is what further bits would say, so that
+//! 32 bits suffice for any scene.
 
 use super::binary::{BinaryTree, Node};
 use super::morton::Quantizer;
@@ -38,10 +39,8 @@ impl Auxiliary {
         watch.lap("codes and sort");
         self.tree.pairs.resize(mesh.len().saturating_sub(1), [Node::ZERO; 2]);
         let boxes = &self.primitives.boxes;
-        self.tree.root = (!self.keys.is_empty()).then(|| {
-            Range { keys: &mut self.keys, first: 0, depth: 0, recoded: false }
-                .build(boxes, &mut self.tree.pairs)
-        });
+        self.tree.root = (!self.keys.is_empty())
+            .then(|| Range { keys: &mut self.keys, first: 0, depth: 0 }.build(boxes, &mut self.tree.pairs));
         watch.lap("auxiliary tree");
         watch.phases
     }
@@ -58,11 +57,6 @@ impl Auxiliary {
             }
         });
         radix_sort::sort(&mut self.keys, &mut self.scratch);
-    }
-
-    /// The triangle ids in the order of their codes.
-    pub fn sorted_ids(&self) -> impl Iterator<Item = u32> + '_ {
-        self.keys.iter().map(|&key| id(key))
     }
 
     /// Bytes held.
@@ -92,31 +86,28 @@ struct Range<'a> {
     /// Position of the range in the whole array.
     first: usize,
     depth: u32,
-    /// Its keys have been coded within their own bounds already.
-    recoded: bool,
 }
 
 impl Range<'_> {
     /// Builds the subtree into `pairs`, the pairs of this range (one less than keys).
     fn build(self, boxes: &[Aabb], pairs: &mut [[Node; 2]]) -> Node {
-        let Range { keys, first, depth, recoded } = self;
+        let Range { keys, first, depth } = self;
         if let &mut [key] = keys {
             return Node::leaf(boxes[id(key) as usize], id(key));
         }
-        let equal = code(keys[0]) == code(keys[keys.len() - 1]);
-        if equal && !recoded && keys.len() > 2 && depth < MAX_CODED_DEPTH {
-            recode(keys, boxes);
-            return Range { keys, first, depth, recoded: true }.build(boxes, pairs);
-        }
-        let split = if equal || depth >= MAX_CODED_DEPTH { keys.len() / 2 } else { highest_change(keys) };
-        // Within a run of equal codes nothing is left to find out; elsewhere an equal run may appear below.
-        let recoded = equal && recoded;
+        let split = if depth >= MAX_CODED_DEPTH {
+            keys.len() / 2
+        } else if code(keys[0]) == code(keys[keys.len() - 1]) {
+            part_by_middle(keys, boxes)
+        } else {
+            highest_change(keys)
+        };
         let len = keys.len();
         let (left, right) = keys.split_at_mut(split);
         let (left_pairs, rest) = pairs.split_at_mut(split - 1);
         let (own, right_pairs) = rest.split_first_mut().expect("a range of n keys has n - 1 pairs");
-        let left = Range { keys: left, first, depth: depth + 1, recoded };
-        let right = Range { keys: right, first: first + split, depth: depth + 1, recoded };
+        let left = Range { keys: left, first, depth: depth + 1 };
+        let right = Range { keys: right, first: first + split, depth: depth + 1 };
         *own = if len < SERIAL {
             [left.build(boxes, left_pairs), right.build(boxes, right_pairs)]
         } else {
@@ -133,15 +124,21 @@ fn highest_change(keys: &[u64]) -> usize {
     keys.partition_point(|&key| code(key) & bit == 0)
 }
 
-/// Codes and sorts a run anew within the bounds of its own centroids.
-fn recode(keys: &mut [u64], boxes: &[Aabb]) {
+/// Reorders a run of equal codes: first those whose centroid lies before the middle of the longest edge of the
+/// centroids' bounds. Returns their number; half of all where they do not lie apart.
+fn part_by_middle(keys: &mut [u64], boxes: &[Aabb]) -> usize {
     let center = |key: u64| boxes[id(key) as usize].center2();
     let bounds = keys.iter().fold(Aabb::EMPTY, |bounds, &key| bounds.grow(center(key)));
-    let quantizer = Quantizer::new(bounds);
-    for key in keys.iter_mut() {
-        *key = make_key(quantizer.code(center(*key)), id(*key));
+    let axis = bounds.extent().max_position();
+    let middle = bounds.center()[axis];
+    let mut split = 0;
+    for i in 0..keys.len() {
+        if center(keys[i])[axis] < middle {
+            keys.swap(i, split);
+            split += 1;
+        }
     }
-    keys.sort_unstable();
+    if (1..keys.len()).contains(&split) { split } else { keys.len() / 2 }
 }
 
 #[cfg(test)]

@@ -109,8 +109,8 @@ pub const NAMES: &[&str] = &["lbvh", "hunt-50", "hunt-500", "phr-fast", "phr-hq"
 pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
     Some(match name {
         "lbvh" => Box::new(Lbvh::default()),
-        "hunt-50" => Box::new(Hunt::new("hunt-50", HuntConfig { cut_length: 50 })),
-        "hunt-500" => Box::new(Hunt::new("hunt-500", HuntConfig { cut_length: 500 })),
+        "hunt-50" => Box::new(Hunt::new("hunt-50", HuntConfig { cut_length: 50, max_leaf: 8 })),
+        "hunt-500" => Box::new(Hunt::new("hunt-500", HuntConfig { cut_length: 500, max_leaf: 8 })),
         "phr-fast" => Box::new(Phr::new("phr-fast", PhrConfig::FAST)),
         "phr-hq" => Box::new(Phr::new("phr-hq", PhrConfig::HQ)),
         _ => return None,

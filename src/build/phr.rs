@@ -21,12 +21,21 @@ pub struct PhrConfig {
     pub spatial_threshold: f32,
     /// Most references per triangle that spatial splits may make: a bound on memory, not in the paper.
     pub max_references: f32,
+    /// Most triangles of a leaf. Up to four always are one; more where the cost model has a leaf of several
+    /// quartets cheaper than a node (the paper leaves leaves open).
+    pub max_leaf: u32,
 }
 
 impl PhrConfig {
     /// PHR-Fast (paper 4.3).
-    pub const FAST: Self =
-        Self { alpha: 0.5, delta: 6.0, max_cut: 2048, spatial_threshold: 1e-3, max_references: 2.0 };
+    pub const FAST: Self = Self {
+        alpha: 0.5,
+        delta: 6.0,
+        max_cut: 2048,
+        spatial_threshold: 1e-3,
+        max_references: 2.0,
+        max_leaf: 8,
+    };
     /// PHR-HQ (paper 4.3).
     pub const HQ: Self = Self { alpha: 0.55, delta: 9.0, ..Self::FAST };
 }
@@ -105,6 +114,7 @@ impl Builder for Phr {
             refine,
             spatial_above: scene.half_area() * self.config.spatial_threshold,
             max_references: self.config.max_references,
+            max_leaf: self.config.max_leaf,
         };
         let root =
             tree.root.map(|root| recursion.root(Cut::initial(tree, root, threshold, self.config.max_cut)));

@@ -8,15 +8,15 @@
 #![allow(unsafe_code)]
 
 use super::primitives::GRAIN;
-use crate::bvh::{Bvh4, Link, TriangleBlock, WideNode};
+use crate::bvh::{Bvh4, Link, MAX_LEAF_BLOCKS, TriangleBlock, WideNode};
 use crate::geometry::{Aabb, Mesh};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
 /// Children of a wide node.
 const WIDTH: usize = 4;
-/// Triangles of a leaf: one quartet.
-pub(super) const LEAF: u32 = 4;
+/// Triangles of a leaf block: up to so many are always a leaf.
+pub(super) const QUARTET: u32 = 4;
 
 /// What a concrete builder supplies.
 pub(super) trait TopDown: Sync {
@@ -31,10 +31,14 @@ pub(super) trait TopDown: Sync {
     /// Half the surface area of the part's box.
     fn half_area(&self, part: &Self::Part) -> f32;
 
-    /// Divides a part of more than [`LEAF`] references in two, either of which may turn out to be empty.
+    /// Whether the part is to become a leaf; it is then of at most 4 * [`MAX_LEAF_BLOCKS`] references.
+    fn is_leaf(&self, part: &Self::Part) -> bool;
+
+    /// Divides a part that is no leaf in two, either of which may turn out to be empty; or finds that it should
+    /// be a leaf, and gives it back as one.
     fn split(&self, part: Self::Part, scratch: &mut Self::Scratch) -> [Option<Self::Part>; 2];
 
-    /// Appends the triangles of a part of at most [`LEAF`] references; returns their box, clipped like the part.
+    /// Appends the triangles of a leaf; returns their box, clipped like the part.
     fn leaf(&self, part: Self::Part, ids: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb;
 }
 
@@ -142,11 +146,11 @@ impl<T: TopDown> Task<'_, T> {
         piece: &mut Piece,
         worker: &mut Worker<T::Scratch>,
     ) -> Option<(Aabb, Link)> {
-        if self.builder.count(&part) <= LEAF {
+        if self.builder.is_leaf(&part) {
             return self.leaf(part, piece, worker);
         }
         let mut children = self.children(part, &mut worker.scratch);
-        // Clipping may leave a single child: it takes its parent's place.
+        // Clipping may leave a single child, or the part be found to be a leaf: it takes its parent's place.
         if children.len() <= 1 {
             return self.serial(children.pop()?, piece, worker);
         }
@@ -180,7 +184,7 @@ impl<T: TopDown> Task<'_, T> {
         let mut children = Vec::with_capacity(WIDTH);
         children.push(part);
         while (1..WIDTH).contains(&children.len()) {
-            let splittable = (0..children.len()).filter(|&i| self.builder.count(&children[i]) > LEAF);
+            let splittable = (0..children.len()).filter(|&i| !self.builder.is_leaf(&children[i]));
             let area = |i: usize| self.builder.half_area(&children[i]);
             let Some(largest) = splittable.reduce(|a, b| if area(b) > area(a) { b } else { a }) else {
                 break;
@@ -208,7 +212,8 @@ impl<T: TopDown> Task<'_, T> {
             return None;
         }
         let first = piece.blocks.len();
-        for ids in worker.ids.chunks(4) {
+        debug_assert!(worker.ids.len() <= QUARTET as usize * MAX_LEAF_BLOCKS);
+        for ids in worker.ids.chunks(QUARTET as usize) {
             let mut block = TriangleBlock::EMPTY;
             for (lane, &prim) in ids.iter().enumerate() {
                 block.set(lane, self.mesh.corners(prim), prim);

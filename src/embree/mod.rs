@@ -15,8 +15,16 @@ mod capture;
 mod config;
 mod device;
 mod error;
+#[cfg(feature = "graft")]
+pub mod graft;
 mod inspect;
+#[cfg(feature = "graft")]
+mod layout;
+#[cfg(feature = "graft")]
+pub mod native;
+mod packets;
 mod query;
+pub mod rtcbuild;
 #[cfg(test)]
 mod samples;
 mod scene;
@@ -25,4 +33,7 @@ pub use config::{Config, EmbreeBuilder, Width};
 pub use device::{Device, Memory, version};
 pub use error::EmbreeError;
 pub use inspect::{Inspection, inspect};
+#[cfg(feature = "graft")]
+pub use layout::Unavailable;
+pub use packets::Packets;
 pub use scene::{EmbreeScene, Prepared};

@@ -73,7 +73,7 @@ pub(super) unsafe fn any(scene: sys::RTCScene, rays: &[Ray], occluded: &mut [boo
     }
 }
 
-fn context() -> sys::RTCIntersectContext {
+pub(super) fn context() -> sys::RTCIntersectContext {
     let mut context = sys::RTCIntersectContext::default();
     // SAFETY: writes the structure given.
     unsafe { sys::rtcInitIntersectContext(&mut context) };

@@ -19,12 +19,12 @@ pub(super) struct Lights {
 }
 
 /// Irradiance of surfaces that face the sun; warm.
-const SUN: Vec3 = Vec3::new(2.5, 2.35, 2.1);
+const SUN: Vec3 = Vec3::new(2.2, 2.05, 1.8);
 /// Irradiance of surfaces that face the lamp at its reach.
-const LAMP: Vec3 = Vec3::new(1.5, 1.4, 1.3);
+const LAMP: Vec3 = Vec3::new(0.8, 0.75, 0.68);
 /// Radiance of the sky at the horizon and above.
-const HORIZON: Vec3 = Vec3::new(0.85, 0.85, 0.83);
-const ZENITH: Vec3 = Vec3::new(0.35, 0.5, 0.8);
+const HORIZON: Vec3 = Vec3::new(0.5, 0.52, 0.55);
+const ZENITH: Vec3 = Vec3::new(0.25, 0.36, 0.6);
 
 /// A light seen from a point, before anything in between is looked for.
 pub(super) struct LightSample {
@@ -69,8 +69,8 @@ impl Lights {
         let to_lamp = self.lamp + self.lamp_radius * on_lamp - point;
         let distance = to_lamp.length();
         let dir = to_lamp.try_normalize()?;
-        // Nearer than a fifth of its reach the lamp gets no brighter.
-        let nearness = self.reach / distance.max(0.2 * self.reach);
+        // Nearer than half its reach the lamp gets no brighter.
+        let nearness = self.reach / distance.max(0.5 * self.reach);
         Some(LightSample { dir, distance, irradiance: 2.0 * nearness * nearness * LAMP })
     }
 }

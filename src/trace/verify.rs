@@ -11,7 +11,8 @@ use rayon::prelude::*;
 pub struct Mismatch {
     /// Index of the ray in its batch.
     pub ray: usize,
-    /// What the reference found. For any-hit queries: the hit in question if it says "occluded", else a miss.
+    /// What the reference found. For any-hit queries: the hit in question if it says "occluded", else a miss;
+    /// a miss on both sides if one says "occluded" although nothing is there.
     pub reference: Hit,
     /// What the tracer under test found, likewise.
     pub hit: Hit,
@@ -22,6 +23,9 @@ impl std::fmt::Display for Mismatch {
         let name = |hit: Hit| {
             if hit.is_hit() { format!("triangle {} at {:e}", hit.prim, hit.t) } else { "nothing".to_owned() }
         };
+        if !self.reference.is_hit() && !self.hit.is_hit() {
+            return write!(f, "ray {}: called occluded by one, but nothing is there", self.ray);
+        }
         write!(f, "ray {}: reference hit {}, not {}", self.ray, name(self.reference), name(self.hit))
     }
 }

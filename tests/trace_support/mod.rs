@@ -158,7 +158,12 @@ pub fn rays(mesh: &Mesh, n: usize, seed: u64) -> Vec<Ray> {
                 4 => org *= 0.4,
                 _ => {}
             }
-            let tnear = if i % 7 == 0 { random.unit() } else { 0.0 };
+            let tnear = match i {
+                _ if i % 7 == 0 => random.unit(),
+                // From a surface, but not so near that rounding decides whether it is hit.
+                _ if i % 6 == 3 => 1e-2,
+                _ => 0.0,
+            };
             let tfar = if i % 5 == 0 { tnear + 2.0 * random.unit() } else { f32::INFINITY };
             Ray { org, tnear, dir, tfar }
         })

@@ -195,7 +195,7 @@ impl Avx2 {
 #[target_feature(enable = "avx2,fma")]
 fn reciprocal(x: __m128) -> __m128 {
     let estimate = _mm_rcp_ps(x);
-    _mm_mul_ps(estimate, _mm_fnmadd_ps(estimate, x, _mm_set1_ps(2.0)))
+    _mm_fmadd_ps(estimate, _mm_fnmadd_ps(x, estimate, _mm_set1_ps(1.0)), estimate)
 }
 
 #[inline]

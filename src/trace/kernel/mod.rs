@@ -20,6 +20,10 @@ use traverse::Query;
 /// Traces rays through a tree with our kernel. The interval is `tnear < t <= tfar`; among equal distances
 /// the triangle tested last wins. A ray that is not [`Ray::is_valid`] has an unspecified answer.
 ///
+/// The test multiplies two edges and the direction in `f32`, as Embree's does: where such a product
+/// overflows or vanishes (scenes of 1e12 and more, or 1e-12 and less, traced with directions as long), hits
+/// are missed. Unit directions are safe over a far wider range.
+///
 /// With [`Isa::Avx2`] the arithmetic is that of Embree's kernel on the same processor, operation by
 /// operation, so that hits on the same tree are the same bits.
 #[derive(Clone, Copy, Debug)]

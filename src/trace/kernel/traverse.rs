@@ -73,11 +73,11 @@ pub(super) fn run<K: Kernel, C: Counter, const N: usize>(
 
 #[inline(always)]
 fn closest<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &Ray, counter: &mut C) -> Hit {
-    // SAFETY (all blocks below): who calls `run` with `K` has its instructions; links come from the tree.
-    // SAFETY: as above.
+    // SAFETY: who calls `run` with `K` has its instructions; likewise below, and links come from the tree.
     let kernel = unsafe { K::new(ray) };
     let mut hit = Hit { t: ray.tfar, ..Hit::MISS };
-    let mut stack = Stack::new();
+    let mut items = Stack::room();
+    let mut stack = Stack { items: &mut items, len: 0 };
     let mut link = tree.root();
     'visit: loop {
         // Descend to the nearest leaf.
@@ -173,7 +173,8 @@ fn closest<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &
 fn any<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &Ray, counter: &mut C) -> bool {
     // SAFETY: who calls `run` with `K` has its instructions; likewise below, and links come from the tree.
     let kernel = unsafe { K::new(ray) };
-    let mut stack = Stack::new();
+    let mut items = Stack::room();
+    let mut stack = Stack { items: &mut items, len: 0 };
     let mut link = tree.root();
     loop {
         'descend: {
@@ -214,6 +215,10 @@ fn any<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &Ray,
     }
 }
 
+/// Each of the inner levels leaves at most seven children waiting, while its nearest is visited; the lowest
+/// one has eight on the stack for a moment.
+const CAPACITY: usize = 7 * MAX_DEPTH + 1;
+
 /// A child and where the ray enters it, in one register: the order of items is that of entries.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Item(u64);
@@ -240,25 +245,22 @@ fn ordered(a: Item, b: Item) -> (Item, Item) {
     (a.min(b), a.max(b))
 }
 
-/// Children still to visit, nearest on top. Never cleared: a ray would pay for 4 KB of zeros.
-struct Stack {
-    items: [MaybeUninit<Item>; Self::CAPACITY],
+/// Children still to visit, nearest on top. Its room is never cleared (a ray would pay for 4 KB of zeros) and
+/// only borrowed, so that the length stays in a register.
+struct Stack<'a> {
+    items: &'a mut [MaybeUninit<Item>; CAPACITY],
     len: usize,
 }
 
-impl Stack {
-    /// Each of the inner levels leaves at most seven children waiting, while its nearest is visited; the
-    /// lowest one has eight on the stack for a moment.
-    const CAPACITY: usize = 7 * MAX_DEPTH + 1;
-
+impl Stack<'_> {
     #[inline(always)]
-    fn new() -> Self {
-        Self { items: [const { MaybeUninit::uninit() }; Self::CAPACITY], len: 0 }
+    fn room() -> [MaybeUninit<Item>; CAPACITY] {
+        [const { MaybeUninit::uninit() }; CAPACITY]
     }
 
     #[inline(always)]
     fn push(&mut self, item: Item) {
-        debug_assert!(self.len < Self::CAPACITY);
+        debug_assert!(self.len < CAPACITY);
         // SAFETY: a `SoundTree` has at most eight children per node and `MAX_DEPTH` inner levels, each entered
         // from above, so that `CAPACITY` is never exceeded.
         unsafe { self.items.get_unchecked_mut(self.len) }.write(item);
