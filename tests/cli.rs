@@ -127,6 +127,21 @@ fn a_run_writes_verified_rows_and_its_table() {
 }
 
 #[test]
+fn the_columns_are_documented() {
+    let folder = tempfile::tempdir().unwrap();
+    records::write(&folder.path().join(ROWS), &[Row::default()]).unwrap();
+    let header = std::fs::read_to_string(folder.path().join(ROWS)).unwrap();
+    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/README.md");
+    let readme = std::fs::read_to_string(readme).unwrap();
+    for column in header.lines().next().unwrap().split(',') {
+        assert!(readme.contains(&format!("`{column}`")), "results/README.md does not tell of {column}");
+    }
+    for warning in phr::bench::warnings::Warning::ALL {
+        assert!(readme.contains(&format!("`{}`", warning.name())), "nor of {warning:?}");
+    }
+}
+
+#[test]
 fn a_generated_scene_needs_no_file() {
     let (_keep, folder) = workplace();
     let name = phr::scene::builtin()[0].name;
