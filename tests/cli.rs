@@ -258,6 +258,7 @@ fn bad_input_is_one_line_and_code_2() {
         (&["bench", "sheet.ply", "--out", "file"], &["file", "--out"]),
         (&["bench", "sheet.ply", "--out", "/proc/results"], &["/proc/results", "--out"]),
         (&["bench", "sheet.ply", "--resume", "--out", "folder"], &[ENVIRONMENT, "--resume"]),
+        (&["bench", "--set", "paper", "--scenes", "nowhere"], &["nowhere", "--scenes"]),
         (&["build", "missing.ply"], &["missing.ply"]),
         (&["build", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["build", "sheet.ply", "--builder", "phr-hq", "--width", "8"], &["--width 8", "phr-hq"]),
