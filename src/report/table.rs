@@ -163,7 +163,8 @@ pub fn scene(rows: &[Row], scene: &str) -> String {
 
 fn kernel_heading(kernel: Kernel) -> &'static str {
     match kernel {
-        Kernel::EmbreeNative => "Embree",
+        Kernel::EmbreeNative => "native",
+        Kernel::EmbreeGrafted => "grafted",
         Kernel::Phr => "phr",
     }
 }
@@ -256,7 +257,7 @@ fn legend(rows: &[Row]) -> String {
     format!(
         "Medians of {rounds} rounds, {} threads on each side. /SAH: relative to {} at width {}; traces {kernel}; \
          ± half the 95 % interval. cold: ms of the first build of a fresh builder or device. cost: SAH cost. \
-         Embree ms, phr ms: all recorded rays through the kernel of that name.\n",
+         All recorded rays: native, \n         Embree's kernel on its own tree; grafted, Embree's kernel on any tree, all laid out alike; phr, our kernel.\n",
         row.threads, BASELINE.0, BASELINE.1
     )
 }
