@@ -4,7 +4,7 @@ use super::{Failure, say};
 use crate::bench::contender::{self, Shown, Visit};
 use crate::bench::plan::PlannedScene;
 use crate::bench::statistics::Summary;
-use crate::report::grid::{Grid, short};
+use crate::report::grid::short;
 
 /// Build a scene and tell the phases and the tree's statistics
 #[derive(Debug, clap::Args)]
@@ -52,8 +52,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn describe(shown: &Shown<'_>) -> String {
     let builds = &shown.builds;
-    let mut grid = Grid::new(["", "value"]);
-    let mut line = |name: &str, value: String| grid.push(vec![name.into(), value]);
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| text += &format!("  {name:<24} {value}\n");
     if let Some(warm) = Summary::of(&builds.warm_ms) {
         let (median, min) = (short(warm.median), short(warm.min));
         line("build, warm", format!("{median} ms (median of {}, least {min})", warm.count));
@@ -81,10 +81,7 @@ fn describe(shown: &Shown<'_>) -> String {
     figure("references per triangle", facts.refs_per_tri.map(|x| format!("{x:.4}")));
     figure("built by", Some(facts.engine));
     figure("parameters", Some(facts.config));
-    // A list of name and value needs no frame.
-    let plain = grid.markdown();
-    let lines = plain.lines().skip(2).map(|line| line.trim_matches(|c| c == '|' || c == ' '));
-    lines.map(|line| format!("  {}\n", line.replacen(" | ", "  ", 1))).collect()
+    text
 }
 
 fn mebibytes(bytes: u64) -> String {

@@ -86,7 +86,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
 
 /// Prints to standard output. A reader that went away (`phr table | head`) is no error.
 fn say(text: &str) -> Result<(), Failure> {
-    match writeln!(std::io::stdout().lock(), "{}", text.trim_end()) {
+    match writeln!(std::io::stdout().lock(), "{}", text.strip_suffix('\n').unwrap_or(text)) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Failure::Bad(format!("standard output: {error}; free the disk or give another place")))
         }

@@ -123,12 +123,10 @@ pub fn scene(rows: &[Row], scene: &str) -> String {
     let of_scene = SceneRows::of(rows, scene);
     let kernels = kernels(rows);
     let mut header: Vec<String> =
-        ["builder / width", "build ms", "cold ms", "build /SAH", "SAH cost", "cost /SAH", "EPO"]
-            .map(Into::into)
-            .into();
+        ["builder / width", "build ms", "cold", "/SAH", "cost", "/SAH", "EPO"].map(Into::into).into();
     for kernel in &kernels {
         let name = kernel_heading(*kernel);
-        header.extend([format!("{name}: ms"), "MRays/s".into(), "time /SAH".into()]);
+        header.extend([format!("{name} ms"), "MRays/s".into(), "/SAH".into()]);
     }
     let mut grid = Grid::new(header);
     let own: Vec<Row> = of_scene.0.iter().map(|&row| row.clone()).collect();
@@ -165,8 +163,9 @@ pub fn scene(rows: &[Row], scene: &str) -> String {
 
 fn kernel_heading(kernel: Kernel) -> &'static str {
     match kernel {
-        Kernel::EmbreeNative => "Embree's kernel",
-        Kernel::Phr => "our kernel",
+        Kernel::EmbreeNative => "native",
+        Kernel::EmbreeGrafted => "grafted",
+        Kernel::Phr => "phr",
     }
 }
 
@@ -177,7 +176,12 @@ fn with_error(ratio: Option<Ratio>, tree: (&str, u32)) -> String {
 /// A ratio with the half width of its interval, where that is known.
 fn interval(ratio: Ratio) -> String {
     let half = 0.5 * (ratio.high - ratio.low);
-    if half.is_finite() { format!("{:.2} ±{half:.2}", ratio.value) } else { format!("{:.2}", ratio.value) }
+    // An interval wider than the ratio says no more than that nothing is known.
+    if half < ratio.value {
+        format!("{:.2} ±{half:.2}", ratio.value)
+    } else {
+        format!("{:.2} ±?", ratio.value)
+    }
 }
 
 /// Digits in groups of three.
@@ -194,9 +198,9 @@ pub fn means(rows: &[Row]) -> String {
     let by_scene: Vec<SceneRows<'_>> = names.iter().map(|scene| SceneRows::of(rows, scene)).collect();
     let kernels = kernels(rows);
     let mut header: Vec<String> =
-        ["builder / width", "scenes", "build geo", "arith", "worst", "cost geo"].map(Into::into).into();
+        ["builder / width", "scenes", "build", "arith.", "worst", "cost"].map(Into::into).into();
     for kernel in &kernels {
-        header.extend([format!("{}: time geo", kernel_heading(*kernel)), "arith".into(), "worst".into()]);
+        header.extend([format!("{} time", kernel_heading(*kernel)), "arith.".into(), "worst".into()]);
     }
     let mut grid = Grid::new(header);
     for (builder, width) in trees(rows) {
@@ -221,7 +225,10 @@ pub fn means(rows: &[Row]) -> String {
     if grid.is_empty() {
         return String::new();
     }
-    format!("## Means of the ratios to Embree SAH, width 4\n\n{}", grid.markdown())
+    format!(
+        "## Means of the ratios to Embree SAH, width 4 (geometric; arith.: arithmetic, as in the paper)\n\n{}",
+        grid.markdown()
+    )
 }
 
 /// Geometric mean, arithmetic mean, and the largest with its scene.
@@ -249,7 +256,8 @@ fn legend(rows: &[Row]) -> String {
     };
     format!(
         "Medians of {rounds} rounds, {} threads on each side. /SAH: relative to {} at width {}; traces {kernel}; \
-         ± half the 95 % interval. cold: first build of a fresh builder or device.\n",
+         ± half the 95 % interval. cold: ms of the first build of a fresh builder or device. cost: SAH cost. \
+         All recorded rays: native, \n         Embree's kernel on its own tree; grafted, Embree's kernel on any tree, all laid out alike; phr, our kernel.\n",
         row.threads, BASELINE.0, BASELINE.1
     )
 }
