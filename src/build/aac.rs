@@ -157,11 +157,11 @@ fn combine(forest: &mut Forest, begin: usize, target: usize, first: usize, pairs
         let last = count(clusters) - 1;
         clusters.swap_remove(begin + b);
         nearest.swap_remove(b);
-        for k in 0..last {
-            if k == a || nearest[k].1 == a || nearest[k].1 == b {
-                nearest[k] = find_nearest(&clusters[begin..], k);
-            } else if nearest[k].1 == last {
-                nearest[k].1 = b;
+        for (k, near) in nearest.iter_mut().enumerate() {
+            if k == a || near.1 == a || near.1 == b {
+                *near = find_nearest(&clusters[begin..], k);
+            } else if near.1 == last {
+                near.1 = b;
             }
         }
     }

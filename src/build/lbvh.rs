@@ -98,7 +98,8 @@ mod tests {
 
     #[test]
     fn every_triangle_is_a_leaf_and_depth_is_bounded() {
-        let placements: [(&str, fn(usize) -> [f32; 3]); 4] = [
+        type Placement = fn(usize) -> [f32; 3];
+        let placements: [(&str, Placement); 4] = [
             ("spread", |i| [(i * 7919 % 1000) as f32, (i * 104_729 % 991) as f32, (i % 13) as f32]),
             ("identical", |_| [1.0, 2.0, 3.0]),
             ("geometric", |i| [2.0f32.powi(i as i32 % 120 - 60), 0.0, 0.0]),
