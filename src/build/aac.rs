@@ -57,7 +57,7 @@ impl Builder for Aac {
     fn build(&mut self, mesh: &Mesh) -> Build {
         let mut watch = Stopwatch::start();
         self.order.sort(mesh, &mut watch);
-        self.tree.pairs.resize(mesh.len().saturating_sub(1), [Node::ZERO; 2]);
+        self.tree.make_room(mesh.len());
         let MortonOrder { primitives, keys, .. } = &mut self.order;
         self.tree.root = if keys.is_empty() {
             None

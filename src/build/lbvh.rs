@@ -25,7 +25,7 @@ impl Auxiliary {
     pub fn build(&mut self, mesh: &Mesh) -> Vec<Phase> {
         let mut watch = Stopwatch::start();
         self.order.sort(mesh, &mut watch);
-        self.tree.pairs.resize(mesh.len().saturating_sub(1), [Node::ZERO; 2]);
+        self.tree.make_room(mesh.len());
         let MortonOrder { primitives, keys, .. } = &mut self.order;
         self.tree.root = (!keys.is_empty())
             .then(|| Run { keys, first: 0, depth: 0 }.build(&primitives.boxes, &mut self.tree.pairs));
