@@ -7,6 +7,7 @@ use crate::bvh::{Statistics, WideBvh};
 use crate::geometry::{Mesh, Ray, Tracer};
 use crate::trace::{BvhTracer, Isa, RayKind, TraversalCounts};
 use rayon::ThreadPool;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
@@ -178,10 +179,9 @@ pub trait Counter: Sync {
 
 impl<const N: usize> Counter for BvhTracer<'_, N> {
     fn count(&self, kind: RayKind, rays: &[Ray]) -> TraversalCounts {
-        match kind {
-            RayKind::Shadow => self.count_any(rays),
-            RayKind::Primary | RayKind::Bounce => self.count_closest(rays),
-        }
+        let count =
+            |rays: &[Ray]| if kind.is_any_hit() { self.count_any(rays) } else { self.count_closest(rays) };
+        rays.par_chunks(1 << 12).map(count).reduce(TraversalCounts::default, |a, b| a + b)
     }
 }
 

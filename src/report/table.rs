@@ -2,13 +2,12 @@
 //! means over scenes. Made from the rows alone.
 
 use super::grid::{Grid, short};
-use crate::bench::contender::{Kernel, place};
-use crate::bench::records::{COLD, NO_KERNEL, Row, WARM};
-use crate::bench::statistics::{Ratio, Summary, arithmetic_mean, geometric_mean};
+use super::means::means;
+use super::ratios::{BASELINE, SceneRows, kernels, trees};
+use crate::bench::contender::Kernel;
+use crate::bench::records::{NO_KERNEL, Row};
+use crate::bench::statistics::Ratio;
 use crate::bench::warnings::Warning;
-
-/// What all figures are relative to.
-pub const BASELINE: (&str, u32) = ("embree-sah", 4);
 
 /// The whole table of a run as a Markdown document.
 pub fn document(rows: &[Row], complete: bool) -> String {
@@ -47,75 +46,6 @@ pub fn scenes(rows: &[Row]) -> Vec<String> {
         }
     }
     names
-}
-
-/// A tree of the table: builder and width.
-type Tree = (String, u32);
-
-fn trees(rows: &[Row]) -> Vec<Tree> {
-    let mut trees: Vec<Tree> = rows.iter().map(|row| (row.builder.clone(), row.width)).collect();
-    trees.sort_by(|a, b| (place(&a.0), a).cmp(&(place(&b.0), b)));
-    trees.dedup();
-    trees
-}
-
-/// Kernels with figures, in the table's order.
-pub fn kernels(rows: &[Row]) -> Vec<Kernel> {
-    let mut kernels: Vec<Kernel> = rows
-        .iter()
-        .filter(|row| row.is_good() && row.mrays_s.is_some())
-        .filter_map(|row| Kernel::by_name(&row.kernel))
-        .collect();
-    kernels.sort_unstable();
-    kernels.dedup();
-    kernels
-}
-
-/// The figures of one scene.
-struct SceneRows<'a>(Vec<&'a Row>);
-
-impl<'a> SceneRows<'a> {
-    fn of(rows: &'a [Row], scene: &str) -> Self {
-        Self(rows.iter().filter(|row| row.scene == scene && row.is_total()).collect())
-    }
-
-    /// Any warm row of a tree tells of its builds.
-    fn build(&self, (builder, width): (&str, u32)) -> Option<&'a Row> {
-        let of_tree = |row: &&&Row| row.builder == builder && row.width == width && row.regime == WARM;
-        self.0.iter().filter(of_tree).find(|row| row.build_ms_median.is_some()).copied()
-    }
-
-    fn cold(&self, (builder, width): (&str, u32)) -> Option<&'a Row> {
-        self.0.iter().find(|r| r.builder == builder && r.width == width && r.regime == COLD).copied()
-    }
-
-    fn trace(&self, (builder, width): (&str, u32), kernel: Kernel) -> Option<&'a Row> {
-        let found = |row: &&&Row| {
-            row.builder == builder && row.width == width && row.kernel == kernel.name() && row.is_good()
-        };
-        self.0.iter().find(found).copied()
-    }
-
-    /// Embree SAH under the same kernel, or under its own where it cannot be had under that.
-    fn trace_baseline(&self, kernel: Kernel) -> Option<&'a Row> {
-        self.trace(BASELINE, kernel).or_else(|| self.trace(BASELINE, Kernel::EmbreeNative))
-    }
-
-    fn build_ratio(&self, tree: (&str, u32)) -> Option<Ratio> {
-        Some(ratio(self.build(tree)?.build_ms()?, self.build(BASELINE)?.build_ms()?))
-    }
-
-    fn sah_ratio(&self, tree: (&str, u32)) -> Option<f64> {
-        Some(self.build(tree)?.sah? / self.build(BASELINE)?.sah?)
-    }
-
-    fn trace_ratio(&self, tree: (&str, u32), kernel: Kernel) -> Option<Ratio> {
-        Some(ratio(self.trace(tree, kernel)?.trace_ms()?, self.trace_baseline(kernel)?.trace_ms()?))
-    }
-}
-
-fn ratio(a: Summary, b: Summary) -> Ratio {
-    Ratio::propagated(&a, &b)
 }
 
 /// One scene's table, under a heading.
@@ -161,7 +91,8 @@ pub fn scene(rows: &[Row], scene: &str) -> String {
     format!("## {scene}: {} triangles{rays}\n\n{}", grouped(triangles), grid.markdown())
 }
 
-fn kernel_heading(kernel: Kernel) -> &'static str {
+/// A kernel's name at the head of a column.
+pub(super) fn kernel_heading(kernel: Kernel) -> &'static str {
     match kernel {
         Kernel::EmbreeNative => "native",
         Kernel::EmbreeGrafted => "grafted",
@@ -192,54 +123,6 @@ fn grouped(number: u64) -> String {
     groups.join(" ")
 }
 
-/// Means over scenes of the ratios to Embree SAH, with the scene where a tree does worst.
-pub fn means(rows: &[Row]) -> String {
-    let names = scenes(rows);
-    let by_scene: Vec<SceneRows<'_>> = names.iter().map(|scene| SceneRows::of(rows, scene)).collect();
-    let kernels = kernels(rows);
-    let mut header: Vec<String> =
-        ["builder / width", "scenes", "build", "arith.", "worst", "cost"].map(Into::into).into();
-    for kernel in &kernels {
-        header.extend([format!("{} time", kernel_heading(*kernel)), "arith.".into(), "worst".into()]);
-    }
-    let mut grid = Grid::new(header);
-    for (builder, width) in trees(rows) {
-        let tree = (builder.as_str(), width);
-        let over = |figure: &dyn Fn(&SceneRows<'_>) -> Option<f64>| -> Vec<(f64, &str)> {
-            let figures = by_scene.iter().zip(&names);
-            figures.filter_map(|(scene, name)| Some((figure(scene)?, name.as_str()))).collect()
-        };
-        let builds = over(&|scene| scene.build_ratio(tree).map(|ratio| ratio.value));
-        if builds.is_empty() {
-            continue;
-        }
-        let [geometric, arithmetic, worst] = mean_cells(&builds);
-        let costs = over(&|scene| scene.sah_ratio(tree));
-        let mut cells = vec![format!("{builder} / {width}"), builds.len().to_string()];
-        cells.extend([geometric, arithmetic, worst, mean_cells(&costs)[0].clone()]);
-        for &kernel in &kernels {
-            cells.extend(mean_cells(&over(&|scene| scene.trace_ratio(tree, kernel).map(|r| r.value))));
-        }
-        grid.push(cells);
-    }
-    if grid.is_empty() {
-        return String::new();
-    }
-    format!(
-        "## Means of the ratios to Embree SAH, width 4 (geometric; arith.: arithmetic, as in the paper)\n\n{}",
-        grid.markdown()
-    )
-}
-
-/// Geometric mean, arithmetic mean, and the largest with its scene.
-fn mean_cells(figures: &[(f64, &str)]) -> [String; 3] {
-    let values: Vec<f64> = figures.iter().map(|figure| figure.0).collect();
-    let show = |mean: Option<f64>| mean.map_or_else(String::new, |mean| format!("{mean:.3}"));
-    let worst = figures.iter().max_by(|a, b| a.0.total_cmp(&b.0));
-    let worst = worst.map_or_else(String::new, |(value, name)| format!("{value:.2} {name}"));
-    [show(geometric_mean(&values)), show(arithmetic_mean(&values)), worst]
-}
-
 /// What the columns mean.
 fn legend(rows: &[Row]) -> String {
     let Some(row) = rows.first() else { return String::new() };
@@ -257,7 +140,7 @@ fn legend(rows: &[Row]) -> String {
     format!(
         "Medians of {rounds} rounds, {} threads on each side. /SAH: relative to {} at width {}; traces {kernel}; \
          ± half the 95 % interval. cold: ms of the first build of a fresh builder or device. cost: SAH cost. \
-         All recorded rays: native, \n         Embree's kernel on its own tree; grafted, Embree's kernel on any tree, all laid out alike; phr, our kernel.\n",
+         All recorded rays: native, Embree's kernel on its own tree; grafted, Embree's kernel on any tree, all laid out alike; phr, our kernel.\n",
         row.threads, BASELINE.0, BASELINE.1
     )
 }
@@ -287,7 +170,7 @@ pub fn remarks(rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::records::{ALL, SCHEMA};
+    use crate::bench::records::{ALL, SCHEMA, WARM};
 
     fn row(scene: &str, builder: &str, width: u32, kernel: Kernel, build: f64, trace: f64) -> Row {
         Row {
