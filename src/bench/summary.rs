@@ -180,6 +180,7 @@ fn batch_row(
         frame_ms_median: frames.map(|s| figures(s.median)),
         frame_ms_mad: frames.map(|s| figures(s.mad)),
         frame_ms_min: frames.map(|s| figures(s.min)),
+        frame_ms_max: frames.map(|s| figures(s.max)),
         node_visits_per_ray: per_ray(|check| check.node_visits),
         block_tests_per_ray: per_ray(|check| check.block_tests),
         hits: Some(total(|check| check.hits)),

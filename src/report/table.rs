@@ -1,34 +1,46 @@
-//! The table of a run: per scene a row per builder and width, relative to Embree SAH at width 4, and the
-//! means over scenes. Made from the rows alone.
+//! The table of a run as a Markdown document, made from the rows alone: Table 1 as in the paper, the means,
+//! every scene in full, what the columns mean, errors and warnings.
 
-use super::grid::{Grid, short};
-use crate::bench::contender::{Kernel, place};
-use crate::bench::records::{COLD, NO_KERNEL, Row, WARM};
-use crate::bench::statistics::{Ratio, Summary, arithmetic_mean, geometric_mean};
+use super::details::{self, kernels_are_mixed};
+use super::figures::{BASELINE, Under, scenes};
+use super::means::means;
+use super::table1::table1;
+use crate::bench::records::{NO_KERNEL, Row};
 use crate::bench::warnings::Warning;
 
-/// What all figures are relative to.
-pub const BASELINE: (&str, u32) = ("embree-sah", 4);
+pub use super::details::scene;
 
-/// The whole table of a run as a Markdown document.
+/// The document, with the fairest choice of kernel.
 pub fn document(rows: &[Row], complete: bool) -> String {
+    document_under(rows, complete, &Under::best(rows))
+}
+
+/// The document, traces compared under `under`.
+pub fn document_under(rows: &[Row], complete: bool, under: &Under) -> String {
     let mut text = heading(rows);
     if !complete {
         text += "**Part of a run: it was stopped before all rounds of all scenes were done.**\n\n";
     }
+    text += &(table1(rows, under) + "\n");
+    text += &means_of_scenes(rows, under);
     for scene in scenes(rows) {
-        text += &(self::scene(rows, &scene) + "\n");
+        text += &(details::scene(rows, &scene) + "\n");
     }
-    text + &closing(rows)
+    text + &legend(rows) + &remarks(rows)
 }
 
-/// What follows the scenes: means, what the columns mean, errors and warnings.
+/// What follows the scenes where these were told one by one: means, what the columns mean, errors and
+/// warnings.
 pub fn closing(rows: &[Row]) -> String {
-    let means = if scenes(rows).len() > 1 { means(rows) + "\n" } else { String::new() };
-    means + &legend(rows) + &remarks(rows)
+    means_of_scenes(rows, &Under::best(rows)) + &legend(rows) + &remarks(rows)
 }
 
-fn heading(rows: &[Row]) -> String {
+fn means_of_scenes(rows: &[Row], under: &Under) -> String {
+    if scenes(rows).len() > 1 { means(rows, under) + "\n" } else { String::new() }
+}
+
+/// The run: its time, revision and engines.
+pub fn heading(rows: &[Row]) -> String {
     let Some(row) = rows.first() else { return String::new() };
     let mut engines: Vec<&str> =
         rows.iter().map(|row| row.engine.as_str()).filter(|e| !e.is_empty()).collect();
@@ -38,231 +50,23 @@ fn heading(rows: &[Row]) -> String {
     format!("# Run {id}\n\n{utc}, revision {revision}; {engines}\n\n")
 }
 
-/// The scenes of `rows`, in their order.
-pub fn scenes(rows: &[Row]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for row in rows {
-        if !names.contains(&row.scene) {
-            names.push(row.scene.clone());
-        }
-    }
-    names
-}
-
-/// A tree of the table: builder and width.
-type Tree = (String, u32);
-
-fn trees(rows: &[Row]) -> Vec<Tree> {
-    let mut trees: Vec<Tree> = rows.iter().map(|row| (row.builder.clone(), row.width)).collect();
-    trees.sort_by(|a, b| (place(&a.0), a).cmp(&(place(&b.0), b)));
-    trees.dedup();
-    trees
-}
-
-/// Kernels with figures, in the table's order.
-pub fn kernels(rows: &[Row]) -> Vec<Kernel> {
-    let mut kernels: Vec<Kernel> = rows
-        .iter()
-        .filter(|row| row.is_good() && row.mrays_s.is_some())
-        .filter_map(|row| Kernel::by_name(&row.kernel))
-        .collect();
-    kernels.sort_unstable();
-    kernels.dedup();
-    kernels
-}
-
-/// The figures of one scene.
-struct SceneRows<'a>(Vec<&'a Row>);
-
-impl<'a> SceneRows<'a> {
-    fn of(rows: &'a [Row], scene: &str) -> Self {
-        Self(rows.iter().filter(|row| row.scene == scene && row.is_total()).collect())
-    }
-
-    /// Any warm row of a tree tells of its builds.
-    fn build(&self, (builder, width): (&str, u32)) -> Option<&'a Row> {
-        let of_tree = |row: &&&Row| row.builder == builder && row.width == width && row.regime == WARM;
-        self.0.iter().filter(of_tree).find(|row| row.build_ms_median.is_some()).copied()
-    }
-
-    fn cold(&self, (builder, width): (&str, u32)) -> Option<&'a Row> {
-        self.0.iter().find(|r| r.builder == builder && r.width == width && r.regime == COLD).copied()
-    }
-
-    fn trace(&self, (builder, width): (&str, u32), kernel: Kernel) -> Option<&'a Row> {
-        let found = |row: &&&Row| {
-            row.builder == builder && row.width == width && row.kernel == kernel.name() && row.is_good()
-        };
-        self.0.iter().find(found).copied()
-    }
-
-    /// Embree SAH under the same kernel, or under its own where it cannot be had under that.
-    fn trace_baseline(&self, kernel: Kernel) -> Option<&'a Row> {
-        self.trace(BASELINE, kernel).or_else(|| self.trace(BASELINE, Kernel::EmbreeNative))
-    }
-
-    fn build_ratio(&self, tree: (&str, u32)) -> Option<Ratio> {
-        Some(ratio(self.build(tree)?.build_ms()?, self.build(BASELINE)?.build_ms()?))
-    }
-
-    fn sah_ratio(&self, tree: (&str, u32)) -> Option<f64> {
-        Some(self.build(tree)?.sah? / self.build(BASELINE)?.sah?)
-    }
-
-    fn trace_ratio(&self, tree: (&str, u32), kernel: Kernel) -> Option<Ratio> {
-        Some(ratio(self.trace(tree, kernel)?.trace_ms()?, self.trace_baseline(kernel)?.trace_ms()?))
-    }
-}
-
-fn ratio(a: Summary, b: Summary) -> Ratio {
-    Ratio::propagated(&a, &b)
-}
-
-/// One scene's table, under a heading.
-pub fn scene(rows: &[Row], scene: &str) -> String {
-    let of_scene = SceneRows::of(rows, scene);
-    let kernels = kernels(rows);
-    let mut header: Vec<String> =
-        ["builder / width", "build ms", "cold", "/SAH", "cost", "/SAH", "EPO"].map(Into::into).into();
-    for kernel in &kernels {
-        let name = kernel_heading(*kernel);
-        header.extend([format!("{name} ms"), "MRays/s".into(), "/SAH".into()]);
-    }
-    let mut grid = Grid::new(header);
-    let own: Vec<Row> = of_scene.0.iter().map(|&row| row.clone()).collect();
-    for (builder, width) in trees(&own) {
-        let tree = (builder.as_str(), width);
-        let Some(build) = of_scene.build(tree) else { continue };
-        let cold = of_scene.cold(tree).and_then(|row| row.build_ms_median);
-        let mut cells = vec![
-            format!("{builder} / {width}"),
-            build.build_ms_median.map_or_else(String::new, short),
-            cold.map_or_else(String::new, short),
-            with_error(of_scene.build_ratio(tree), tree),
-            build.sah.map_or_else(String::new, short),
-            of_scene.sah_ratio(tree).map_or_else(String::new, |x| format!("{x:.2}")),
-            build.epo.map_or_else(String::new, short),
-        ];
-        for &kernel in &kernels {
-            let row = of_scene.trace(tree, kernel);
-            cells.push(row.and_then(|row| row.trace_ms_median).map_or_else(String::new, short));
-            cells.push(row.and_then(|row| row.mrays_s).map_or_else(String::new, short));
-            let baseline = of_scene.trace_baseline(kernel);
-            let is_baseline =
-                row.is_some() && row.map(std::ptr::from_ref) == baseline.map(std::ptr::from_ref);
-            let ratio = of_scene.trace_ratio(tree, kernel);
-            cells.push(if is_baseline { "1".into() } else { ratio.map_or_else(String::new, interval) });
-        }
-        grid.push(cells);
-    }
-    let triangles = of_scene.0.first().map_or(0, |row| row.triangles);
-    let rays = of_scene.0.iter().filter_map(|row| row.rays).max();
-    let rays = rays.map_or_else(String::new, |rays| format!(", {} rays", grouped(rays)));
-    format!("## {scene}: {} triangles{rays}\n\n{}", grouped(triangles), grid.markdown())
-}
-
-fn kernel_heading(kernel: Kernel) -> &'static str {
-    match kernel {
-        Kernel::EmbreeNative => "Embree",
-        Kernel::Phr => "phr",
-    }
-}
-
-fn with_error(ratio: Option<Ratio>, tree: (&str, u32)) -> String {
-    if tree == BASELINE { "1".into() } else { ratio.map_or_else(String::new, interval) }
-}
-
-/// A ratio with the half width of its interval, where that is known.
-fn interval(ratio: Ratio) -> String {
-    let half = 0.5 * (ratio.high - ratio.low);
-    // An interval wider than the ratio says no more than that nothing is known.
-    if half < ratio.value {
-        format!("{:.2} ±{half:.2}", ratio.value)
-    } else {
-        format!("{:.2} ±?", ratio.value)
-    }
-}
-
-/// Digits in groups of three.
-fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let groups: Vec<&str> =
-        digits.as_bytes().rchunks(3).rev().map(|group| std::str::from_utf8(group).unwrap_or("")).collect();
-    groups.join(" ")
-}
-
-/// Means over scenes of the ratios to Embree SAH, with the scene where a tree does worst.
-pub fn means(rows: &[Row]) -> String {
-    let names = scenes(rows);
-    let by_scene: Vec<SceneRows<'_>> = names.iter().map(|scene| SceneRows::of(rows, scene)).collect();
-    let kernels = kernels(rows);
-    let mut header: Vec<String> =
-        ["builder / width", "scenes", "build", "arith.", "worst", "cost"].map(Into::into).into();
-    for kernel in &kernels {
-        header.extend([format!("{} time", kernel_heading(*kernel)), "arith.".into(), "worst".into()]);
-    }
-    let mut grid = Grid::new(header);
-    for (builder, width) in trees(rows) {
-        let tree = (builder.as_str(), width);
-        let over = |figure: &dyn Fn(&SceneRows<'_>) -> Option<f64>| -> Vec<(f64, &str)> {
-            let figures = by_scene.iter().zip(&names);
-            figures.filter_map(|(scene, name)| Some((figure(scene)?, name.as_str()))).collect()
-        };
-        let builds = over(&|scene| scene.build_ratio(tree).map(|ratio| ratio.value));
-        if builds.is_empty() {
-            continue;
-        }
-        let [geometric, arithmetic, worst] = mean_cells(&builds);
-        let costs = over(&|scene| scene.sah_ratio(tree));
-        let mut cells = vec![format!("{builder} / {width}"), builds.len().to_string()];
-        cells.extend([geometric, arithmetic, worst, mean_cells(&costs)[0].clone()]);
-        for &kernel in &kernels {
-            cells.extend(mean_cells(&over(&|scene| scene.trace_ratio(tree, kernel).map(|r| r.value))));
-        }
-        grid.push(cells);
-    }
-    if grid.is_empty() {
-        return String::new();
-    }
-    format!(
-        "## Means of the ratios to Embree SAH, width 4 (geometric; arith.: arithmetic, as in the paper)\n\n{}",
-        grid.markdown()
-    )
-}
-
-/// Geometric mean, arithmetic mean, and the largest with its scene.
-fn mean_cells(figures: &[(f64, &str)]) -> [String; 3] {
-    let values: Vec<f64> = figures.iter().map(|figure| figure.0).collect();
-    let show = |mean: Option<f64>| mean.map_or_else(String::new, |mean| format!("{mean:.3}"));
-    let worst = figures.iter().max_by(|a, b| a.0.total_cmp(&b.0));
-    let worst = worst.map_or_else(String::new, |(value, name)| format!("{value:.2} {name}"));
-    [show(geometric_mean(&values)), show(arithmetic_mean(&values)), worst]
-}
-
-/// What the columns mean.
+/// What the columns of the scenes' tables mean.
 fn legend(rows: &[Row]) -> String {
     let Some(row) = rows.first() else { return String::new() };
-    let rounds = rows.iter().filter(|row| row.error.is_empty()).map(|row| row.rounds);
-    let (least, most) = (rows_min(rounds.clone()), rounds.max().unwrap_or(0));
+    let rounds = || rows.iter().filter(|row| row.error.is_empty()).map(|row| row.rounds);
+    let (least, most) = (rounds().min().unwrap_or(0), rounds().max().unwrap_or(0));
     let rounds = if least == most { most.to_string() } else { format!("{least} to {most}") };
-    let shared = rows.iter().any(|row| {
-        row.builder.starts_with("embree") && row.kernel == Kernel::Phr.name() && row.mrays_s.is_some()
-    });
-    let kernel = if shared {
-        "under the same kernel"
+    let kernel = if kernels_are_mixed(rows, &scenes(rows)) {
+        "under the same kernel, or where it was not traced under that, under Embree's: tree and kernel together"
     } else {
-        "under Embree's kernel, also where ours traced: tree and kernel together"
+        "under the same kernel"
     };
     format!(
-        "Medians of {rounds} rounds, {} threads on each side. /SAH: relative to {} at width {}; traces {kernel}; \
+        "Medians of {rounds} rounds, {} threads on each side. /SAH: relative to {} at width {}, {kernel}; \
          ± half the 95 % interval. cold: ms of the first build of a fresh builder or device. cost: SAH cost. \
-         Embree ms, phr ms: all recorded rays through the kernel of that name.\n",
+         A kernel's ms: all recorded rays of all views through it.\n",
         row.threads, BASELINE.0, BASELINE.1
     )
-}
-
-fn rows_min(rounds: impl Iterator<Item = u32>) -> u32 {
-    rounds.min().unwrap_or(0)
 }
 
 /// Errors and warnings, each with advice.
@@ -286,9 +90,10 @@ pub fn remarks(rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::records::{ALL, SCHEMA};
+    use crate::bench::records::{ALL, SCHEMA, WARM};
+    use crate::report::figures::{NATIVE, PHR, trees};
 
-    fn row(scene: &str, builder: &str, width: u32, kernel: Kernel, build: f64, trace: f64) -> Row {
+    fn row(scene: &str, builder: &str, width: u32, kernel: &str, build: f64, trace: f64) -> Row {
         Row {
             schema: SCHEMA,
             scene: scene.into(),
@@ -305,7 +110,7 @@ mod tests {
             sah: Some(build),
             view: ALL.into(),
             ray_kind: ALL.into(),
-            kernel: kernel.name().into(),
+            kernel: kernel.into(),
             rays: Some(1000),
             trace_ms_median: Some(trace),
             trace_ms_mad: Some(0.0),
@@ -319,10 +124,10 @@ mod tests {
 
     fn rows() -> Vec<Row> {
         vec![
-            row("a", "embree-sah", 4, Kernel::EmbreeNative, 10.0, 20.0),
-            row("a", "phr-hq", 4, Kernel::Phr, 20.0, 10.0),
-            row("b", "phr-hq", 4, Kernel::Phr, 5.0, 40.0),
-            row("b", "embree-sah", 4, Kernel::EmbreeNative, 10.0, 20.0),
+            row("a", "embree-sah", 4, NATIVE, 10.0, 20.0),
+            row("a", "phr-hq", 4, PHR, 20.0, 10.0),
+            row("b", "phr-hq", 4, PHR, 5.0, 40.0),
+            row("b", "embree-sah", 4, NATIVE, 10.0, 20.0),
         ]
     }
 
@@ -335,13 +140,16 @@ mod tests {
     }
 
     #[test]
-    fn means_are_geometric_and_arithmetic_and_name_the_worst() {
-        let text = means(&rows());
-        let line = text.lines().find(|line| line.contains("phr-hq / 4")).unwrap();
-        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
-        // Builds 2 and 0.5, traces 0.5 and 2.
-        assert_eq!(&cells[2..7], ["2", "1.000", "1.250", "2.00 a", "1.000"], "{text}");
-        assert!(line.contains("2.00 b"), "{text}");
+    fn means_stand_beside_the_papers_and_name_the_worst() {
+        let text = means(&rows(), &Under::Own);
+        let lines: Vec<Vec<&str>> = text
+            .lines()
+            .filter(|line| line.contains("phr-hq"))
+            .map(|line| line.split('|').map(str::trim).collect())
+            .collect();
+        // Builds 2 and 0.5, costs alike, traces 0.5 and 2.
+        assert_eq!(&lines[0][2..9], ["1.250", "1.821", "1.000", "1.636", "2.00", "a", "2"], "{text}");
+        assert_eq!(&lines[2][2..9], ["1.250", "0.977", "1.000", "0.975", "2.00", "b", "2"], "{text}");
     }
 
     #[test]
@@ -364,7 +172,8 @@ mod tests {
 
     #[test]
     fn the_table_is_in_the_papers_order() {
-        let order: Vec<String> = trees(&rows()).into_iter().map(|tree| tree.0).collect();
+        let rows = rows();
+        let order: Vec<&str> = trees(&rows).into_iter().map(|tree| tree.0).collect();
         assert_eq!(order, ["embree-sah", "phr-hq"]);
     }
 }
