@@ -3,6 +3,7 @@
 
 mod bench;
 mod build;
+mod plot;
 mod progress;
 mod render;
 mod scenes;
@@ -31,6 +32,7 @@ enum Verb {
     Verify(verify::Arguments),
     Scenes(scenes::Arguments),
     Table(table::Arguments),
+    Plot(plot::Arguments),
 }
 
 /// Why a command did not succeed.
@@ -72,6 +74,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Verify(arguments) => verify::run(arguments),
         Verb::Scenes(arguments) => scenes::run(arguments),
         Verb::Table(arguments) => table::run(arguments),
+        Verb::Plot(arguments) => plot::run(arguments),
     };
     let (text, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,

@@ -45,7 +45,7 @@ pub struct Label {
 const DIRECTIONS: [(f64, f64); 8] =
     [(1.0, 0.0), (-1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (0.7, -0.7), (0.7, 0.7), (-0.7, -0.7), (-0.7, 0.7)];
 /// Distances from the point; beyond the first a label needs a leader.
-const RINGS: [f64; 5] = [7.0, 16.0, 28.0, 42.0, 58.0];
+const RINGS: [f64; 5] = [8.5, 17.0, 28.0, 42.0, 58.0];
 
 /// A rectangle for each label within `bounds`, clear of `points` (with their radius) and as far as possible
 /// of `lines`.

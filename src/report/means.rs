@@ -39,7 +39,7 @@ impl Ratios {
 
     /// The greatest, with its scene.
     pub fn worst(&self) -> Option<&(String, f64)> {
-        self.0.iter().max_by(|a, b| a.1.total_cmp(&b.1))
+        self.0.iter().reduce(|worst, other| if other.1 > worst.1 { other } else { worst })
     }
 }
 
@@ -98,13 +98,16 @@ fn table(rows: &[Row], figure: Figure, under: &Under) -> Grid {
     grid
 }
 
-/// Does the ranking of the trees depend on the kernel? Geometric means of trace times under each that has
-/// Embree SAH; empty unless there are two.
+/// Does the ranking of the trees depend on the kernel? Geometric means of trace times under each kernel that
+/// traced Embree SAH too; empty unless there are two choices.
 fn by_kernel(rows: &[Row]) -> String {
-    let mut choices: Vec<Under> = kernels(rows).into_iter().map(Under::One).collect();
-    if choices.iter().any(|under| under.name() == NATIVE) {
-        choices.push(Under::Own);
-    }
+    // What is native to Embree stands in the column of each kernel's own trees.
+    let mut choices: Vec<Under> = kernels(rows)
+        .into_iter()
+        .filter(|kernel| kernel != NATIVE)
+        .map(Under::One)
+        .chain([Under::Own])
+        .collect();
     let mean = |tree, under: &Under| Ratios::of(rows, tree, Figure::Trace, under).geometric();
     choices.retain(|under| {
         trees(rows).into_iter().any(|tree| mean(tree, under).is_some_and(|mean| mean != 1.0))
