@@ -127,6 +127,21 @@ fn a_run_writes_verified_rows_and_its_table() {
 }
 
 #[test]
+fn the_columns_are_documented() {
+    let folder = tempfile::tempdir().unwrap();
+    records::write(&folder.path().join(ROWS), &[Row::default()]).unwrap();
+    let header = std::fs::read_to_string(folder.path().join(ROWS)).unwrap();
+    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/README.md");
+    let readme = std::fs::read_to_string(readme).unwrap();
+    for column in header.lines().next().unwrap().split(',') {
+        assert!(readme.contains(&format!("`{column}`")), "results/README.md does not tell of {column}");
+    }
+    for warning in phr::bench::warnings::Warning::ALL {
+        assert!(readme.contains(&format!("`{}`", warning.name())), "nor of {warning:?}");
+    }
+}
+
+#[test]
 fn a_generated_scene_needs_no_file() {
     let (_keep, folder) = workplace();
     let name = phr::scene::builtin()[0].name;
@@ -243,6 +258,7 @@ fn bad_input_is_one_line_and_code_2() {
         (&["bench", "sheet.ply", "--out", "file"], &["file", "--out"]),
         (&["bench", "sheet.ply", "--out", "/proc/results"], &["/proc/results", "--out"]),
         (&["bench", "sheet.ply", "--resume", "--out", "folder"], &[ENVIRONMENT, "--resume"]),
+        (&["bench", "--set", "paper", "--scenes", "nowhere"], &["nowhere", "--scenes"]),
         (&["build", "missing.ply"], &["missing.ply"]),
         (&["build", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["build", "sheet.ply", "--builder", "phr-hq", "--width", "8"], &["--width 8", "phr-hq"]),

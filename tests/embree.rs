@@ -139,3 +139,52 @@ fn threads_share_a_scene() {
 fn the_library_tells_its_version() {
     assert!(version().starts_with("3."), "{}", version());
 }
+
+/// On a scanned model, where it is at hand: costs of trees as read, and hits of trees set back.
+#[test]
+#[cfg(all(feature = "graft", feature = "files"))]
+fn a_scanned_models_trees_are_read_and_set_back() {
+    use phr::bvh::sah_cost;
+    use phr::embree::{graft::Graft, inspect, native, rtcbuild};
+
+    let folder = std::env::var_os("PHR_SCENES").map_or_else(
+        || concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/scenes").into(),
+        std::path::PathBuf::from,
+    );
+    let file = folder.join("bunny_144k.ply.zst");
+    if !file.exists() {
+        return;
+    }
+    let mesh = phr::scene::load(&file).unwrap().mesh;
+    let bounds = mesh.bounds();
+    // Points on a fixed lattice of fractions, none alike.
+    let point = |i: u32, step: f32| {
+        let fraction = glam::Vec3::new(0.7548777, 0.5698403, 0.3694124) * (i as f32 * step);
+        (bounds.min + bounds.extent() * glam::Vec3A::from(fraction.fract())).into()
+    };
+    let rays: Vec<Ray> = (1..=100_000)
+        .map(|i| {
+            let (from, to): (Vec3, Vec3) = (point(i, 0.37), point(i, 0.83));
+            Ray { org: from, tnear: 0.0, dir: to - from, tfar: f32::INFINITY }
+        })
+        .collect();
+    for builder in EmbreeBuilder::ALL {
+        let config = Config { builder, width: Width::Four, threads: 2 };
+        let printed = inspect(&mesh, &config).unwrap();
+        let device = Device::new(&config).unwrap();
+        let scene = device.prepare(&mesh).unwrap().commit().unwrap();
+        let Ok(tree) = native::read4(&scene) else { return };
+        assert!(
+            (sah_cost(&tree) / printed.sah - 1.0).abs() < 1e-5,
+            "{builder:?}: {} {printed:?}",
+            sah_cost(&tree)
+        );
+        let public = sah_cost(&rtcbuild::build::<4>(&device, &mesh, builder).unwrap());
+        let rotations = if builder == EmbreeBuilder::Morton { 0.3 } else { 1e-4 };
+        assert!((public / printed.sah - 1.0).abs() < rotations, "{builder:?}: {public} {printed:?}");
+        let native = closest(&scene, &rays);
+        assert!(native.iter().filter(|hit| hit.is_hit()).count() > 20_000);
+        let graft = Graft::new(scene, &tree).unwrap();
+        assert!(closest(&graft, &rays) == native, "{builder:?}: hits differ");
+    }
+}

@@ -3,10 +3,11 @@
 
 use super::load::{Accounts, Load};
 use crate::build::{self, Builder};
-use crate::bvh::Statistics;
+use crate::bvh::{Statistics, WideBvh};
 use crate::geometry::{Mesh, Ray, Tracer};
-use crate::trace::{BvhTracer, RayKind, TraversalCounts};
+use crate::trace::{BvhTracer, Isa, RayKind, TraversalCounts};
 use rayon::ThreadPool;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
@@ -16,22 +17,28 @@ use std::time::{Duration, Instant};
 pub enum Kernel {
     /// Embree's kernel on a tree of Embree's, where it built it.
     EmbreeNative,
+    /// Embree's kernel on any tree, all laid out alike.
+    EmbreeGrafted,
     /// Our kernel.
     Phr,
 }
 
 impl Kernel {
+    /// All kernels, in the table's order.
+    pub const ALL: [Self; 3] = [Self::EmbreeNative, Self::EmbreeGrafted, Self::Phr];
+
     /// The name in records.
     pub fn name(self) -> &'static str {
         match self {
             Self::EmbreeNative => "embree-native",
+            Self::EmbreeGrafted => "embree-grafted",
             Self::Phr => "phr",
         }
     }
 
     /// The kernel called `name`.
     pub fn by_name(name: &str) -> Option<Self> {
-        [Self::EmbreeNative, Self::Phr].into_iter().find(|kernel| kernel.name() == name)
+        Self::ALL.into_iter().find(|kernel| kernel.name() == name)
     }
 }
 
@@ -84,7 +91,7 @@ pub fn cells(build_only: bool) -> Vec<Cell> {
     let ours = build::NAMES.iter().map(|name| Cell {
         builder: (*name).into(),
         width: 4,
-        kernels: vec![Kernel::Phr],
+        kernels: super::embree_side::kernels_of_ours(),
     });
     let mut cells: Vec<Cell> = ours.chain(super::embree_side::cells()).collect();
     cells.sort_by_key(|cell| (place(&cell.builder), cell.width));
@@ -172,10 +179,9 @@ pub trait Counter: Sync {
 
 impl<const N: usize> Counter for BvhTracer<'_, N> {
     fn count(&self, kind: RayKind, rays: &[Ray]) -> TraversalCounts {
-        match kind {
-            RayKind::Shadow => self.count_any(rays),
-            RayKind::Primary | RayKind::Bounce => self.count_closest(rays),
-        }
+        let count =
+            |rays: &[Ray]| if kind.is_any_hit() { self.count_any(rays) } else { self.count_closest(rays) };
+        rays.par_chunks(1 << 12).map(count).reduce(TraversalCounts::default, |a, b| a + b)
     }
 }
 
@@ -247,17 +253,45 @@ fn ours(mut builder: Box<dyn Builder>, visit: &Visit<'_>, observer: &mut dyn FnM
         let statistics = visit.pool.install(|| Statistics::of(&built.tree, visit.mesh));
         Facts::of(&statistics, engine, builder.config().to_string())
     });
-    let tracer = BvhTracer::new(&built.tree);
-    let views = visit.kernels.iter().map(|&kernel| View {
-        kernel,
-        isa: tracer.isa().name().into(),
-        tracer: match kernel {
-            Kernel::Phr => Ok(&tracer as &dyn Tracer),
-            Kernel::EmbreeNative => Err("not a tree of Embree's".into()),
-        },
-        counter: Some(&tracer as &dyn Counter),
+    present(visit, Ok(&built.tree), None, builds, facts, observer);
+}
+
+/// Shows a tree under each kernel wanted: `tree` in our form, or why it cannot be had so; `native` is
+/// Embree's own scene, if Embree built it.
+pub(super) fn present<const N: usize>(
+    visit: &Visit<'_>,
+    tree: Result<&WideBvh<N>, String>,
+    native: Option<&dyn Tracer>,
+    builds: Builds,
+    facts: Option<Facts>,
+    observer: &mut dyn FnMut(Shown<'_>),
+) {
+    let tracer = tree.clone().map(BvhTracer::new);
+    let mut shown = Some((builds, facts));
+    let grafted = visit.kernels.contains(&Kernel::EmbreeGrafted);
+    let to_graft = if grafted { tree } else { Err("it was not asked for".into()) };
+    super::embree_side::with_graft(visit, to_graft, &mut |graft| {
+        let view = |&kernel: &Kernel| match kernel {
+            Kernel::Phr => View {
+                kernel,
+                isa: Isa::best().name().into(),
+                tracer: tracer.as_ref().map(|tracer| tracer as &dyn Tracer).map_err(Clone::clone),
+                counter: tracer.as_ref().ok().map(|tracer| tracer as &dyn Counter),
+            },
+            Kernel::EmbreeNative => View {
+                kernel,
+                isa: super::embree_side::isa(),
+                tracer: native.ok_or_else(|| "Embree did not build it".into()),
+                counter: None,
+            },
+            Kernel::EmbreeGrafted => {
+                View { kernel, isa: super::embree_side::isa(), tracer: graft.clone(), counter: None }
+            }
+        };
+        if let Some((builds, facts)) = shown.take() {
+            observer(Shown { builds, facts, views: visit.kernels.iter().map(view).collect() });
+        }
     });
-    observer(Shown { builds, facts, views: views.collect() });
 }
 
 /// Small builds are repeated in a visit, until the samples hold 60 ms or are five.

@@ -114,7 +114,7 @@ impl<'a> Bench<'a> {
             let Some(checks) = samples.checks.iter_mut().find(|checks| checks.kernel == view.kernel) else {
                 continue;
             };
-            if checks.mismatch.is_none() {
+            if checks.mismatch.is_none() && checks.unavailable.is_none() {
                 timings.extend(self.time(tracer, checks)?);
             }
         }

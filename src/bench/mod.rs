@@ -1,6 +1,7 @@
 //! The benchmark driver: what is run ([`plan`]), who is measured ([`contender`]), how ([`run`], [`measure`])
 //! and what is written ([`samples`], [`records`], [`environment`]).
 
+mod book;
 pub mod contender;
 pub mod embree_side;
 pub mod environment;

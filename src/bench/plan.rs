@@ -224,7 +224,7 @@ impl Plan {
         let mut scenes = Vec::new();
         match request.set {
             Some(Set::Builtin) => scenes.extend(scene::builtin().iter().map(PlannedScene::generated)),
-            Some(Set::Paper) => {}
+            Some(Set::Paper) => scenes.extend(paper_scenes(request.folder.as_deref())?),
             None => {}
         }
         for name in &request.scenes {
@@ -292,4 +292,74 @@ fn filtered(cell: &Cell, scene: &str, filter: Option<&Regex>) -> Option<Cell> {
     let passes = |kernel: &contender::Kernel| filter.is_match(&cell.line(scene, kernel.name()));
     let kernels: Vec<_> = cell.kernels.iter().copied().filter(passes).collect();
     (!kernels.is_empty()).then(|| Cell { kernels, ..cell.clone() })
+}
+
+/// The paper's nine: the file where `folder` holds one, else the stand-in.
+fn paper_scenes(folder: Option<&Path>) -> Result<Vec<PlannedScene>, PlanError> {
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        return Err(PlanError::NotAFolder(folder.to_owned()));
+    }
+    let original = |paper| Some(PlannedScene::file(&scene::paper_scene_in(folder?, paper)?));
+    let stand_in = |paper: &scene::PaperScene| paper.stand_in().map(PlannedScene::generated);
+    Ok(scene::paper().iter().filter_map(|paper| original(paper).or_else(|| stand_in(paper))).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn request(scenes: &[&str], filter: Option<&str>) -> Request {
+        Request {
+            scenes: scenes.iter().map(ToString::to_string).collect(),
+            set: None,
+            folder: None,
+            builders: Vec::new(),
+            filter: filter.map(|filter| Regex::new(filter).unwrap()),
+            settings: Settings {
+                width: 8,
+                height: 8,
+                views: 1,
+                max_depth: 8,
+                rounds: 1,
+                threads: 1,
+                seed: 1,
+                build_only: false,
+                frames: false,
+            },
+        }
+    }
+
+    #[test]
+    fn filters_pick_scenes_builders_and_kernels() {
+        let names: Vec<&str> = scene::builtin().iter().take(2).map(|generator| generator.name).collect();
+        let lines = |filter: Option<&str>| match Plan::new(&request(&names, filter)) {
+            Ok(plan) => plan.lines().collect(),
+            Err(_) => Vec::new(),
+        };
+        let all = lines(None);
+        assert!(
+            all.len() >= 2 * crate::build::NAMES.len() && all.iter().all(|line| line.split(' ').count() == 4)
+        );
+        let hq: Vec<String> = names.iter().map(|name| format!("{name} phr-hq 4 phr")).collect();
+        assert_eq!(lines(Some("phr-hq 4 phr$")), hq);
+        let of_one = format!("^{} .*phr-fast 4 phr", names[1]);
+        assert_eq!(lines(Some(&of_one)).len(), 1);
+        assert!(lines(Some("nothing")).is_empty());
+    }
+
+    #[test]
+    fn the_papers_set_has_nine_scenes_and_prefers_originals() {
+        let paper = |folder: Option<PathBuf>| {
+            Plan::new(&Request { set: Some(Set::Paper), folder, ..request(&[], None) })
+        };
+        let plan = paper(None).unwrap();
+        assert_eq!(plan.scenes.len(), 9);
+        assert!(plan.scenes.iter().all(|(scene, _)| scene.name.ends_with("-like")));
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("Conference.obj"), "").unwrap();
+        let plan = paper(Some(folder.path().to_owned())).unwrap();
+        assert_eq!(plan.scenes[0].0.name, "Conference");
+        assert!(matches!(plan.scenes[0].0.source, Source::File(_)));
+        assert!(matches!(paper(Some("nowhere".into())), Err(PlanError::NotAFolder(_))));
+    }
 }

@@ -337,7 +337,7 @@ mod tests {
 
     #[test]
     fn figures_have_six_digits() {
-        assert_eq!(figures(1234.567_89), 1234.57);
+        assert_eq!(figures(1_234.567_89), 1234.57);
         assert_eq!(figures(0.001_234_567_89), 0.001_234_57);
         assert_eq!(figures(0.0), 0.0);
         assert!(figures(f64::NAN).is_nan());

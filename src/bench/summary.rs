@@ -104,7 +104,7 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
     for kernel in &cell.checks {
         let row = Row { kernel: kernel.kernel.name().into(), isa: kernel.isa.clone(), ..warm.clone() };
         if let Some(reason) = &kernel.unavailable {
-            rows.push(Row { error: format!("not available: {reason}"), ..row });
+            rows.push(Row { error: format!("not available, because {reason}"), ..row });
         } else if let Some(mismatch) = &kernel.mismatch {
             rows.push(Row { verified: Some(false), error: mismatch.clone(), ..row });
         } else {

@@ -75,6 +75,11 @@ pub(super) struct BinaryTree {
 }
 
 impl BinaryTree {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.pairs.capacity() * size_of::<[Node; 2]>()
+    }
+
     /// The children of an inner node.
     #[inline]
     pub fn children(&self, node: &Node) -> &[Node; 2] {

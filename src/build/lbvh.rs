@@ -1,113 +1,67 @@
 //! LBVH (Lauterbach et al. 2009) as the paper builds it in 4.7: Morton codes, a parallel sort, and a recursion
 //! that finds each node's children where the highest bit of the code changes. Three changes: the sort is a
 //! radix sort; boxes are united on the way back up instead of by atomic counters; and triangles that share a
-//! code are parted by the middle of their own centroids' bounds, which is what further bits would say, so that
-//! 32 bits suffice for any scene.
+//! code are parted by the middle of their own centroids' bounds, so that 32 bits suffice for any scene.
 
 use super::binary::{BinaryTree, Node};
-use super::morton::Quantizer;
-use super::primitives::{GRAIN, Primitives};
-use super::{Phase, Stopwatch, radix_sort};
+use super::morton_order::{Key, MortonOrder, part, prim};
+use super::{Phase, Stopwatch};
 use crate::geometry::{Aabb, Mesh};
-use rayon::prelude::*;
 
-/// Beyond this depth ranges are halved by count, so that no input makes the tree deeper than
-/// `MAX_CODED_DEPTH` + 28 levels.
-const MAX_CODED_DEPTH: u32 = 44;
-
-/// Ranges smaller than this are built by one thread.
-const SERIAL: usize = 1 << 12;
+/// Runs shorter than this are built by one thread.
+pub(super) const SERIAL: usize = 1 << 12;
 
 /// The auxiliary BVH with all it is made from; its memory is reused from build to build.
 #[derive(Default)]
 pub(super) struct Auxiliary {
-    /// Boxes of the triangles.
-    pub primitives: Primitives,
+    /// Boxes and codes.
+    pub order: MortonOrder,
     /// The tree.
     pub tree: BinaryTree,
-    keys: Vec<u64>,
-    scratch: Vec<u64>,
 }
 
 impl Auxiliary {
     /// Builds the LBVH of `mesh`.
     pub fn build(&mut self, mesh: &Mesh) -> Vec<Phase> {
         let mut watch = Stopwatch::start();
-        self.primitives.collect(mesh);
-        watch.lap("boxes");
-        self.sort_by_code();
-        watch.lap("codes and sort");
+        self.order.sort(mesh, &mut watch);
         self.tree.pairs.resize(mesh.len().saturating_sub(1), [Node::ZERO; 2]);
-        let boxes = &self.primitives.boxes;
-        self.tree.root = (!self.keys.is_empty())
-            .then(|| Range { keys: &mut self.keys, first: 0, depth: 0 }.build(boxes, &mut self.tree.pairs));
+        let MortonOrder { primitives, keys, .. } = &mut self.order;
+        self.tree.root = (!keys.is_empty())
+            .then(|| Run { keys, first: 0, depth: 0 }.build(&primitives.boxes, &mut self.tree.pairs));
         watch.lap("auxiliary tree");
         watch.phases
     }
 
-    /// Fills `keys` with (code << 32 | triangle), sorted.
-    fn sort_by_code(&mut self) {
-        let quantizer = Quantizer::new(self.primitives.centers);
-        let boxes = &self.primitives.boxes;
-        self.keys.resize(boxes.len(), 0);
-        self.keys.par_chunks_mut(GRAIN).enumerate().for_each(|(chunk, keys)| {
-            let first = chunk * GRAIN;
-            for (i, key) in keys.iter_mut().enumerate() {
-                *key = make_key(quantizer.code(boxes[first + i].center2()), (first + i) as u32);
-            }
-        });
-        radix_sort::sort(&mut self.keys, &mut self.scratch);
-    }
-
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.primitives.boxes.capacity() * size_of::<Aabb>()
-            + (self.keys.capacity() + self.scratch.capacity()) * size_of::<u64>()
-            + self.tree.pairs.capacity() * size_of::<[Node; 2]>()
+        self.order.bytes() + self.tree.bytes()
     }
-}
-
-fn make_key(code: u32, prim: u32) -> u64 {
-    u64::from(code) << 32 | u64::from(prim)
-}
-
-fn code(key: u64) -> u32 {
-    (key >> 32) as u32
-}
-
-fn id(key: u64) -> u32 {
-    key as u32
 }
 
 /// A run of sorted keys that becomes a subtree. A split between positions s and s + 1 of the whole array puts
-/// its pair at index s: each pair has a place of its own, and a range's pairs lie within it.
-struct Range<'a> {
-    keys: &'a mut [u64],
-    /// Position of the range in the whole array.
+/// its pair at index s: each pair has a place of its own, and a run's pairs lie within it.
+struct Run<'a> {
+    keys: &'a mut [Key],
+    /// Position of the run in the whole array.
     first: usize,
     depth: u32,
 }
 
-impl Range<'_> {
-    /// Builds the subtree into `pairs`, the pairs of this range (one less than keys).
+impl Run<'_> {
+    /// Builds the subtree into `pairs`, the pairs of this run (one less than keys).
     fn build(self, boxes: &[Aabb], pairs: &mut [[Node; 2]]) -> Node {
-        let Range { keys, first, depth } = self;
+        let Run { keys, first, depth } = self;
         if let &mut [key] = keys {
-            return Node::leaf(boxes[id(key) as usize], id(key));
+            return Node::leaf(boxes[prim(key) as usize], prim(key));
         }
-        let split = if depth >= MAX_CODED_DEPTH {
-            keys.len() / 2
-        } else if code(keys[0]) == code(keys[keys.len() - 1]) {
-            part_by_middle(keys, boxes)
-        } else {
-            highest_change(keys)
-        };
         let len = keys.len();
+        let split = part(keys, boxes, depth);
         let (left, right) = keys.split_at_mut(split);
         let (left_pairs, rest) = pairs.split_at_mut(split - 1);
-        let (own, right_pairs) = rest.split_first_mut().expect("a range of n keys has n - 1 pairs");
-        let left = Range { keys: left, first, depth: depth + 1 };
-        let right = Range { keys: right, first: first + split, depth: depth + 1 };
+        let (own, right_pairs) = rest.split_first_mut().expect("a run of n keys has n - 1 pairs");
+        let left = Run { keys: left, first, depth: depth + 1 };
+        let right = Run { keys: right, first: first + split, depth: depth + 1 };
         *own = if len < SERIAL {
             [left.build(boxes, left_pairs), right.build(boxes, right_pairs)]
         } else {
@@ -115,30 +69,6 @@ impl Range<'_> {
         };
         Node::inner(own, first + split - 1)
     }
-}
-
-/// The first key whose code has the highest bit set in which the first and the last code differ.
-fn highest_change(keys: &[u64]) -> usize {
-    let differing = code(keys[0]) ^ code(keys[keys.len() - 1]);
-    let bit = 1 << (31 - differing.leading_zeros());
-    keys.partition_point(|&key| code(key) & bit == 0)
-}
-
-/// Reorders a run of equal codes: first those whose centroid lies before the middle of the longest edge of the
-/// centroids' bounds. Returns their number; half of all where they do not lie apart.
-fn part_by_middle(keys: &mut [u64], boxes: &[Aabb]) -> usize {
-    let center = |key: u64| boxes[id(key) as usize].center2();
-    let bounds = keys.iter().fold(Aabb::EMPTY, |bounds, &key| bounds.grow(center(key)));
-    let axis = bounds.extent().max_position();
-    let middle = bounds.center()[axis];
-    let mut split = 0;
-    for i in 0..keys.len() {
-        if center(keys[i])[axis] < middle {
-            keys.swap(i, split);
-            split += 1;
-        }
-    }
-    if (1..keys.len()).contains(&split) { split } else { keys.len() / 2 }
 }
 
 #[cfg(test)]
@@ -184,7 +114,7 @@ mod tests {
                 let depth = walk(&auxiliary.tree, &root, &mut seen, 0);
                 seen.sort_unstable();
                 assert_eq!(seen, (0..n as u32).collect::<Vec<_>>(), "{name}");
-                assert!(depth <= MAX_CODED_DEPTH + 28, "{name}: {depth}");
+                assert!(depth <= 44 + 28, "{name}: {depth}");
             }
         }
     }

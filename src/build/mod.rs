@@ -1,5 +1,6 @@
 //! Builders: from an indexed mesh to a traversable [`Bvh4`].
 
+mod aac;
 mod binary;
 mod collapse;
 mod cut;
@@ -7,6 +8,7 @@ mod cut_recursion;
 mod hunt;
 mod lbvh;
 mod morton;
+mod morton_order;
 mod object_split;
 mod phr;
 mod primitives;
@@ -14,6 +16,7 @@ mod radix_sort;
 mod spatial_split;
 mod top_down;
 
+pub use aac::{Aac, AacConfig};
 pub use collapse::Lbvh;
 pub use hunt::{Hunt, HuntConfig};
 pub use phr::{Phr, PhrConfig};
@@ -103,7 +106,7 @@ impl Stopwatch {
 }
 
 /// Names of all builders, in the order of the table.
-pub const NAMES: &[&str] = &["lbvh", "hunt-50", "hunt-500", "phr-fast", "phr-hq"];
+pub const NAMES: &[&str] = &["lbvh", "hunt-50", "hunt-500", "aac", "phr-fast", "phr-hq"];
 
 /// The builder called `name`, or `None`; names are those of [`NAMES`].
 pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
@@ -111,6 +114,7 @@ pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
         "lbvh" => Box::new(Lbvh::default()),
         "hunt-50" => Box::new(Hunt::new("hunt-50", HuntConfig { cut_length: 50, max_leaf: 8 })),
         "hunt-500" => Box::new(Hunt::new("hunt-500", HuntConfig { cut_length: 500, max_leaf: 8 })),
+        "aac" => Box::new(Aac::new(AacConfig::FAST)),
         "phr-fast" => Box::new(Phr::new("phr-fast", PhrConfig::FAST)),
         "phr-hq" => Box::new(Phr::new("phr-hq", PhrConfig::HQ)),
         _ => return None,

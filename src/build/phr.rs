@@ -106,7 +106,7 @@ impl Builder for Phr {
         let mut phases = self.auxiliary.build(mesh);
         let mut watch = Stopwatch::start();
         let tree = &self.auxiliary.tree;
-        let scene = self.auxiliary.primitives.bounds;
+        let scene = self.auxiliary.order.primitives.bounds;
         let refine = Threshold::new(scene, &self.config);
         let threshold = refine.at(0);
         let recursion = CutRecursion {

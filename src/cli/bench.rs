@@ -33,10 +33,10 @@ pub struct Arguments {
     /// Views per scene, at most
     #[arg(long, default_value_t = 3, value_name = "N")]
     views: usize,
-    /// Pixels across and down [default: 1024; 512 for the built-in set]
+    /// Pixels across and down [default: 1024; 256 for the built-in set]
     #[arg(long, value_name = "PIXELS")]
     size: Option<u32>,
-    /// Visits to each builder [default: 5; 3 for the built-in set]
+    /// Visits to each builder [default: 5]
     #[arg(long, value_name = "N")]
     rounds: Option<usize>,
     /// Threads for each side [default: all processors]
@@ -86,13 +86,13 @@ impl Arguments {
 
     fn request(&self) -> Result<Request, Failure> {
         let quick = self.set() == Some(Set::Builtin);
-        let size = self.size.unwrap_or(if quick { 512 } else { 1024 });
+        let size = self.size.unwrap_or(if quick { 256 } else { 1024 });
         let settings = Settings {
             width: size,
             height: size,
             views: self.views,
             max_depth: 8,
-            rounds: self.rounds.unwrap_or(if quick { 3 } else { 5 }),
+            rounds: self.rounds.unwrap_or(5),
             threads: self.threads.unwrap_or_else(super::all_threads),
             seed: self.seed,
             build_only: self.build_only,

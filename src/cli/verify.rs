@@ -96,7 +96,7 @@ fn line(name: &str, kernel: &KernelChecks) -> Vec<String> {
         kernel.checks.iter().map(value).sum::<u64>().to_string()
     };
     let verdict = match (&kernel.unavailable, &kernel.mismatch) {
-        (Some(reason), _) => format!("not available: {reason}"),
+        (Some(reason), _) => format!("not available, because {reason}"),
         (_, Some(mismatch)) => format!("WRONG: {mismatch}"),
         _ => "verified".into(),
     };

@@ -2,130 +2,14 @@
 //! committed scene.
 //!
 //! A measuring instrument, which writes to a private field of Embree. Placement of nodes in memory costs
-//! traversal several per cent, so every tree, Embree's own included (see [`super::native`]), goes through the
-//! one routine here: inner nodes and leaves in two arrays, both depth first.
+//! traversal several per cent, so every tree, Embree's own included (see [`super::native`]), goes through one
+//! routine: inner nodes and leaves in two arrays, both depth first.
 
-use super::layout::{Node, RootSlot, Triangle4, Unavailable, reference};
-use super::{EmbreeScene, query};
-use crate::bvh::{Child, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
+use super::EmbreeScene;
+use super::image::Image;
+use super::layout::{RootSlot, Unavailable};
+use crate::bvh::WideBvh;
 use crate::geometry::{Hit, Ray, Tracer};
-
-/// A tree in Embree's layout. References are addresses within, so nothing may be moved or changed.
-struct Image<const N: usize> {
-    root: u64,
-    nodes: Vec<Node<N>>,
-    leaves: Vec<Triangle4>,
-}
-
-impl<const N: usize> Image<N> {
-    /// Lays `tree` out depth first. Trees that Embree's kernels could not walk are refused: references beyond
-    /// the tree, nodes or blocks used twice, more than [`MAX_DEPTH`] levels, triangles beyond `triangles`.
-    fn of(tree: &WideBvh<N>, triangles: usize) -> Result<Self, Unavailable> {
-        // Never grown beyond these capacities, so that addresses stay.
-        let mut nodes: Vec<Node<N>> = Vec::with_capacity(tree.nodes.len());
-        let mut leaves: Vec<Triangle4> = Vec::with_capacity(tree.blocks.len());
-        advise_huge_pages(&nodes);
-        advise_huge_pages(&leaves);
-        let (first_node, first_leaf) =
-            (nodes.as_ptr().expose_provenance(), leaves.as_ptr().expose_provenance());
-        let mut root = reference::EMPTY;
-        let mut stack = vec![(tree.root, 0, None)];
-        while let Some((link, depth, parent)) = stack.pop() {
-            let placed = match link.get() {
-                Child::Empty => reference::EMPTY,
-                Child::Inner(index) => {
-                    let Some(node) = tree.nodes.get(index) else {
-                        return Unavailable::because(format_args!("the tree has no node {index}"));
-                    };
-                    if nodes.len() == tree.nodes.len() {
-                        return Unavailable::because(format_args!(
-                            "a node above or at {index} has two parents"
-                        ));
-                    }
-                    if depth == MAX_DEPTH {
-                        return Unavailable::because(format_args!(
-                            "the tree has more than {MAX_DEPTH} levels"
-                        ));
-                    }
-                    let place = nodes.len();
-                    nodes.push(embree_node(node));
-                    let used = node.links.iter().take_while(|link| !link.is_empty()).count();
-                    if node.links[used..].iter().any(|link| !link.is_empty()) {
-                        return Unavailable::because(format_args!(
-                            "node {index} has a gap between its children"
-                        ));
-                    }
-                    let children = (0..used).rev();
-                    stack.extend(children.map(|slot| (node.links[slot], depth + 1, Some((place, slot)))));
-                    reference::inner(first_node + place * size_of::<Node<N>>())
-                }
-                Child::Leaf { first, count } => {
-                    let Some(blocks) = tree.blocks.get(first..first + count) else {
-                        return Unavailable::because(format_args!(
-                            "the tree has no block {}",
-                            first + count - 1
-                        ));
-                    };
-                    if leaves.len() + count > tree.blocks.len() {
-                        return Unavailable::because(format_args!(
-                            "a block before or at {first} is in two leaves"
-                        ));
-                    }
-                    if let Some(prim) =
-                        blocks.iter().flat_map(|block| block.ids()).find(|&p| p as usize >= triangles)
-                    {
-                        return Unavailable::because(format_args!("the mesh has no triangle {prim}"));
-                    }
-                    let place = leaves.len();
-                    leaves.extend(blocks.iter().map(embree_block));
-                    reference::leaf(first_leaf + place * size_of::<Triangle4>(), count)
-                }
-            };
-            match parent {
-                Some((node, slot)) => {
-                    let node: &mut Node<N> = &mut nodes[node];
-                    node.children[slot] = placed;
-                }
-                None => root = placed,
-            }
-        }
-        Ok(Self { root, nodes, leaves })
-    }
-}
-
-/// Asks for huge pages under an array not yet filled, as Embree does for its own: else page walks would tell a
-/// tree of ours from one of Embree's.
-#[cfg(target_os = "linux")]
-fn advise_huge_pages<T>(array: &Vec<T>) {
-    const PAGE: usize = 4096;
-    let start = array.as_ptr().addr().next_multiple_of(PAGE);
-    let end = (array.as_ptr().addr() + array.capacity() * size_of::<T>()) / PAGE * PAGE;
-    if start < end {
-        let first = array.as_ptr().with_addr(start).cast_mut().cast();
-        // SAFETY: whole pages within the array's allocation; the advice changes no contents. Failing is harmless.
-        unsafe { libc::madvise(first, end - start, libc::MADV_HUGEPAGE) };
-    }
-}
-
-#[cfg(not(target_os = "linux"))]
-fn advise_huge_pages<T>(_: &Vec<T>) {}
-
-/// The node with its boxes; children are set as they are placed.
-fn embree_node<const N: usize>(node: &WideNode<N>) -> Node<N> {
-    let mut planes = [[[f32::INFINITY; N], [f32::NEG_INFINITY; N]]; 3];
-    for slot in (0..N).filter(|&slot| !node.links[slot].is_empty()) {
-        for (axis, planes) in planes.iter_mut().enumerate() {
-            planes[0][slot] = node.lower[axis][slot];
-            planes[1][slot] = node.upper[axis][slot];
-        }
-    }
-    Node { children: [reference::EMPTY; N], planes }
-}
-
-fn embree_block(block: &TriangleBlock) -> Triangle4 {
-    let geometries = block.prims.map(|prim| if prim == Hit::NONE { u32::MAX } else { query::GEOMETRY });
-    Triangle4 { v0: block.v0, e1: block.e1, e2: block.e2, geometries, prims: block.prims }
-}
 
 /// A committed scene whose root is another tree's, traced by Embree's kernels.
 pub struct Graft<'a> {
@@ -146,7 +30,7 @@ impl<'a> Graft<'a> {
     /// walk the tree.
     pub fn new<const N: usize>(scene: EmbreeScene<'a>, tree: &WideBvh<N>) -> Result<Self, Unavailable> {
         let image = Image::of(tree, scene.mesh().len())?;
-        let bytes = size_of_val(&image.nodes[..]) + size_of_val(&image.leaves[..]);
+        let bytes = image.bytes();
         let mut host = None;
         if !scene.mesh().is_empty() {
             let mut slot = RootSlot::find::<N>(&scene)?;
@@ -154,7 +38,7 @@ impl<'a> Graft<'a> {
             // SAFETY: `Image::of` made a whole tree in Embree's layout, which lives in this graft and is never
             // changed; the scene is owned here, so nobody traces it; `drop` restores the root, and no method
             // of a committed scene commits again.
-            unsafe { slot.set(image.root) };
+            unsafe { slot.set(image.root()) };
             host = Some((slot, original));
         }
         Ok(Self { scene, host, bytes, _image: Box::new(image) })
@@ -193,7 +77,8 @@ impl Tracer for Graft<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvh::{Bvh4, Bvh8, Link};
+    use crate::bvh::{Bvh4, Bvh8, Link, MAX_DEPTH, TriangleBlock, WideNode};
+    use crate::embree::layout::Node;
     use crate::embree::samples::{rays, soup};
     use crate::embree::{Config, Device, EmbreeBuilder, Width, native};
     use crate::geometry::Mesh;

@@ -12,7 +12,7 @@ use crate::geometry::Mesh;
 pub struct Inspection {
     /// The builder's class, e.g. "avx::BVH4BuilderSAH".
     pub builder: String,
-    /// Tree and leaf type, e.g. "BVH4<triangle4>".
+    /// Tree and leaf type, e.g. `BVH4<triangle4>`.
     pub accel: String,
     /// The kernel of `rtcIntersect1`, e.g. "avx2::BVH4Triangle4Intersector1Moeller".
     pub intersector: String,

@@ -17,6 +17,8 @@ mod device;
 mod error;
 #[cfg(feature = "graft")]
 pub mod graft;
+#[cfg(feature = "graft")]
+mod image;
 mod inspect;
 #[cfg(feature = "graft")]
 mod layout;

@@ -24,12 +24,15 @@ impl Ray {
     /// True if Embree accepts the ray: finite origin and direction below [`Ray::LARGEST`], `tnear >= 0`,
     /// no NaN.
     pub fn is_valid(&self) -> bool {
-        let bounded = |v: Vec3| v.abs().cmple(Vec3::splat(Self::LARGEST)).all();
+        // Without short-circuits, so that checking a batch compiles to vector code.
+        let bounded = |v: Vec3| {
+            (v.x.abs() <= Self::LARGEST) & (v.y.abs() <= Self::LARGEST) & (v.z.abs() <= Self::LARGEST)
+        };
         bounded(self.org)
-            && bounded(self.dir)
-            && self.tnear >= 0.0
-            && self.tnear.is_finite()
-            && !self.tfar.is_nan()
+            & bounded(self.dir)
+            & (self.tnear >= 0.0)
+            & (self.tnear < f32::INFINITY)
+            & !self.tfar.is_nan()
     }
 }
 

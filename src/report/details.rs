@@ -19,6 +19,7 @@ pub fn scene(rows: &[Row], scene: &str) -> String {
     let mut header: Vec<String> =
         ["builder / width", "build ms", "cold", "/SAH", "cost", "/SAH", "EPO"].map(Into::into).into();
     for (kernel, _) in &unders {
+        let kernel = kernel.trim_start_matches("embree-");
         header.extend([format!("{kernel} ms"), "MRays/s".into(), "/SAH".into()]);
     }
     let mut grid = Grid::new(header);

@@ -64,7 +64,8 @@ fn legend(rows: &[Row]) -> String {
     format!(
         "Medians of {rounds} rounds, {} threads on each side. /SAH: relative to {} at width {}, {kernel}; \
          ± half the 95 % interval. cold: ms of the first build of a fresh builder or device. cost: SAH cost. \
-         A kernel's ms: all recorded rays of all views through it.\n",
+         All recorded rays of all views: native, Embree's kernel on its own tree; grafted, Embree's kernel on \
+         any tree, all laid out alike; phr, our kernel.\n",
         row.threads, BASELINE.0, BASELINE.1
     )
 }

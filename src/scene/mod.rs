@@ -3,6 +3,7 @@
 //! A scene is read from a file (`load`, with the feature `files`) or made by a [`Generator`]. [`paper`] lists
 //! the nine scenes of the paper, whose files few people have, and the generated stand-ins for them.
 
+mod catalog;
 #[cfg(feature = "files")]
 mod error;
 mod fingerprint;
@@ -15,9 +16,10 @@ mod obj;
 mod ply;
 mod views;
 
+pub use catalog::{PaperScene, paper, paper_scene_in};
 #[cfg(feature = "files")]
 pub use error::SceneError;
-pub use generate::{Generator, builtin, generator};
+pub use generate::{Generator, builtin, generator, generators, scalable};
 #[cfg(feature = "files")]
 pub use load::load;
 pub use views::{InvalidView, View, views_around};

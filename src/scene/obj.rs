@@ -12,7 +12,7 @@ use std::io::{self, BufRead, Read};
 pub(super) fn read(reader: &mut dyn BufRead) -> Result<RawMesh, Fault> {
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ..tobj::LoadOptions::default() };
     let mut filter = Filter::new(reader);
-    let no_materials = |_: &std::path::Path| Ok(tobj::MTLLoadResult::Ok(Default::default())?);
+    let no_materials = |_: &std::path::Path| Ok(Default::default());
     let loaded = tobj::load_obj_buf(&mut filter, &options, no_materials);
     let place = format!("line {}", filter.line_number);
     let (models, _) = loaded.map_err(|e| match filter.fault.take() {

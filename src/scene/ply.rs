@@ -65,8 +65,8 @@ fn check_header(elements: &[ElementDef], name: &'static str) -> Result<(), Fault
         element.get_property(name).is_some_and(|p| matches!(p.property_type, PropertyType::Scalar(_)))
     };
     match name {
-        "vertex" if !["x", "y", "z"].iter().all(|n| scalar(n)) => Err(fault("no properties x, y and z")),
-        "face" if !INDEX_LISTS.iter().any(|n| list(n)) => Err(fault("no list vertex_indices")),
+        "vertex" if !["x", "y", "z"].iter().all(scalar) => Err(fault("no properties x, y and z")),
+        "face" if !INDEX_LISTS.iter().any(list) => Err(fault("no list vertex_indices")),
         _ => Ok(()),
     }
 }

@@ -10,7 +10,7 @@ use crate::geometry::{Mesh, Ray};
 use glam::DVec3;
 
 /// Displacement, in units of `f32::EPSILON` times the largest coordinate difference between ray origin and
-/// triangle plus the origin's largest coordinate.
+/// triangle plus the origin's largest coordinate, plus what a needle's normal adds.
 pub const DISPLACEMENT_ULPS: f64 = 4.0;
 
 /// Relative difference of distances that counts as equal.
@@ -40,13 +40,19 @@ impl Crossing {
         let [a, b, c] = mesh.corners(prim).map(|corner| corner.as_dvec3());
         let (org, dir) = (ray.org.as_dvec3(), ray.dir.as_dvec3());
         let length = dir.length();
-        let normal = (b - a).cross(c - a).try_normalize()?;
+        let (e1, e2) = (b - a, c - a);
+        let cross = e1.cross(e2);
+        let normal = cross.try_normalize()?;
         if length == 0.0 {
             return None;
         }
         let reach = [a, b, c].map(|corner| (corner - org).abs().max_element());
         let reach = reach[0].max(reach[1]).max(reach[2]) + org.abs().max_element();
-        let displacement = DISPLACEMENT_ULPS * f64::from(f32::EPSILON) * reach;
+        // The normal of a needle is a difference of products far larger than itself: its rounding tilts the
+        // plane, which shifts the crossing by the tilt times the distance from the first corner.
+        let tilt = e1.length() * e2.length() / cross.length();
+        let arm = e1.length().max(e2.length());
+        let displacement = DISPLACEMENT_ULPS * f64::from(f32::EPSILON) * (reach + tilt * arm);
         // The sine of the angle between ray and plane.
         let facing = normal.dot(dir) / length;
         let t = normal.dot(a - org) / (facing * length);

@@ -14,11 +14,25 @@ pub const CITY: Generator = Generator {
     triangles: 250_000,
     about: "a city on a plain of two triangles, with houses, trees, cars and cafe tables",
     seed: 4,
-    layout: |layout| town(layout, [3, 3], 8.0),
+    layout: |layout| town(layout, [3, 3], 6.0),
     views: &[
         view([-55.0, 60.0, -45.0], [75.0, 0.0, 70.0], 48.0),
         view([47.0, 1.8, 4.0], [44.0, 4.0, 80.0], 65.0),
         view([91.0, 9.0, 30.0], [84.0, 5.0, 100.0], 60.0),
+    ],
+};
+
+/// The stand-in for Vienna.
+pub const VIENNA: Generator = Generator {
+    name: "vienna-like",
+    triangles: 8_637_000,
+    about: "a city of perimeter blocks on a plain of two triangles, with ornate facades, trees and cars",
+    seed: 18,
+    layout: |layout| town(layout, [13, 13], 7.0),
+    views: &[
+        view([-90.0, 110.0, -70.0], [230.0, 0.0, 240.0], 50.0),
+        view([272.0, 1.8, 180.0], [269.0, 4.0, 260.0], 65.0),
+        view([316.0, 12.0, 299.0], [308.0, 6.0, 380.0], 60.0),
     ],
 };
 
@@ -66,7 +80,7 @@ fn block(layout: &mut Layout, middle: &Frame, random: &mut Random) {
 }
 
 /// A house of the given size around the frame's origin, its facade towards +z.
-fn house(layout: &mut Layout, frame: &Frame, [width, height, depth]: [f32; 3], random: &mut Random) {
+pub fn house(layout: &mut Layout, frame: &Frame, [width, height, depth]: [f32; 3], random: &mut Random) {
     layout.block(frame, [0.0; 3], [width, height, depth], 1.0);
     let roof = random.between(2.0, 4.5);
     let hipped = frame.moved(0.0, height, 0.0).scaled(width * 1.03, roof, depth * 1.06);
@@ -187,7 +201,7 @@ pub fn tree(layout: &mut Layout, foot: &Frame, height: f32, random: &mut Random)
         let at = random.in_ball() * (0.12 * height);
         let crown = foot.moved(at.x, 0.72 * height + at.y, at.z);
         let crown = crown.scaled(0.27 * height, 0.24 * height, 0.27 * height);
-        let leaves = layout.many(55.0) as u32;
+        let leaves = layout.many(150.0) as u32;
         layout.add_plain(Shape::Leaves { seed: random.bits(), length: 0.16 }, &crown, [leaves, 2]);
     }
 }

@@ -19,6 +19,15 @@ pub const HAIRBALL: Generator = Generator {
     ],
 };
 
+/// The stand-in for Hairball.
+pub const HAIRBALL_FULL: Generator = Generator {
+    name: "hairball-like",
+    triangles: 2_880_000,
+    seed: 14,
+    layout: |layout| ball(layout, &Frame::WORLD.sized(5.0), 1_400.0, 0.003),
+    ..HAIRBALL
+};
+
 /// About `hairs` at detail 1, around a core.
 pub fn ball(layout: &mut Layout, frame: &Frame, hairs: f32, radius: f32) {
     layout.add(Shape::Ball, &frame.sized(0.5), [24.0, 16.0]);

@@ -19,9 +19,35 @@ pub const ROOMS: Generator = Generator {
         storey(layout, &Frame::WORLD, [3, 2], |i, _| rooms[i]);
     },
     views: &[
-        view([4.5, 1.6, 3.6], [0.9, 0.6, 0.6], 70.0),
+        view([0.4, 1.6, 3.6], [3.6, 0.7, 0.7], 70.0),
         view([9.5, 1.7, 3.6], [6.0, 0.7, 0.5], 70.0),
         view([14.6, 1.9, 0.4], [10.8, 0.6, 3.0], 70.0),
+    ],
+};
+
+/// The stand-in for Soda Hall.
+pub const OFFICES: Generator = Generator {
+    name: "sodahall-like",
+    triangles: 2_169_000,
+    about: "an office building of five storeys, seen from inside",
+    seed: 13,
+    layout: |layout| {
+        layout.add_plain(Shape::Sheet, &Frame::at(0.0, -0.2, 0.0).sized(300.0), [1, 1]);
+        for floor in 0..5 {
+            storey(layout, &Frame::at(0.0, 3.1 * floor as f32, 0.0), [10, 4], |_, random| {
+                match random.below(8) {
+                    0..4 => Kind::Office,
+                    4 => Kind::Dining,
+                    5 => Kind::Living,
+                    _ => Kind::Bare,
+                }
+            });
+        }
+    },
+    views: &[
+        view([-16.0, 9.0, -24.0], [25.0, 7.0, 8.0], 55.0),
+        view([0.5, 7.9, 2.0], [40.0, 7.2, 2.2], 65.0),
+        view([27.5, 4.8, 15.4], [27.5, 4.0, 0.0], 65.0),
     ],
 };
 
@@ -71,8 +97,7 @@ pub fn storey(
         for ix in 0..rooms[0] {
             let i = iz * rooms[0] + ix;
             let center = frame.moved((ix as f32 + 0.5) * width, 0.0, (iz as f32 + 0.5) * depth);
-            let place = center.origin.to_array().map(|x| u64::from(x.to_bits()));
-            let mut random = layout.random(place[0] ^ place[1] << 20 ^ place[2] << 40);
+            let mut random = layout.random_at(&center);
             let kind = kind(i, &mut random);
             furnish(layout, &center, kind, &mut random);
         }

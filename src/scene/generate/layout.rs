@@ -26,8 +26,7 @@ impl Layout {
     /// Adds a shape cut into about `base` cells at detail 1. Fractions are rounded up in some places and down
     /// in others, so that the number of triangles grows smoothly with the detail.
     pub fn add(&mut self, shape: Shape, frame: &Frame, base: [f32; 2]) {
-        let place = frame.origin.to_array().map(f32::to_bits);
-        let place = mix(u64::from(place[0]) | u64::from(place[1]) << 32) ^ u64::from(place[2]);
+        let place = place(frame);
         let least = shape.least();
         let cells = |axis: usize| {
             let dither = Random::new(place, axis as u64).unit();
@@ -52,13 +51,24 @@ impl Layout {
 
     /// A number of cells that is `base` at detail 1, for parts that must fit each other.
     pub fn fine(&self, base: f32) -> u32 {
-        ((base * self.detail) as u32).max(3)
+        ((base * self.detail) as u32).max(1)
+    }
+
+    /// Random numbers for what stands at the frame's origin.
+    pub fn random_at(&self, frame: &Frame) -> Random {
+        Random::new(self.seed, place(frame))
     }
 
     /// Random numbers for the thing called `stream`.
     pub fn random(&self, stream: u64) -> Random {
         Random::new(self.seed, stream)
     }
+}
+
+/// A number for the frame's origin.
+fn place(frame: &Frame) -> u64 {
+    let [x, y, z] = frame.origin.to_array().map(|x| u64::from(x.to_bits()));
+    mix(x | y << 32) ^ z
 }
 
 /// Makes the scene that `lay` lays out, with the detail that comes closest to `triangles` from below; the few
@@ -85,7 +95,14 @@ pub fn draw(triangles: usize, seed: u64, lay: &dyn Fn(&mut Layout)) -> Draft {
         whole.triangles.extend(draft.triangles.into_iter().map(|t| t.map(|i| first + i)));
     }
     halve_evenly(&mut whole, triangles);
+    whole.triangles.truncate(triangles);
     whole
+}
+
+/// How many triangles [`draw`] makes before it halves some.
+#[cfg(test)]
+pub fn count(triangles: usize, seed: u64, lay: &dyn Fn(&mut Layout)) -> usize {
+    fitting(triangles, seed, lay).triangles
 }
 
 /// The layout with at most `triangles`, as close as a bisection of the detail comes; only counts are made.
@@ -97,24 +114,30 @@ fn fitting(triangles: usize, seed: u64, lay: &dyn Fn(&mut Layout)) -> Layout {
     };
     let mut low = 1.0;
     let mut best = at(low);
-    while best.is_none() {
+    while best.is_none() && low > 1e-3 {
         low *= 0.5;
-        assert!(low > 1e-3, "the coarsest layout has more than {triangles} triangles");
         best = at(low);
     }
+    let Some(mut best) = best else {
+        // Fewer triangles than the coarsest layout: a ball in its place, or a sheet.
+        let mut layout = Layout::new(seed, 1.0, triangles.max(2));
+        let (shape, n) = if triangles < 6 { (Shape::Sheet, [1, 1]) } else { (Shape::Ball, [3, 2]) };
+        layout.add_plain(shape, &Frame::WORLD, n);
+        return layout;
+    };
     let mut high = low * 1.5;
     while let Some(layout) = at(high) {
         assert!(high < 1e4, "the layout does not grow with the detail");
-        (low, best, high) = (high, Some(layout), high * 1.5);
+        (low, best, high) = (high, layout, high * 1.5);
     }
     for _ in 0..14 {
         let middle = 0.5 * (low + high);
         match at(middle) {
-            Some(layout) => (low, best) = (middle, Some(layout)),
+            Some(layout) => (low, best) = (middle, layout),
             None => high = middle,
         }
     }
-    best.unwrap_or_else(|| Layout::new(seed, low, triangles))
+    best
 }
 
 /// Halves evenly spread triangles at the middle of their longest edges until there are `wanted`.

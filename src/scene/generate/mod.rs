@@ -1,15 +1,22 @@
 //! Generated scenes: seeded, the same on every platform, with an exact number of triangles.
 
+mod ancient;
 mod city;
+mod conference;
+mod courtyard;
+mod crown;
 mod frame;
 mod furniture;
 mod hair;
 mod interior;
 mod layout;
+mod mixed;
 mod part;
 mod plant;
 mod random;
 mod statue;
+
+pub use mixed::scalable;
 
 use super::{Scene, View};
 use crate::geometry::Mesh;
@@ -55,7 +62,84 @@ pub fn builtin() -> &'static [Generator] {
     &BUILTIN
 }
 
+/// The nine stand-ins for the paper's scenes, in the paper's order.
+const STAND_INS: [Generator; 9] = [
+    conference::CONFERENCE,
+    statue::BUDDHA,
+    interior::OFFICES,
+    hair::HAIRBALL_FULL,
+    crown::CROWN,
+    ancient::ANCIENT,
+    courtyard::COURTYARD,
+    city::VIENNA,
+    plant::POWER_PLANT,
+];
+
+/// All generators: the built-in set, then the stand-ins for the paper's scenes.
+pub fn generators() -> impl Iterator<Item = &'static Generator> {
+    BUILTIN.iter().chain(&STAND_INS)
+}
+
 /// The generator called `name`, or `None`.
 pub fn generator(name: &str) -> Option<&'static Generator> {
-    builtin().iter().find(|g| g.name == name)
+    generators().find(|g| g.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn builtin_scenes_repeat_and_keep_their_word() {
+        for generator in builtin() {
+            let scene = generator.generate();
+            assert_eq!(scene.mesh.len(), generator.triangles, "{}", generator.name);
+            assert_eq!(scene.dropped.total(), 0);
+            let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+            assert_eq!(one_thread.install(|| generator.generate()).sha, scene.sha, "{}", generator.name);
+        }
+    }
+
+    #[test]
+    fn every_camera_sees_a_picture() {
+        for generator in generators() {
+            assert_eq!(generator.views.len(), 3, "{}", generator.name);
+            for view in generator.views {
+                assert_eq!(view.check(), Ok(()), "{}: {view:?}", generator.name);
+            }
+        }
+    }
+
+    #[test]
+    fn names_are_unique_and_stand_ins_say_so() {
+        let names: Vec<_> = generators().map(|g| g.name).collect();
+        assert_eq!(names.len(), 14);
+        for (i, name) in names.iter().enumerate() {
+            assert!(!names[..i].contains(name), "{name}");
+            assert_eq!(i >= builtin().len(), name.ends_with("-like"), "{name}");
+            assert_eq!(generator(name).map(|g| g.name), Some(*name));
+        }
+        assert!(generator("no such scene").is_none());
+    }
+
+    /// Only counts: what is then missing is made up for by halving, which the layout's tests prove exact.
+    #[test]
+    fn layouts_come_close_to_their_size() {
+        for generator in generators() {
+            let counted = layout::count(generator.triangles, generator.seed, &generator.layout);
+            let share = counted as f64 / generator.triangles as f64;
+            assert!((0.9..=1.0).contains(&share), "{}: {counted}", generator.name);
+        }
+    }
+
+    #[test]
+    fn scenes_of_any_size_have_that_size() {
+        for triangles in [0, 1, 2, 5, 6, 7, 100, 5_000, 60_001, 250_000] {
+            let scene = scalable(triangles, 7);
+            assert_eq!(scene.mesh.len(), triangles);
+            assert!(scene.views.iter().all(|view| view.check().is_ok()));
+        }
+        assert_ne!(scalable(10_000, 1).sha, scalable(10_000, 2).sha);
+        assert_eq!(scalable(10_000, 1).sha, scalable(10_000, 1).sha);
+    }
 }

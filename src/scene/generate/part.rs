@@ -126,7 +126,7 @@ impl Part {
             }
             Shape::Ball => out.ball(self.n, |d| frame.point(d * 0.5)),
             Shape::Ring { thickness } => out.grid(self.n, |u, v| {
-                let ((sin, cos), (rise, reach)) = (sin_cos(u), sin_cos(-v));
+                let ((sin, cos), (rise, reach)) = (sin_cos(u), sin_cos(v));
                 let radius = 0.5 + reach * thickness * 0.5;
                 frame.point(Vec3::new(radius * sin, rise * thickness * 0.5, radius * cos))
             }),

@@ -14,7 +14,10 @@ pub const PIPES: Generator = Generator {
     triangles: 200_000,
     about: "pipes, trusses and tanks of a plant: long, thin and oblique triangles",
     seed: 5,
-    layout: |layout| hall(layout, &Frame::WORLD, [3, 2, 2]),
+    layout: |layout| {
+        ground(layout, [60.0, 50.0]);
+        hall(layout, &Frame::WORLD, [3, 2, 2]);
+    },
     views: &[
         view([-9.0, 7.0, 22.0], [12.0, 5.0, 8.0], 55.0),
         view([1.0, 1.7, 1.0], [20.0, 5.0, 10.0], 70.0),
@@ -22,15 +25,46 @@ pub const PIPES: Generator = Generator {
     ],
 };
 
+/// The stand-in for Power Plant.
+pub const POWER_PLANT: Generator = Generator {
+    name: "powerplant-like",
+    triangles: 12_759_000,
+    about: "a power plant: ten storeys of pipes, gratings, tanks and trusses, two chimneys",
+    seed: 19,
+    layout: |layout| {
+        ground(layout, [400.0, 400.0]);
+        hall(layout, &Frame::WORLD, [10, 9, 8]);
+        for x in [-20.0, -45.0] {
+            let foot = Frame::at(x, 0.0, 30.0);
+            layout.add(Shape::Tube { top: 0.6, closed: true }, &foot.scaled(12.0, 110.0, 12.0), [64.0, 90.0]);
+            for i in 0..12 {
+                let width = 12.0 - 0.38 * i as f32;
+                let ring = foot.moved(0.0, 8.0 * (i + 1) as f32, 0.0).sized(width + 1.0);
+                layout.add(Shape::Ring { thickness: 0.06 }, &ring, [64.0, 8.0]);
+            }
+        }
+    },
+    views: &[
+        view([-85.0, 75.0, 140.0], [15.0, 30.0, 30.0], 55.0),
+        view([0.6, 7.3, 0.9], [60.0, 10.0, 9.0], 70.0),
+        view([43.5, 31.7, 66.0], [40.0, 25.0, 0.0], 65.0),
+    ],
+};
+
+fn ground(layout: &mut Layout, size: [f32; 2]) {
+    layout.add_plain(
+        Shape::Sheet,
+        &Frame::at(0.0, -0.02, 0.0).scaled(size[0] * 2.0, 1.0, size[1] * 2.0),
+        [1, 1],
+    );
+}
+
 /// Width, height and depth of a bay between columns.
 const BAY: [f32; 3] = [8.0, 5.0, 8.0];
 
 /// A steel structure of `bays` (x, y, z) with a tank, a machine or a rack of pipes in each.
 pub fn hall(layout: &mut Layout, frame: &Frame, bays: [usize; 3]) {
     let [nx, ny, nz] = bays;
-    let size = [nx as f32 * BAY[0], nz as f32 * BAY[2]];
-    let ground = frame.moved(0.5 * size[0], -0.02, 0.5 * size[1]).scaled(size[0] * 3.0, 1.0, size[1] * 3.0);
-    layout.add_plain(Shape::Sheet, &ground, [1, 1]);
     for iy in 0..ny {
         for iz in 0..=nz {
             for ix in 0..=nx {
@@ -43,7 +77,7 @@ pub fn hall(layout: &mut Layout, frame: &Frame, bays: [usize; 3]) {
                     truss(layout, &foot.moved(0.0, BAY[1], 0.0).turned(1, -0.25), BAY[2]);
                 }
                 if ix < nx && iz < nz {
-                    let mut random = layout.random((ix + 1000 * (iy + 1000 * iz)) as u64);
+                    let mut random = layout.random_at(&foot);
                     bay(layout, &foot.moved(0.5 * BAY[0], 0.0, 0.5 * BAY[2]), iy, &mut random);
                 }
             }

@@ -1,6 +1,7 @@
 //! A scanned statue: one closed, noisy surface of many small triangles of uneven size.
 
 use super::frame::sin_cos;
+use super::layout::Layout;
 use super::part::Shape;
 use super::random::{fractal, noise};
 use super::{Generator, frame::Frame, view};
@@ -12,20 +13,27 @@ pub const STATUE: Generator = Generator {
     triangles: 200_000,
     about: "a seated figure as if scanned: one closed surface, small triangles of uneven size",
     seed: 2,
-    layout: |layout| {
-        const STRIPS: u32 = 64;
-        let n = [layout.fine(220.0), layout.fine(7.2)];
-        for strip in 0..STRIPS {
-            let (from, to) = (strip as f32 / STRIPS as f32, (strip + 1) as f32 / STRIPS as f32);
-            layout.add_plain(Shape::Figure { seed: layout.seed, from, to }, &Frame::WORLD, n);
-        }
-    },
+    layout: |layout| figure(layout, &Frame::WORLD, layout.seed, [220.0, 7.2]),
     views: &[
         view([0.55, 0.75, 1.75], [0.0, 0.44, 0.0], 38.0),
         view([-0.95, 0.62, 0.55], [0.0, 0.55, 0.0], 45.0),
         view([0.22, 0.86, 0.62], [0.0, 0.72, 0.0], 40.0),
     ],
 };
+
+/// The stand-in for Happy Buddha.
+pub const BUDDHA: Generator =
+    Generator { name: "buddha-like", triangles: 1_087_000, seed: 12, about: STATUE.about, ..STATUE };
+
+/// The figure, 1 high in `frame`, as strips that share their edges; about `base` cells around and per strip.
+pub fn figure(layout: &mut Layout, frame: &Frame, seed: u64, base: [f32; 2]) {
+    const STRIPS: u32 = 64;
+    let n = [layout.fine(base[0]).max(3), layout.fine(base[1])];
+    for strip in 0..STRIPS {
+        let (from, to) = (strip as f32 / STRIPS as f32, (strip + 1) as f32 / STRIPS as f32);
+        layout.add_plain(Shape::Figure { seed, from, to }, frame, n);
+    }
+}
 
 /// Outline from below to above: height, half width along x, half depth along z.
 const OUTLINE: [[f32; 3]; 19] = [
@@ -62,20 +70,16 @@ pub fn surface(seed: u64, u: f32, v: f32) -> Vec3 {
     let t = place - below as f32;
     let [height, width, depth] = std::array::from_fn(|axis| spline(below, t, axis).max(0.0005));
 
-    // Petals of the seat, knees to both sides, arms, hair; each on its range of heights.
-    let bump = |low: f32, high: f32| {
-        let t = ((height - low) / (high - low)).clamp(0.0, 1.0);
-        let (_, c) = sin_cos(t);
-        0.5 - 0.5 * c
-    };
+    // Petals of the seat, knees to both sides, arms; each on its range of heights.
+    let bump = |low: f32, high: f32| 0.5 - 0.5 * sin_cos(((height - low) / (high - low)).clamp(0.0, 1.0)).1;
     let petals = bump(0.09, 0.19) * 0.07 * sin_cos(u * 14.0).1.abs();
     let knees = bump(0.17, 0.32) * (0.16 * sin_cos(u * 2.0).0 * sin_cos(u * 2.0).0 * cos.max(0.0) - 0.04);
-    let arms = bump(0.28, 0.62) * 0.22 * (sin * sin).powi(6) * (0.8 + 0.4 * cos);
-    let face = bump(0.68, 0.84) * 0.10 * (1.0 - ((u - u.floor() - 0.5).abs() * 2.0)).powi(2) * -1.0;
-    let mut p = Vec3::new(width * sin, height, depth * cos) * Vec3::new(1.0, 1.0, 1.0);
+    let sideways = sin * sin * sin * sin;
+    let arms = bump(0.28, 0.62) * 0.22 * (sideways * sideways * sideways) * (0.8 + 0.4 * cos);
+    let mut p = Vec3::new(width * sin, height, depth * cos);
     let outwards = Vec3::new(sin, 0.0, cos);
     let reach = width.min(depth);
-    p += outwards * (reach * (petals + knees + arms + face));
+    p += outwards * (reach * (petals + knees + arms));
 
     // Folds of the robe follow the noise; curls cover the head; all over lies the scanner's noise.
     let folds = bump(0.2, 0.64) * 0.010 * sin_cos(height * 14.0 + 1.3 * noise(seed, p * 5.0) + sin * 0.8).0;

@@ -1,0 +1,228 @@
+//! The records of a run on disk, brought up to date after every visit.
+
+use super::contender::{self, Cell, Facts};
+use super::embree_side;
+use super::environment::{ENVIRONMENT, Environment, Machine, Moment, Program, State};
+use super::plan::PlannedScene;
+use super::random::SplitMix;
+use super::records::{self, ROWS, RecordsError, Row, SCHEMA};
+use super::run::{Run, RunError};
+use super::samples::{CellSamples, SAMPLES, Samples, SceneSamples, read_json};
+use super::summary::{self, Header};
+use super::warnings::Warning;
+use crate::scene::Scene;
+use crate::trace::Isa;
+use std::path::Path;
+
+/// The records on disk.
+pub(super) struct Book<'a> {
+    folder: &'a Path,
+    /// All samples so far.
+    pub samples: Samples,
+    environment: Environment,
+    rounds: usize,
+    threads: usize,
+}
+
+impl<'a> Book<'a> {
+    /// Starts the records, or takes up those of a run that was stopped.
+    pub fn open(run: &Run<'a>) -> Result<Self, RunError> {
+        let settings = &run.plan.settings;
+        let folder = run.folder;
+        std::fs::create_dir_all(folder).map_err(|source| RecordsError::Io {
+            path: folder.to_owned(),
+            source,
+            remedy: "give a writable folder with --out",
+        })?;
+        let plan = serde_json::json!({
+            "settings": settings,
+            "scenes": run.plan.scenes.iter().map(|(scene, _)| &scene.name).collect::<Vec<_>>(),
+        });
+        let machine = Machine::this(run.host);
+        let mut environment = Environment {
+            schema: SCHEMA,
+            run_id: run_id(),
+            state: State::Running,
+            arguments: run.arguments.clone(),
+            plan,
+            program: Program::this(),
+            library: embree_side::library(),
+            isa: serde_json::json!({ "phr": Isa::best().name() }),
+            before: Vec::new(),
+            after: None,
+            notes: Vec::new(),
+            machine,
+        };
+        let mut samples = Samples { schema: SCHEMA, run_id: environment.run_id.clone(), scenes: Vec::new() };
+        if run.resume {
+            let old: Environment = read_json(&folder.join(ENVIRONMENT))?;
+            same(&old, &environment, folder)?;
+            samples = Samples::read(folder)?;
+            environment.run_id = old.run_id;
+            environment.before = old.before;
+            environment.notes = old.notes;
+        }
+        environment.before.push(Moment::now(settings.threads));
+        let book = Self { folder, samples, environment, rounds: settings.rounds, threads: settings.threads };
+        book.write_environment()?;
+        if !run.resume {
+            // Nothing of an older run may pass for part of this one.
+            for file in [ROWS, SAMPLES, "table1.md"] {
+                let path = folder.join(file);
+                if path.exists() {
+                    let remedy = "give another folder with --out";
+                    std::fs::remove_file(&path).map_err(|source| RecordsError::Io {
+                        path,
+                        source,
+                        remedy,
+                    })?;
+                }
+            }
+        }
+        Ok(book)
+    }
+
+    /// The scene's place among the samples, with all its cells.
+    pub fn scene(
+        &mut self,
+        planned: &PlannedScene,
+        scene: &Scene,
+        cells: &[Cell],
+        views: usize,
+        invalid_rays: u64,
+    ) -> Result<usize, RunError> {
+        let known = self.samples.scenes.iter().position(|known| known.name == planned.name);
+        let index = known.unwrap_or(self.samples.scenes.len());
+        if known.is_none() {
+            self.samples.scenes.push(SceneSamples {
+                name: planned.name.clone(),
+                sha: scene.sha.clone(),
+                source: planned.origin(),
+                triangles: scene.mesh.len() as u64,
+                dropped: scene.dropped,
+                views,
+                invalid_rays,
+                cells: Vec::new(),
+            });
+        }
+        let samples = &mut self.samples.scenes[index];
+        if samples.sha != scene.sha {
+            let what = format!("geometry of {}", planned.name);
+            return Err(RunError::Resume { folder: self.folder.to_owned(), what });
+        }
+        for cell in cells {
+            if !samples.cells.iter().any(|known| known.cell == *cell) {
+                samples.cells.push(CellSamples {
+                    cell: cell.clone(),
+                    facts: Facts::default(),
+                    checks: Vec::new(),
+                    visits: Vec::new(),
+                    error: None,
+                });
+            }
+        }
+        samples.cells.sort_by_key(|cell| (contender::place(&cell.cell.builder), cell.cell.width));
+        Ok(index)
+    }
+
+    /// The samples of a cell that [`Book::scene`] has entered.
+    pub fn cell(&mut self, scene: usize, cell: &Cell) -> &mut CellSamples {
+        let cells = &mut self.samples.scenes[scene].cells;
+        match cells.iter().position(|known| known.cell == *cell) {
+            Some(index) => &mut cells[index],
+            None => unreachable!("a scene's cells are entered before its first visit"),
+        }
+    }
+
+    /// What all rows share.
+    pub fn header(&self) -> Header {
+        let mut warnings = Vec::new();
+        if self.threads > self.environment.machine.processors {
+            warnings.push(Warning::ThreadMismatch);
+        }
+        let mut moments = self.environment.before.iter().chain(&self.environment.after);
+        if moments.any(|moment| !moment.spin.is_enough()) {
+            warnings.push(Warning::Contended);
+        }
+        Header {
+            run_id: self.environment.run_id.clone(),
+            utc: self.environment.before.first().map(|moment| moment.utc.clone()).unwrap_or_default(),
+            host: self.environment.machine.host.clone(),
+            git_rev: self.environment.program.git_rev.clone(),
+            threads: self.threads,
+            rounds: self.rounds,
+            warnings,
+        }
+    }
+
+    /// All rows so far.
+    pub fn rows(&self) -> Vec<Row> {
+        summary::rows(&self.samples, &self.header())
+    }
+
+    /// Brings samples and rows on disk up to date.
+    pub fn save(&self) -> Result<(), RunError> {
+        self.samples.write(self.folder)?;
+        records::write(&self.folder.join(ROWS), &self.rows())?;
+        Ok(())
+    }
+
+    fn write_environment(&self) -> Result<(), RunError> {
+        records::write_json(&self.folder.join(ENVIRONMENT), &self.environment)?;
+        Ok(())
+    }
+
+    /// Writes how the run ended.
+    pub fn close(&mut self, complete: bool) -> Result<(), RunError> {
+        self.environment.state = if complete { State::Complete } else { State::Interrupted };
+        self.environment.after = Some(Moment::now(self.threads));
+        let mut notes = Vec::new();
+        for scene in &self.samples.scenes {
+            if scene.dropped.total() > 0 {
+                notes.push(format!("{}: {}", scene.name, scene.dropped));
+            }
+            if scene.invalid_rays > 0 {
+                let count = scene.invalid_rays;
+                notes.push(format!("{}: {count} rays left out that Embree would not accept", scene.name));
+            }
+        }
+        self.environment.notes = notes;
+        self.environment.isa["embree"] = self.embree_isa().into();
+        if !self.samples.scenes.is_empty() {
+            self.save()?;
+        }
+        self.write_environment()
+    }
+
+    fn embree_isa(&self) -> Option<String> {
+        let cells = self.samples.scenes.iter().flat_map(|scene| &scene.cells);
+        let mut kernels = cells.flat_map(|cell| &cell.checks);
+        let native = kernels.find(|kernel| kernel.kernel == contender::Kernel::EmbreeNative)?;
+        Some(native.isa.clone())
+    }
+}
+
+/// Refuses to mix samples of different programs or settings; the number of rounds may grow.
+fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunError> {
+    let differs = |what: String| Err(RunError::Resume { folder: folder.to_owned(), what });
+    if old.program != new.program {
+        return differs(format!("build of this program ({})", old.program.git_rev));
+    }
+    if old.library != new.library {
+        return differs(format!("Embree ({})", old.library.embree));
+    }
+    let settings = |environment: &Environment| environment.plan["settings"].as_object().cloned();
+    let (old, new) = (settings(old).unwrap_or_default(), settings(new).unwrap_or_default());
+    match new.iter().find(|(key, value)| *key != "rounds" && old.get(*key) != Some(value)) {
+        Some((key, _)) => differs(format!("{key} ({})", old.get(key).unwrap_or(&serde_json::Value::Null))),
+        None => Ok(()),
+    }
+}
+
+/// Twelve hexadecimal digits that hardly two runs share.
+fn run_id() -> String {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    let nanoseconds = now.map_or(0, |duration| duration.as_nanos() as u64);
+    let bits = SplitMix::new(nanoseconds ^ u64::from(std::process::id()) << 32).next_u64();
+    format!("{:012x}", bits >> 16)
+}
