@@ -235,7 +235,7 @@ fn wrong_files_are_told_with_place_and_remedy() {
         ("x.ply", replaced("element face 3", "element face 2"), "more data"),
         ("x.ply", replaced("element vertex 5", "element vertex 4"), "face 0 of 3"),
         ("x.ply", replaced("element vertex 5", "element vertex 6"), "face 2 of 3: the data ends here"),
-        ("x.ply", replaced("element vertex 5", "element vertex 1000000000000"), "vertex 10 of 1000000000000"),
+        ("x.ply", replaced("element vertex 5", "element vertex 1000000000000"), "vertex 9 of 1000000000000"),
         ("x.ply", replaced("1 0 0", "1 zero 0"), "vertex 1 of 5"),
         ("x.ply", replaced("3 1 2 4", "3 1 2.5 4"), "face 1 of 3"),
         ("x.ply", replaced("3 1 2 4", "-3 1 2 4"), "face 1 of 3"),
@@ -320,12 +320,17 @@ fn damaged_files_never_panic() {
     ];
     let dir = tempfile::tempdir().unwrap();
     let mut accepted = 0;
-    let mut attempt = |name: &str, bytes: &[u8]| match load(&write(&dir, name, bytes)) {
-        Ok(scene) => {
-            assert!(!scene.mesh.is_empty() && scene.views.iter().all(|v| v.check().is_ok()));
-            accepted += 1;
+    let mut attempt = |name: &str, bytes: &[u8]| {
+        let path = write(&dir, name, bytes);
+        match load(&path) {
+            Ok(scene) => {
+                assert!(!scene.mesh.is_empty() && scene.views.iter().all(|v| v.check().is_ok()));
+                accepted += 1;
+            }
+            Err(e) => assert!(!e.to_string().contains('\n'), "{e}"),
         }
-        Err(e) => assert!(!e.to_string().contains('\n'), "{e}"),
+        // Some file systems wait for the disk when a file is replaced, not when it is gone before.
+        std::fs::remove_file(path).unwrap();
     };
     for (name, bytes) in &files {
         for end in 0..bytes.len() {

@@ -228,3 +228,140 @@ impl<'a> Bench<'a> {
         Ok(timings)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::contender::{Builds, Facts, Kernel};
+    use super::super::rays;
+    use super::*;
+    use crate::build;
+    use crate::geometry::{Dropped, Hit, Mesh, Ray};
+    use crate::trace::BvhTracer;
+
+    /// A hilly sheet seen from above.
+    fn scene() -> Scene {
+        let n = 12u32;
+        let height = |x: u32, y: u32| ((x * 7 + y * 13) % 11) as f32 * 0.2;
+        let vertices = (0..n * n).map(|i| [(i % n) as f32, (i / n) as f32, height(i % n, i / n)]).collect();
+        let corner = |x: u32, y: u32| y * n + x;
+        let quads = (0..(n - 1) * (n - 1)).map(|i| (i % (n - 1), i / (n - 1)));
+        let triangles = quads.flat_map(|(x, y)| {
+            let [a, b, c, d] = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
+            [[a, b, c], [a, c, d]]
+        });
+        let (mesh, _) = Mesh::new(vertices, triangles.collect()).unwrap();
+        Scene::new("sheet".into(), mesh, Dropped::default(), Vec::new(), "test".into())
+    }
+
+    /// Answers as another does, but for one ray of each batch while it lies.
+    struct Liar<'a> {
+        honest: &'a dyn Tracer,
+        lies: &'a AtomicBool,
+    }
+
+    impl Tracer for Liar<'_> {
+        fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+            self.honest.closest(rays, hits);
+            if self.lies.load(Ordering::Relaxed)
+                && let Some(hit) = hits.iter_mut().find(|hit| hit.is_hit())
+            {
+                hit.t *= 1.01;
+            }
+        }
+
+        fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
+            self.honest.any(rays, occluded);
+        }
+    }
+
+    /// Runs `test` with a bench over the sheet and the reference's own tree.
+    fn with_bench(test: impl FnOnce(&mut Bench<'_>, &dyn Tracer)) {
+        let scene = scene();
+        let built = build::by_name("lbvh").unwrap().build(&scene.mesh);
+        let tracer = BvhTracer::new(&built.tree);
+        let settings = Settings {
+            width: 16,
+            height: 16,
+            views: 1,
+            max_depth: 4,
+            rounds: 1,
+            threads: 1,
+            seed: 1,
+            build_only: false,
+            frames: true,
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let recorded = pool.install(|| rays::record(&tracer, &scene, &settings));
+        let stop = AtomicBool::new(false);
+        let mut bench = Bench::new(&scene, &recorded, Some(&tracer), &settings, &pool, &stop);
+        test(&mut bench, &tracer);
+    }
+
+    fn shown(tracer: &dyn Tracer, facts: bool) -> Shown<'_> {
+        let view = View { kernel: Kernel::Phr, isa: String::new(), tracer: Ok(tracer), counter: None };
+        Shown { builds: Builds::default(), facts: facts.then(Facts::default), views: vec![view] }
+    }
+
+    fn samples() -> CellSamples {
+        let cell = Cell { builder: "liar".into(), width: 4, kernels: vec![Kernel::Phr] };
+        CellSamples { cell, facts: Facts::default(), checks: Vec::new(), visits: Vec::new(), error: None }
+    }
+
+    #[test]
+    fn honest_tracers_are_timed_in_every_batch() {
+        with_bench(|bench, honest| {
+            let mut samples = samples();
+            bench.trace(shown(honest, true), 0, 0, &mut samples).unwrap();
+            bench.trace(shown(honest, false), 1, 0, &mut samples).unwrap();
+            assert!(!samples.failed());
+            assert_eq!(samples.checks[0].checks.len(), RayKind::ALL.len());
+            assert!(samples.checks[0].checks.iter().all(|check| check.equal == check.rays));
+            // Three batches and the frame.
+            assert_eq!(samples.visits.iter().map(|visit| visit.timings.len()).collect::<Vec<_>>(), [4, 4]);
+        });
+    }
+
+    #[test]
+    fn a_wrong_hit_is_found_at_first_and_in_later_rounds() {
+        with_bench(|bench, honest| {
+            let lies = AtomicBool::new(true);
+            let liar = Liar { honest, lies: &lies };
+            let mut at_first = samples();
+            bench.trace(shown(&liar, true), 0, 0, &mut at_first).unwrap();
+            assert!(at_first.checks[0].mismatch.as_ref().is_some_and(|why| why.contains("1 of")));
+            assert!(at_first.failed() && at_first.visits[0].timings.is_empty());
+
+            lies.store(false, Ordering::Relaxed);
+            let mut later = samples();
+            bench.trace(shown(&liar, true), 0, 0, &mut later).unwrap();
+            assert!(!later.failed());
+            lies.store(true, Ordering::Relaxed);
+            bench.trace(shown(&liar, false), 1, 0, &mut later).unwrap();
+            assert!(later.checks[0].mismatch.as_ref().is_some_and(|why| why.contains("later round")));
+        });
+    }
+
+    #[test]
+    fn a_tracer_that_does_nothing_is_found_out() {
+        struct Idle;
+        impl Tracer for Idle {
+            fn closest(&self, _: &[Ray], _: &mut [Hit]) {}
+            fn any(&self, _: &[Ray], _: &mut [bool]) {}
+        }
+        with_bench(|bench, _| {
+            let mut samples = samples();
+            bench.trace(shown(&Idle, true), 0, 0, &mut samples).unwrap();
+            assert!(samples.failed());
+        });
+    }
+
+    #[test]
+    fn a_stopped_visit_leaves_no_samples() {
+        with_bench(|bench, honest| {
+            let mut samples = samples();
+            bench.stop.store(true, Ordering::Relaxed);
+            assert_eq!(bench.trace(shown(honest, true), 0, 0, &mut samples), Err(Stopped));
+            assert!(samples.visits.is_empty());
+        });
+    }
+}

@@ -57,7 +57,7 @@ impl Builder for Aac {
     fn build(&mut self, mesh: &Mesh) -> Build {
         let mut watch = Stopwatch::start();
         self.order.sort(mesh, &mut watch);
-        self.tree.pairs.resize(mesh.len().saturating_sub(1), [Node::ZERO; 2]);
+        self.tree.make_room(mesh.len());
         let MortonOrder { primitives, keys, .. } = &mut self.order;
         self.tree.root = if keys.is_empty() {
             None
@@ -157,11 +157,11 @@ fn combine(forest: &mut Forest, begin: usize, target: usize, first: usize, pairs
         let last = count(clusters) - 1;
         clusters.swap_remove(begin + b);
         nearest.swap_remove(b);
-        for k in 0..last {
-            if k == a || nearest[k].1 == a || nearest[k].1 == b {
-                nearest[k] = find_nearest(&clusters[begin..], k);
-            } else if nearest[k].1 == last {
-                nearest[k].1 = b;
+        for (k, near) in nearest.iter_mut().enumerate() {
+            if k == a || near.1 == a || near.1 == b {
+                *near = find_nearest(&clusters[begin..], k);
+            } else if near.1 == last {
+                near.1 = b;
             }
         }
     }

@@ -75,6 +75,11 @@ pub(super) struct BinaryTree {
 }
 
 impl BinaryTree {
+    /// Gives the tree room for the pairs over `triangles`.
+    pub fn make_room(&mut self, triangles: usize) {
+        super::pages::resize(&mut self.pairs, triangles.saturating_sub(1), [Node::ZERO; 2]);
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.pairs.capacity() * size_of::<[Node; 2]>()

@@ -34,15 +34,12 @@ impl Collapse<'_> {
         self.tree.root.map(|root| Part::Subtree(root, 0))
     }
 
+    /// Appends the triangles below `node`.
     fn gather(&self, node: &Node, ids: &mut Vec<u32>) {
-        let mut stack = vec![*node];
-        while let Some(node) = stack.pop() {
-            if node.is_leaf() {
-                ids.push(node.prim());
-            } else {
-                let [left, right] = *self.tree.children(&node);
-                stack.extend([right, left]);
-            }
+        if node.is_leaf() {
+            ids.push(node.prim());
+        } else {
+            self.tree.children(node).iter().for_each(|child| self.gather(child, ids));
         }
     }
 

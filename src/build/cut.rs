@@ -2,6 +2,7 @@
 
 use super::binary::{BinaryTree, Node};
 use crate::geometry::Aabb;
+use arrayvec::ArrayVec;
 use std::collections::BinaryHeap;
 
 /// All of space: the clip box above the first spatial split.
@@ -95,29 +96,30 @@ impl PartialEq for Queued {
 
 impl Eq for Queued {}
 
-/// Appends the children of `node` that reach into `clip`, their boxes clipped.
+/// The children of `node` that reach into `clip`, their boxes clipped.
 ///
 /// A box that merely touches a split plane from one side belongs to that side alone, and one that lies in the
 /// plane belongs to the left, unless its parent began at the plane and so never was there: else an
 /// axis-aligned wall in the plane would be on both sides, or on neither.
 #[inline]
-pub(super) fn open(tree: &BinaryTree, node: &Node, clip: &Aabb, to: &mut Vec<Node>) {
-    let children = tree.children(node);
+pub(super) fn open(tree: &BinaryTree, node: &Node, clip: &Aabb) -> ArrayVec<Node, 2> {
+    let children = *tree.children(node);
     if *clip == SPACE {
-        to.extend(children);
-        return;
+        return children.into();
     }
     let parent = children[0].bounds().union(children[1].bounds());
-    for child in children {
-        let b = child.bounds();
+    let reaches = |b: Aabb| {
         // Right of a split plane (clip.min): what ends there is on the left, if the parent was there at all.
         let left_of = b.max.cmple(clip.min) & parent.min.cmplt(clip.min);
         // Left of a split plane (clip.max): what begins there and goes on is on the right.
         let right_of = b.min.cmpge(clip.max) & b.max.cmpgt(clip.max);
-        if !(left_of | right_of).any() {
-            to.push(child.with_bounds(b.intersection(*clip)));
-        }
-    }
+        !(left_of | right_of).any()
+    };
+    children
+        .into_iter()
+        .filter(|child| reaches(child.bounds()))
+        .map(|child| child.with_bounds(child.bounds().intersection(*clip)))
+        .collect()
 }
 
 /// Appends the triangles below `node`, a member of a cut clipped to `clip`, and grows `bounds` by their
@@ -128,9 +130,7 @@ pub(super) fn gather(tree: &BinaryTree, node: &Node, clip: &Aabb, ids: &mut Vec<
         *bounds = bounds.union(node.bounds());
         return;
     }
-    let mut children = Vec::with_capacity(2);
-    open(tree, node, clip, &mut children);
-    for child in &children {
+    for child in &open(tree, node, clip) {
         gather(tree, child, clip, ids, bounds);
     }
 }

@@ -68,7 +68,7 @@ impl<R: Refine> CutRecursion<'_, R> {
             && !node.is_leaf()
         {
             cut.nodes.clear();
-            open(self.tree, &node, &cut.clip, &mut cut.nodes);
+            cut.nodes.extend(open(self.tree, &node, &cut.clip));
         }
         self.measure(cut);
     }
@@ -81,7 +81,7 @@ impl<R: Refine> CutRecursion<'_, R> {
                 i += 1;
             } else {
                 let node = cut.nodes.swap_remove(i);
-                open(self.tree, &node, &cut.clip, &mut cut.nodes);
+                cut.nodes.extend(open(self.tree, &node, &cut.clip));
             }
         }
         self.measure(cut);

@@ -25,7 +25,7 @@ impl Auxiliary {
     pub fn build(&mut self, mesh: &Mesh) -> Vec<Phase> {
         let mut watch = Stopwatch::start();
         self.order.sort(mesh, &mut watch);
-        self.tree.pairs.resize(mesh.len().saturating_sub(1), [Node::ZERO; 2]);
+        self.tree.make_room(mesh.len());
         let MortonOrder { primitives, keys, .. } = &mut self.order;
         self.tree.root = (!keys.is_empty())
             .then(|| Run { keys, first: 0, depth: 0 }.build(&primitives.boxes, &mut self.tree.pairs));
@@ -98,7 +98,8 @@ mod tests {
 
     #[test]
     fn every_triangle_is_a_leaf_and_depth_is_bounded() {
-        let placements: [(&str, fn(usize) -> [f32; 3]); 4] = [
+        type Placement = fn(usize) -> [f32; 3];
+        let placements: [(&str, Placement); 4] = [
             ("spread", |i| [(i * 7919 % 1000) as f32, (i * 104_729 % 991) as f32, (i % 13) as f32]),
             ("identical", |_| [1.0, 2.0, 3.0]),
             ("geometric", |i| [2.0f32.powi(i as i32 % 120 - 60), 0.0, 0.0]),

@@ -10,6 +10,7 @@ mod lbvh;
 mod morton;
 mod morton_order;
 mod object_split;
+mod pages;
 mod phr;
 mod primitives;
 mod radix_sort;

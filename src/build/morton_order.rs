@@ -2,7 +2,7 @@
 
 use super::morton::Quantizer;
 use super::primitives::{GRAIN, Primitives};
-use super::{Stopwatch, radix_sort};
+use super::{Stopwatch, pages, radix_sort};
 use crate::geometry::{Aabb, Mesh};
 use rayon::prelude::*;
 
@@ -40,7 +40,8 @@ impl MortonOrder {
         watch.lap("boxes");
         let quantizer = Quantizer::new(self.primitives.centers);
         let boxes = &self.primitives.boxes;
-        self.keys.resize(boxes.len(), 0);
+        pages::resize(&mut self.keys, boxes.len(), 0);
+        pages::resize(&mut self.scratch, boxes.len(), 0);
         self.keys.par_chunks_mut(GRAIN).enumerate().for_each(|(chunk, keys)| {
             for (prim, key) in (chunk * GRAIN..).zip(keys) {
                 *key = u64::from(quantizer.code(boxes[prim].center2())) << 32 | prim as u64;

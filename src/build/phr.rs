@@ -72,7 +72,7 @@ impl Refine for Threshold {
             if node.is_leaf() || node.bounds().half_area() <= threshold {
                 refined.push(node);
             } else {
-                open(tree, &node, clip, refined);
+                refined.extend(open(tree, &node, clip));
             }
         }
     }

@@ -21,7 +21,7 @@ impl Primitives {
     /// Computes the boxes of `mesh` anew, into the memory of the last call.
     pub fn collect(&mut self, mesh: &Mesh) {
         let triangles = mesh.triangles();
-        self.boxes.resize(triangles.len(), Aabb::EMPTY);
+        super::pages::resize(&mut self.boxes, triangles.len(), Aabb::EMPTY);
         (self.bounds, self.centers) = self
             .boxes
             .par_chunks_mut(GRAIN)

@@ -7,9 +7,11 @@
 
 #![allow(unsafe_code)]
 
+use super::pages;
 use super::primitives::GRAIN;
 use crate::bvh::{Bvh4, Link, MAX_LEAF_BLOCKS, TriangleBlock, WideNode};
 use crate::geometry::{Aabb, Mesh};
+use arrayvec::ArrayVec;
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -134,7 +136,12 @@ impl<T: TopDown> Task<'_, T> {
         }
         let children = self.children(part, &mut worker.scratch);
         self.pool.put_back(worker);
-        let children: Vec<_> = children.into_par_iter().filter_map(|child| self.parallel(child)).collect();
+        let children: Vec<_> = children
+            .into_iter()
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .filter_map(|child| self.parallel(child))
+            .collect();
         let bounds = children.iter().map(|(bounds, _)| *bounds).collect();
         (!children.is_empty()).then_some((bounds, Subtree::Spine(children)))
     }
@@ -180,8 +187,8 @@ impl<T: TopDown> Task<'_, T> {
     }
 
     /// Splits a part into up to four: the largest that is no leaf first (paper 4.5).
-    fn children(&self, part: T::Part, scratch: &mut T::Scratch) -> Vec<T::Part> {
-        let mut children = Vec::with_capacity(WIDTH);
+    fn children(&self, part: T::Part, scratch: &mut T::Scratch) -> ArrayVec<T::Part, WIDTH> {
+        let mut children = ArrayVec::new();
         children.push(part);
         while (1..WIDTH).contains(&children.len()) {
             let splittable = (0..children.len()).filter(|&i| !self.builder.is_leaf(&children[i]));
@@ -229,8 +236,9 @@ fn assemble<S>(bounds: Aabb, subtree: Subtree, pool: &Pool<S>) -> Bvh4 {
     let mut plan = Plan { spine: Vec::new(), pieces: Vec::new(), nodes: 0, blocks: 0 };
     plan.nodes = spine_len(&subtree);
     let root = plan.place(subtree);
-    let mut nodes = Vec::with_capacity(plan.nodes);
-    let mut blocks = Vec::with_capacity(plan.blocks);
+    let (mut nodes, mut blocks) = (Vec::new(), Vec::new());
+    pages::reserve(&mut nodes, plan.nodes);
+    pages::reserve(&mut blocks, plan.blocks);
     nodes.extend_from_slice(&plan.spine);
     let mut node_room = nodes.spare_capacity_mut();
     let mut block_room = blocks.spare_capacity_mut();

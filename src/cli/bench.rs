@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Pixels across and down [default: 1024; 256 for the built-in set]
     #[arg(long, value_name = "PIXELS")]
     size: Option<u32>,
-    /// Visits to each builder [default: 5]
+    /// Visits to each builder [default: 5; 4 for the built-in set]
     #[arg(long, value_name = "N")]
     rounds: Option<usize>,
     /// Threads for each side [default: all processors]
@@ -92,7 +92,7 @@ impl Arguments {
             height: size,
             views: self.views,
             max_depth: 8,
-            rounds: self.rounds.unwrap_or(5),
+            rounds: self.rounds.unwrap_or(if quick { 4 } else { 5 }),
             threads: self.threads.unwrap_or_else(super::all_threads),
             seed: self.seed,
             build_only: self.build_only,

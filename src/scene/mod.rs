@@ -14,6 +14,8 @@ mod load;
 mod obj;
 #[cfg(feature = "files")]
 mod ply;
+#[cfg(feature = "files")]
+mod ply_rows;
 mod views;
 
 pub use catalog::{PaperScene, paper, paper_scene_in};

@@ -1,0 +1,57 @@
+//! Large arrays on huge pages: first touch of 4 KiB pages costs as much as building. Embree's memory is on
+//! huge pages too.
+
+#![allow(unsafe_code)]
+
+/// Below this the kernel has no huge page to give.
+const HUGE_PAGE: usize = 2 << 20;
+
+/// Makes room for `len` elements in all, on huge pages where the system has them and the array is large.
+pub(super) fn reserve<T>(array: &mut Vec<T>, len: usize) {
+    if array.capacity() >= len {
+        return;
+    }
+    array.reserve_exact(len - array.len());
+    if size_of::<T>() * array.capacity() >= 2 * HUGE_PAGE {
+        advise(array.as_mut_ptr().cast(), size_of::<T>() * array.capacity());
+    }
+}
+
+/// As [`Vec::resize`], on huge pages.
+pub(super) fn resize<T: Clone>(array: &mut Vec<T>, len: usize, value: T) {
+    reserve(array, len);
+    array.resize(len, value);
+}
+
+#[cfg(target_os = "linux")]
+fn advise(start: *mut u8, bytes: usize) {
+    let skipped = start.align_offset(HUGE_PAGE);
+    if skipped < bytes {
+        // SAFETY: the range lies within one allocation, whose contents and validity the advice does not
+        // change. Failure (no huge pages on this system) leaves all as it was.
+        unsafe {
+            libc::madvise(
+                start.add(skipped).cast(),
+                (bytes - skipped) & !(HUGE_PAGE - 1),
+                libc::MADV_HUGEPAGE,
+            )
+        };
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn advise(_: *mut u8, _: usize) {}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn arrays_behave_as_ever() {
+        let mut array = vec![1u64, 2, 3];
+        super::resize(&mut array, 1 << 20, 7);
+        assert_eq!(array[..4], [1, 2, 3, 7]);
+        assert_eq!(array.len(), 1 << 20);
+        super::resize(&mut array, 2, 0);
+        super::reserve(&mut array, 10);
+        assert_eq!(array, [1, 2]);
+    }
+}
