@@ -325,3 +325,21 @@ fn markers_are_told_by_line() {
     assert!(wrong("<!-- means: nowhere -->\n<!-- end -->").starts_with("line 1: "));
     assert!(wrong("<!-- a comment -->\n").starts_with("no marker"));
 }
+
+#[test]
+fn every_column_and_marker_is_described() {
+    let folder = written(&rows());
+    let text = std::fs::read_to_string(folder.path().join(ROWS)).unwrap();
+    let described = include_str!("../results/README.md");
+    for column in text.lines().next().unwrap().split(',') {
+        assert!(described.contains(&format!("`{column}`")), "{column}");
+    }
+    for marker in ["table", "table1", "means", "scenes", "run", "value"] {
+        assert!(described.contains(&format!("| `{marker}: ")), "{marker}");
+        // What is described is understood: up to the rows, which are not there.
+        let asked = if marker == "value" { "nowhere geometric trace aac" } else { "nowhere" };
+        let text = format!("<!-- {marker}: {asked} -->\n<!-- end -->\n");
+        let error = readme::regenerate(&text, folder.path()).unwrap_err().to_string();
+        assert!(error.contains("nowhere"), "{error}");
+    }
+}

@@ -32,6 +32,9 @@ impl Rect {
     }
 }
 
+/// A straight line between two points.
+pub type Segment = ((f64, f64), (f64, f64));
+
 /// A label to place.
 #[derive(Clone, Copy, Debug)]
 pub struct Label {
@@ -49,12 +52,7 @@ const RINGS: [f64; 5] = [8.5, 17.0, 28.0, 42.0, 58.0];
 
 /// A rectangle for each label within `bounds`, clear of `points` (with their radius) and as far as possible
 /// of `lines`.
-pub fn place(
-    labels: &[Label],
-    points: &[Rect],
-    lines: &[((f64, f64), (f64, f64))],
-    bounds: Rect,
-) -> Vec<Rect> {
+pub fn place(labels: &[Label], points: &[Rect], lines: &[Segment], bounds: Rect) -> Vec<Rect> {
     let mut placed: Vec<Option<Rect>> = vec![None; labels.len()];
     for _ in 0..3 {
         for (index, label) in labels.iter().enumerate() {
@@ -95,7 +93,7 @@ fn half(direction: f64, width: f64) -> f64 {
 }
 
 /// True if the segment passes through the rectangle, by its sampled points.
-fn crosses(rect: &Rect, ((x0, y0), (x1, y1)): ((f64, f64), (f64, f64))) -> bool {
+fn crosses(rect: &Rect, ((x0, y0), (x1, y1)): Segment) -> bool {
     (0..=40).any(|i| {
         let t = f64::from(i) / 40.0;
         let (x, y) = (x0 + t * (x1 - x0), y0 + t * (y1 - y0));

@@ -1,6 +1,7 @@
 //! The paper's own Table 1 (Hendrich, Meister, Bittner 2017), as printed, to stand beside ours.
 
 use super::figures::Figure;
+use crate::scene::PaperScene;
 use serde::Deserialize;
 
 /// One cell of the paper's table.
@@ -69,17 +70,15 @@ pub fn ratios(builder: &str, figure: Figure) -> Vec<(String, f64)> {
     .collect()
 }
 
-/// The paper's scene for which a scene of ours stands, itself or its `-like` stand-in.
+/// The paper's scene for which a scene of ours stands: the original under one of its usual names, or its
+/// stand-in.
 pub fn scene_of(name: &str) -> Option<String> {
-    let plain = |text: &str| -> String {
-        text.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect()
-    };
-    let wanted = plain(name.strip_suffix("-like").unwrap_or(name));
-    let scenes = rows().into_iter().map(|row| row.scene);
-    // "buddha" is the paper's "Happy Buddha".
-    scenes
-        .into_iter()
-        .find(|scene| plain(scene) == wanted || (wanted.len() > 4 && plain(scene).ends_with(&wanted)))
+    let lower = name.to_ascii_lowercase();
+    let is_it = |scene: &&PaperScene| scene.stand_in == lower || scene.file_names.contains(&lower.as_str());
+    let found = crate::scene::paper().iter().find(is_it)?;
+    // The table prints "Powerplant", the text "Power Plant".
+    let plain = |text: &str| text.replace(' ', "").to_ascii_lowercase();
+    rows().into_iter().map(|row| row.scene).find(|scene| plain(scene) == plain(found.name))
 }
 
 #[cfg(test)]
@@ -113,12 +112,13 @@ mod tests {
     }
 
     #[test]
-    fn stand_ins_are_known_and_others_are_not() {
-        let found =
-            ["conference-like", "buddha-like", "sodahall-like", "san-miguel", "powerplant-like", "Crown"]
-                .map(scene_of);
-        let expected = ["Conference", "Happy Buddha", "Soda Hall", "San Miguel", "Powerplant", "Crown"];
-        assert_eq!(found.map(Option::unwrap), expected);
+    fn all_nine_are_known_and_no_others() {
+        for scene in crate::scene::paper() {
+            assert!(scene_of(scene.stand_in).is_some(), "{}", scene.stand_in);
+            assert!(scene.file_names.iter().all(|name| scene_of(name).is_some()), "{}", scene.name);
+        }
+        assert_eq!(scene_of("Happy_Vrip").as_deref(), Some("Happy Buddha"));
+        assert_eq!(scene_of("powerplant-like").as_deref(), Some("Powerplant"));
         assert_eq!(["hall", "sanmiguel_partial", "hair", ""].map(scene_of), [None, None, None, None]);
     }
 }
