@@ -42,7 +42,7 @@ mod tests {
         assert_eq!(front(&[(f64::NAN, 0.0), (1.0, 1.0), (0.0, f64::INFINITY)]), [1]);
     }
 
-    /// No point of the paper's front may dominate another, and each point off it must be dominated.
+    /// A point is off the front exactly if one on it dominates it, or equals it.
     #[test]
     fn every_other_point_is_dominated() {
         let points: Vec<(f64, f64)> =
