@@ -105,6 +105,8 @@ pub struct Row {
     pub frame_ms_mad: Option<f64>,
     /// Time for the whole path-traced frame, least.
     pub frame_ms_min: Option<f64>,
+    /// Time for the whole path-traced frame, greatest.
+    pub frame_ms_max: Option<f64>,
     /// Inner nodes visited per ray.
     pub node_visits_per_ray: Option<f64>,
     /// Leaf blocks of up to four triangles tested per ray.
@@ -140,6 +142,11 @@ impl Row {
     /// The trace times, if there are any.
     pub fn trace_ms(&self) -> Option<Summary> {
         self.summary(self.trace_ms_median, self.trace_ms_mad, self.trace_ms_min, self.trace_ms_max)
+    }
+
+    /// The frame times, if there are any.
+    pub fn frame_ms(&self) -> Option<Summary> {
+        self.summary(self.frame_ms_median, self.frame_ms_mad, self.frame_ms_min, self.frame_ms_max)
     }
 
     fn summary(

@@ -110,6 +110,24 @@ impl Ratio {
     }
 }
 
+impl Ratio {
+    /// Samples below which a bootstrap is too sure of itself: few samples can be redrawn in few ways only.
+    const FEW: usize = 10;
+
+    /// `a / b` by bootstrap where samples are known, widened to the propagated interval where they are few;
+    /// by propagation alone where they are not known.
+    pub fn cautious(a: (&Summary, &[f64]), b: (&Summary, &[f64]), seed: u64) -> Self {
+        let propagated = Self::propagated(a.0, b.0);
+        match Self::bootstrap(a.1, b.1, seed) {
+            Some(drawn) if a.1.len().min(b.1.len()) < Self::FEW => {
+                Self { low: drawn.low.min(propagated.low), high: drawn.high.max(propagated.high), ..drawn }
+            }
+            Some(drawn) => drawn,
+            None => propagated,
+        }
+    }
+}
+
 /// The geometric mean of positive values, the right mean for ratios; `None` for none.
 pub fn geometric_mean(values: &[f64]) -> Option<f64> {
     let usable = !values.is_empty() && values.iter().all(|&x| x > 0.0 && x.is_finite());
@@ -172,6 +190,20 @@ mod tests {
         assert_eq!(Ratio::bootstrap(&a, &[], 7), None);
         let certain = Ratio::bootstrap(&[2.0; 4], &[1.0; 4], 1).unwrap();
         assert_eq!((certain.low, certain.high), (2.0, 2.0));
+    }
+
+    #[test]
+    fn cautious_intervals_are_never_narrower_for_few_samples() {
+        // Two of three samples alike: the deviation is nothing, the bootstrap knows of the third.
+        let (a, b) = ([10.0, 10.0, 12.0], [10.0, 10.0, 10.0]);
+        let of = |samples: &[f64]| Summary::of(samples).unwrap();
+        let cautious = Ratio::cautious((&of(&a), &a), (&of(&b), &b), 1);
+        assert_eq!((cautious.low, cautious.value, cautious.high), (1.0, 1.0, 1.2));
+        // One sample can only be redrawn as itself; nothing is known of its spread.
+        let one = Ratio::cautious((&of(&[10.0]), &[10.0]), (&of(&b), &b), 1);
+        assert_eq!((one.low, one.high), (0.0, f64::INFINITY));
+        let unknown = Ratio::cautious((&of(&a), &[]), (&of(&b), &[]), 1);
+        assert_eq!(unknown, Ratio::propagated(&of(&a), &of(&b)));
     }
 
     #[test]

@@ -84,13 +84,11 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
         }
         warnings
     };
-    let colds: Vec<f64> = cell.visits.iter().map(|visit| visit.builds.cold_ms).collect();
+    let colds = builds(cell, COLD);
     let cold = with_builds(Row { regime: COLD.into(), ..known.clone() }, &colds, of_run(&colds));
     let mut rows = vec![cold];
 
-    // A visit's builds count as one sample, their median, as its traces do.
-    let warms: Vec<f64> =
-        cell.visits.iter().filter_map(|visit| super::statistics::median(&visit.builds.warm_ms)).collect();
+    let warms = builds(cell, WARM);
     let mut warnings = of_run(&warms);
     let load = sum(cell.visits.iter().map(|visit| visit.builds.load));
     warnings.extend(Warning::of_load(&load, header.threads));
@@ -180,6 +178,7 @@ fn batch_row(
         frame_ms_median: frames.map(|s| figures(s.median)),
         frame_ms_mad: frames.map(|s| figures(s.mad)),
         frame_ms_min: frames.map(|s| figures(s.min)),
+        frame_ms_max: frames.map(|s| figures(s.max)),
         node_visits_per_ray: per_ray(|check| check.node_visits),
         block_tests_per_ray: per_ray(|check| check.block_tests),
         hits: Some(total(|check| check.hits)),
@@ -190,8 +189,17 @@ fn batch_row(
     }
 }
 
+/// Per visit, the build time in a regime. A visit's warm builds count as one sample, their median, as its
+/// traces do.
+pub fn builds(cell: &CellSamples, regime: &str) -> Vec<f64> {
+    if regime == COLD {
+        return cell.visits.iter().map(|visit| visit.builds.cold_ms).collect();
+    }
+    cell.visits.iter().filter_map(|visit| super::statistics::median(&visit.builds.warm_ms)).collect()
+}
+
 /// Per visit, the time of all matching traces together; visits without any are left out.
-fn times(
+pub fn times(
     cell: &CellSamples,
     kernel: Kernel,
     view: Option<usize>,

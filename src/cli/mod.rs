@@ -1,9 +1,12 @@
-//! The command line: one file per verb. Bad input ends in one line on stderr and exit code 2, wrong hits in
-//! exit code 1, Ctrl-C in 130.
+//! The command line: one file per verb. Bad input ends in one line on stderr and exit code 2, wrong hits and
+//! failed checks in exit code 1, an undecided comparison in 3, Ctrl-C in 130.
 
 mod bench;
 mod build;
+mod compare;
+mod plot;
 mod progress;
+mod readme;
 mod render;
 mod scenes;
 mod table;
@@ -31,6 +34,9 @@ enum Verb {
     Verify(verify::Arguments),
     Scenes(scenes::Arguments),
     Table(table::Arguments),
+    Plot(plot::Arguments),
+    Compare(compare::Arguments),
+    Readme(readme::Arguments),
 }
 
 /// Why a command did not succeed.
@@ -38,8 +44,10 @@ enum Verb {
 enum Failure {
     /// The input cannot be used, or the output not be written: exit code 2.
     Bad(String),
-    /// Hits are wrong, or a builder failed: exit code 1.
+    /// Hits are wrong, a builder failed, a comparison or a check did: exit code 1.
     Wrong(String),
+    /// A comparison decides nothing: exit code 3.
+    Inconclusive(String),
     /// Stopped by the user: exit code 130.
     Interrupted(String),
 }
@@ -72,11 +80,15 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Verify(arguments) => verify::run(arguments),
         Verb::Scenes(arguments) => scenes::run(arguments),
         Verb::Table(arguments) => table::run(arguments),
+        Verb::Plot(arguments) => plot::run(arguments),
+        Verb::Compare(arguments) => compare::run(arguments),
+        Verb::Readme(arguments) => readme::run(arguments),
     };
     let (text, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,
         Err(Failure::Bad(text)) => (text, 2),
         Err(Failure::Wrong(text)) => (text, 1),
+        Err(Failure::Inconclusive(text)) => (text, 3),
         Err(Failure::Interrupted(text)) => (text, 130),
     };
     // One line, whatever a library wrote into its message.

@@ -2,24 +2,35 @@
 
 use super::{Failure, say};
 use crate::bench::environment::{ENVIRONMENT, Environment, State};
-use crate::bench::records;
+use crate::bench::records::{self, Row};
 use crate::bench::samples::read_json;
+use crate::report::figures::Under;
 use crate::report::table;
 use std::path::PathBuf;
 
-/// Print the table of a results folder
+/// Print the table of a results folder: Table 1 as in the paper, means beside the paper's, every scene
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Results folder, or a rows.csv
     results: PathBuf,
+    /// Compare traces under embree-grafted, embree-native, phr, or each tree under its own [default:
+    /// embree-grafted if the run has it, else own]
+    #[arg(long, value_name = "KERNEL")]
+    kernel: Option<String>,
 }
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let rows = records::read(&arguments.results)?;
+    let under = under(arguments.kernel.as_deref(), &rows)?;
     // A lone CSV tells of unfinished cells by its warnings; the environment tells of missing ones too.
     let environment = arguments.results.join(ENVIRONMENT);
     let complete = !environment.is_file()
         || read_json::<Environment>(&environment).map_or(true, |found| found.state == State::Complete);
-    say(&table::document(&rows, complete))
+    say(&table::document_under(&rows, complete, &under))
+}
+
+/// The choice of kernel that `--kernel` names, or the fairest.
+pub(super) fn under(kernel: Option<&str>, rows: &[Row]) -> Result<Under, Failure> {
+    kernel.map_or_else(|| Ok(Under::best(rows)), |name| Under::by_name(name, rows).map_err(Failure::Bad))
 }

@@ -1,55 +1,126 @@
-//! Means over scenes of the ratios to Embree SAH, with the scene where a tree does worst.
+//! Means over scenes of the figures relative to Embree SAH, beside the paper's: arithmetic as in its
+//! Figure 6, and geometric, which is the right one for ratios. The worst scene is named.
 
+use super::figures::{Figure, NATIVE, OWN, SceneFigures, Tree, Under, kernels, scenes, tree_name, trees};
 use super::grid::Grid;
-use super::ratios::{SceneRows, kernels, trees};
-use super::table::{kernel_heading, scenes};
+use super::paper;
 use crate::bench::records::Row;
 use crate::bench::statistics::{arithmetic_mean, geometric_mean};
 
-/// The table of means.
-pub fn means(rows: &[Row]) -> String {
-    let names = scenes(rows);
-    let by_scene: Vec<SceneRows<'_>> = names.iter().map(|scene| SceneRows::of(rows, scene)).collect();
-    let kernels = kernels(rows);
-    let mut header: Vec<String> =
-        ["builder / width", "scenes", "build", "arith.", "worst", "cost"].map(Into::into).into();
-    for kernel in &kernels {
-        header.extend([format!("{} time", kernel_heading(*kernel)), "arith.".into(), "worst".into()]);
+/// Ratios of one tree with their scenes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ratios(pub Vec<(String, f64)>);
+
+impl Ratios {
+    /// Those of a run; scenes without the figure, for the tree or for Embree SAH, are left out.
+    pub fn of(rows: &[Row], tree: Tree<'_>, figure: Figure, under: &Under) -> Self {
+        let ratio = |name: &str| Some(SceneFigures::of(rows, name).ratio(tree, figure, under)?.value);
+        Self(scenes(rows).into_iter().filter_map(|name| ratio(&name).map(|value| (name, value))).collect())
     }
-    let mut grid = Grid::new(header);
-    for (builder, width) in trees(rows) {
-        let tree = (builder.as_str(), width);
-        let over = |figure: &dyn Fn(&SceneRows<'_>) -> Option<f64>| -> Vec<(f64, &str)> {
-            let figures = by_scene.iter().zip(&names);
-            figures.filter_map(|(scene, name)| Some((figure(scene)?, name.as_str()))).collect()
-        };
-        let builds = over(&|scene| scene.build_ratio(tree).map(|ratio| ratio.value));
-        if builds.is_empty() {
+
+    /// Those of the paper.
+    pub fn of_paper(builder: &str, figure: Figure) -> Self {
+        Self(paper::ratios(builder, figure))
+    }
+
+    fn values(&self) -> Vec<f64> {
+        self.0.iter().map(|ratio| ratio.1).collect()
+    }
+
+    /// As in the paper's Figure 6.
+    pub fn arithmetic(&self) -> Option<f64> {
+        arithmetic_mean(&self.values())
+    }
+
+    /// The mean for ratios.
+    pub fn geometric(&self) -> Option<f64> {
+        geometric_mean(&self.values())
+    }
+
+    /// The greatest, with its scene.
+    pub fn worst(&self) -> Option<&(String, f64)> {
+        self.0.iter().reduce(|worst, other| if other.1 > worst.1 { other } else { worst })
+    }
+}
+
+/// The tables of means: build time, cost, frame and trace time; nothing without Embree SAH.
+pub fn means(rows: &[Row], under: &Under) -> String {
+    let sections = [
+        ("Build time", Figure::Build),
+        ("SAH cost", Figure::Cost),
+        ("Frame time", Figure::Frame),
+        ("Trace time, recorded rays", Figure::Trace),
+    ];
+    let mut text = String::new();
+    for (title, figure) in sections {
+        let grid = table(rows, figure, under);
+        if grid.is_empty() {
             continue;
         }
-        let [geometric, arithmetic, worst] = mean_cells(&builds);
-        let costs = over(&|scene| scene.sah_ratio(tree));
-        let mut cells = vec![format!("{builder} / {width}"), builds.len().to_string()];
-        cells.extend([geometric, arithmetic, worst, mean_cells(&costs)[0].clone()]);
-        for &kernel in &kernels {
-            cells.extend(mean_cells(&over(&|scene| scene.trace_ratio(tree, kernel).map(|r| r.value))));
-        }
-        grid.push(cells);
+        let traced = matches!(figure, Figure::Frame | Figure::Trace);
+        let under = if traced { format!(": {}", under.about()) } else { String::new() };
+        text += &format!("### {title}{under}\n\n{}\n", grid.markdown());
     }
-    if grid.is_empty() {
-        return String::new();
+    if text.is_empty() {
+        return text;
     }
     format!(
-        "## Means of the ratios to Embree SAH, width 4 (geometric; arith.: arithmetic, as in the paper)\n\n{}",
-        grid.markdown()
+        "## Means relative to Embree SAH at width 4\n\n{text}{}{}",
+        by_kernel(rows),
+        "arith.: arithmetic mean, as in the paper's Figure 6. geo.: geometric mean. paper: the same mean over \
+         the paper's nine scenes, 16 threads, Embree 2.11; its trace time is that of frames.\n"
     )
 }
 
-/// Geometric mean, arithmetic mean, and the largest with its scene.
-fn mean_cells(figures: &[(f64, &str)]) -> [String; 3] {
-    let values: Vec<f64> = figures.iter().map(|figure| figure.0).collect();
-    let show = |mean: Option<f64>| mean.map_or_else(String::new, |mean| format!("{mean:.3}"));
-    let worst = figures.iter().max_by(|a, b| a.0.total_cmp(&b.0));
-    let worst = worst.map_or_else(String::new, |(value, name)| format!("{value:.2} {name}"));
-    [show(geometric_mean(&values)), show(arithmetic_mean(&values)), worst]
+fn show(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".into(), |value| format!("{value:.3}"))
+}
+
+fn table(rows: &[Row], figure: Figure, under: &Under) -> Grid {
+    let mut grid = Grid::new(["method", "arith.", "paper", "geo.", "paper", "worst", "in", "scenes"]);
+    for tree in trees(rows) {
+        let ratios = Ratios::of(rows, tree, figure, under);
+        let Some((scene, worst)) = ratios.worst() else { continue };
+        // The paper's trees are all four wide.
+        let paper =
+            if tree_name(tree) == tree.0 { Ratios::of_paper(tree.0, figure) } else { Ratios::default() };
+        grid.push(vec![
+            tree_name(tree),
+            show(ratios.arithmetic()),
+            show(paper.arithmetic()),
+            show(ratios.geometric()),
+            show(paper.geometric()),
+            format!("{worst:.2}"),
+            scene.clone(),
+            ratios.0.len().to_string(),
+        ]);
+    }
+    grid
+}
+
+/// Does the ranking of the trees depend on the kernel? Geometric means of trace times under each kernel that
+/// traced Embree SAH too; empty unless there are two choices.
+fn by_kernel(rows: &[Row]) -> String {
+    // What is native to Embree stands in the column of each kernel's own trees.
+    let mut choices: Vec<Under> = kernels(rows)
+        .into_iter()
+        .filter(|kernel| kernel != NATIVE)
+        .map(Under::One)
+        .chain([Under::Own])
+        .collect();
+    let mean = |tree, under: &Under| Ratios::of(rows, tree, Figure::Trace, under).geometric();
+    choices.retain(|under| {
+        trees(rows).into_iter().any(|tree| mean(tree, under).is_some_and(|mean| mean != 1.0))
+    });
+    if choices.len() < 2 {
+        return String::new();
+    }
+    let name =
+        |under: &Under| if under.name() == OWN { "each its own".to_owned() } else { under.name().to_owned() };
+    let mut grid = Grid::new(["method".to_owned()].into_iter().chain(choices.iter().map(name)));
+    for tree in trees(rows) {
+        let cells = choices.iter().map(|under| show(mean(tree, under)));
+        grid.push([tree_name(tree)].into_iter().chain(cells).collect());
+    }
+    format!("### Trace time by kernel, geometric means\n\n{}\n", grid.markdown())
 }

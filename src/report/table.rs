@@ -1,33 +1,46 @@
-//! The table of a run: per scene a row per builder and width, relative to Embree SAH at width 4, and the
-//! means over scenes. Made from the rows alone.
+//! The table of a run as a Markdown document, made from the rows alone: Table 1 as in the paper, the means,
+//! every scene in full, what the columns mean, errors and warnings.
 
-use super::grid::{Grid, short};
+use super::details::{self, kernels_are_mixed};
+use super::figures::{BASELINE, Under, scenes};
 use super::means::means;
-use super::ratios::{BASELINE, SceneRows, kernels, trees};
-use crate::bench::contender::Kernel;
+use super::table1::table1;
 use crate::bench::records::{NO_KERNEL, Row};
-use crate::bench::statistics::Ratio;
 use crate::bench::warnings::Warning;
 
-/// The whole table of a run as a Markdown document.
+pub use super::details::scene;
+
+/// The document, with the fairest choice of kernel.
 pub fn document(rows: &[Row], complete: bool) -> String {
+    document_under(rows, complete, &Under::best(rows))
+}
+
+/// The document, traces compared under `under`.
+pub fn document_under(rows: &[Row], complete: bool, under: &Under) -> String {
     let mut text = heading(rows);
     if !complete {
         text += "**Part of a run: it was stopped before all rounds of all scenes were done.**\n\n";
     }
+    text += &(table1(rows, under) + "\n");
+    text += &means_of_scenes(rows, under);
     for scene in scenes(rows) {
-        text += &(self::scene(rows, &scene) + "\n");
+        text += &(details::scene(rows, &scene) + "\n");
     }
-    text + &closing(rows)
+    text + &legend(rows) + &remarks(rows)
 }
 
-/// What follows the scenes: means, what the columns mean, errors and warnings.
+/// What follows the scenes where these were told one by one: means, what the columns mean, errors and
+/// warnings.
 pub fn closing(rows: &[Row]) -> String {
-    let means = if scenes(rows).len() > 1 { means(rows) + "\n" } else { String::new() };
-    means + &legend(rows) + &remarks(rows)
+    means_of_scenes(rows, &Under::best(rows)) + &legend(rows) + &remarks(rows)
 }
 
-fn heading(rows: &[Row]) -> String {
+fn means_of_scenes(rows: &[Row], under: &Under) -> String {
+    if scenes(rows).len() > 1 { means(rows, under) + "\n" } else { String::new() }
+}
+
+/// The run: its time, revision and engines.
+pub fn heading(rows: &[Row]) -> String {
     let Some(row) = rows.first() else { return String::new() };
     let mut engines: Vec<&str> =
         rows.iter().map(|row| row.engine.as_str()).filter(|e| !e.is_empty()).collect();
@@ -37,116 +50,24 @@ fn heading(rows: &[Row]) -> String {
     format!("# Run {id}\n\n{utc}, revision {revision}; {engines}\n\n")
 }
 
-/// The scenes of `rows`, in their order.
-pub fn scenes(rows: &[Row]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for row in rows {
-        if !names.contains(&row.scene) {
-            names.push(row.scene.clone());
-        }
-    }
-    names
-}
-
-/// One scene's table, under a heading.
-pub fn scene(rows: &[Row], scene: &str) -> String {
-    let of_scene = SceneRows::of(rows, scene);
-    let kernels = kernels(rows);
-    let mut header: Vec<String> =
-        ["builder / width", "build ms", "cold", "/SAH", "cost", "/SAH", "EPO"].map(Into::into).into();
-    for kernel in &kernels {
-        let name = kernel_heading(*kernel);
-        header.extend([format!("{name} ms"), "MRays/s".into(), "/SAH".into()]);
-    }
-    let mut grid = Grid::new(header);
-    let own: Vec<Row> = of_scene.0.iter().map(|&row| row.clone()).collect();
-    for (builder, width) in trees(&own) {
-        let tree = (builder.as_str(), width);
-        let Some(build) = of_scene.build(tree) else { continue };
-        let cold = of_scene.cold(tree).and_then(|row| row.build_ms_median);
-        let mut cells = vec![
-            format!("{builder} / {width}"),
-            build.build_ms_median.map_or_else(String::new, short),
-            cold.map_or_else(String::new, short),
-            with_error(of_scene.build_ratio(tree), tree),
-            build.sah.map_or_else(String::new, short),
-            of_scene.sah_ratio(tree).map_or_else(String::new, |x| format!("{x:.2}")),
-            build.epo.map_or_else(String::new, short),
-        ];
-        for &kernel in &kernels {
-            let row = of_scene.trace(tree, kernel);
-            cells.push(row.and_then(|row| row.trace_ms_median).map_or_else(String::new, short));
-            cells.push(row.and_then(|row| row.mrays_s).map_or_else(String::new, short));
-            let baseline = of_scene.trace_baseline(kernel);
-            let is_baseline =
-                row.is_some() && row.map(std::ptr::from_ref) == baseline.map(std::ptr::from_ref);
-            let ratio = of_scene.trace_ratio(tree, kernel);
-            cells.push(if is_baseline { "1".into() } else { ratio.map_or_else(String::new, interval) });
-        }
-        grid.push(cells);
-    }
-    let triangles = of_scene.0.first().map_or(0, |row| row.triangles);
-    let rays = of_scene.0.iter().filter_map(|row| row.rays).max();
-    let rays = rays.map_or_else(String::new, |rays| format!(", {} rays", grouped(rays)));
-    format!("## {scene}: {} triangles{rays}\n\n{}", grouped(triangles), grid.markdown())
-}
-
-/// A kernel's name at the head of a column.
-pub(super) fn kernel_heading(kernel: Kernel) -> &'static str {
-    match kernel {
-        Kernel::EmbreeNative => "native",
-        Kernel::EmbreeGrafted => "grafted",
-        Kernel::Phr => "phr",
-    }
-}
-
-fn with_error(ratio: Option<Ratio>, tree: (&str, u32)) -> String {
-    if tree == BASELINE { "1".into() } else { ratio.map_or_else(String::new, interval) }
-}
-
-/// A ratio with the half width of its interval, where that is known.
-fn interval(ratio: Ratio) -> String {
-    let half = 0.5 * (ratio.high - ratio.low);
-    // An interval wider than the ratio says no more than that nothing is known.
-    if half < ratio.value {
-        format!("{:.2} ±{half:.2}", ratio.value)
-    } else {
-        format!("{:.2} ±?", ratio.value)
-    }
-}
-
-/// Digits in groups of three.
-fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let groups: Vec<&str> =
-        digits.as_bytes().rchunks(3).rev().map(|group| std::str::from_utf8(group).unwrap_or("")).collect();
-    groups.join(" ")
-}
-
-/// What the columns mean.
+/// What the columns of the scenes' tables mean.
 fn legend(rows: &[Row]) -> String {
     let Some(row) = rows.first() else { return String::new() };
-    let rounds = rows.iter().filter(|row| row.error.is_empty()).map(|row| row.rounds);
-    let (least, most) = (rows_min(rounds.clone()), rounds.max().unwrap_or(0));
+    let rounds = || rows.iter().filter(|row| row.error.is_empty()).map(|row| row.rounds);
+    let (least, most) = (rounds().min().unwrap_or(0), rounds().max().unwrap_or(0));
     let rounds = if least == most { most.to_string() } else { format!("{least} to {most}") };
-    let shared = rows.iter().any(|row| {
-        row.builder.starts_with("embree") && row.kernel == Kernel::Phr.name() && row.mrays_s.is_some()
-    });
-    let kernel = if shared {
-        "under the same kernel"
+    let kernel = if kernels_are_mixed(rows, &scenes(rows)) {
+        "under the same kernel, or where it was not traced under that, under Embree's: tree and kernel together"
     } else {
-        "under Embree's kernel, also where ours traced: tree and kernel together"
+        "under the same kernel"
     };
     format!(
-        "Medians of {rounds} rounds, {} threads on each side. /SAH: relative to {} at width {}; traces {kernel}; \
+        "Medians of {rounds} rounds, {} threads on each side. /SAH: relative to {} at width {}, {kernel}; \
          ± half the 95 % interval. cold: ms of the first build of a fresh builder or device. cost: SAH cost. \
-         All recorded rays: native, Embree's kernel on its own tree; grafted, Embree's kernel on any tree, all laid out alike; phr, our kernel.\n",
+         All recorded rays of all views: native, Embree's kernel on its own tree; grafted, Embree's kernel on \
+         any tree, all laid out alike; phr, our kernel.\n",
         row.threads, BASELINE.0, BASELINE.1
     )
-}
-
-fn rows_min(rounds: impl Iterator<Item = u32>) -> u32 {
-    rounds.min().unwrap_or(0)
 }
 
 /// Errors and warnings, each with advice.
@@ -171,8 +92,9 @@ pub fn remarks(rows: &[Row]) -> String {
 mod tests {
     use super::*;
     use crate::bench::records::{ALL, SCHEMA, WARM};
+    use crate::report::figures::{NATIVE, PHR, trees};
 
-    fn row(scene: &str, builder: &str, width: u32, kernel: Kernel, build: f64, trace: f64) -> Row {
+    fn row(scene: &str, builder: &str, width: u32, kernel: &str, build: f64, trace: f64) -> Row {
         Row {
             schema: SCHEMA,
             scene: scene.into(),
@@ -189,7 +111,7 @@ mod tests {
             sah: Some(build),
             view: ALL.into(),
             ray_kind: ALL.into(),
-            kernel: kernel.name().into(),
+            kernel: kernel.into(),
             rays: Some(1000),
             trace_ms_median: Some(trace),
             trace_ms_mad: Some(0.0),
@@ -203,10 +125,10 @@ mod tests {
 
     fn rows() -> Vec<Row> {
         vec![
-            row("a", "embree-sah", 4, Kernel::EmbreeNative, 10.0, 20.0),
-            row("a", "phr-hq", 4, Kernel::Phr, 20.0, 10.0),
-            row("b", "phr-hq", 4, Kernel::Phr, 5.0, 40.0),
-            row("b", "embree-sah", 4, Kernel::EmbreeNative, 10.0, 20.0),
+            row("a", "embree-sah", 4, NATIVE, 10.0, 20.0),
+            row("a", "phr-hq", 4, PHR, 20.0, 10.0),
+            row("b", "phr-hq", 4, PHR, 5.0, 40.0),
+            row("b", "embree-sah", 4, NATIVE, 10.0, 20.0),
         ]
     }
 
@@ -219,13 +141,16 @@ mod tests {
     }
 
     #[test]
-    fn means_are_geometric_and_arithmetic_and_name_the_worst() {
-        let text = means(&rows());
-        let line = text.lines().find(|line| line.contains("phr-hq / 4")).unwrap();
-        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
-        // Builds 2 and 0.5, traces 0.5 and 2.
-        assert_eq!(&cells[2..7], ["2", "1.000", "1.250", "2.00 a", "1.000"], "{text}");
-        assert!(line.contains("2.00 b"), "{text}");
+    fn means_stand_beside_the_papers_and_name_the_worst() {
+        let text = means(&rows(), &Under::Own);
+        let lines: Vec<Vec<&str>> = text
+            .lines()
+            .filter(|line| line.contains("phr-hq"))
+            .map(|line| line.split('|').map(str::trim).collect())
+            .collect();
+        // Builds 2 and 0.5, costs alike, traces 0.5 and 2.
+        assert_eq!(&lines[0][2..9], ["1.250", "1.821", "1.000", "1.636", "2.00", "a", "2"], "{text}");
+        assert_eq!(&lines[2][2..9], ["1.250", "0.977", "1.000", "0.975", "2.00", "b", "2"], "{text}");
     }
 
     #[test]
@@ -248,7 +173,8 @@ mod tests {
 
     #[test]
     fn the_table_is_in_the_papers_order() {
-        let order: Vec<String> = trees(&rows()).into_iter().map(|tree| tree.0).collect();
+        let rows = rows();
+        let order: Vec<&str> = trees(&rows).into_iter().map(|tree| tree.0).collect();
         assert_eq!(order, ["embree-sah", "phr-hq"]);
     }
 }

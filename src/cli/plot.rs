@@ -1,0 +1,62 @@
+//! `phr plot`: the figures of a run, from its CSV.
+
+use super::table::under;
+use super::{Failure, say};
+use crate::bench::records::{self, write_whole};
+use crate::report::{plot, raster};
+use std::path::PathBuf;
+
+/// Pixels of a PNG for each of the drawing's.
+const SCALE: f32 = 2.0;
+
+/// Draw Figure 6 of a results folder, build time against trace time, as SVG and PNG: averaged and by scene
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Results folder, or a rows.csv
+    results: PathBuf,
+    /// Folder of the figures [default: the results']
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Compare traces under embree-grafted, embree-native, phr, or each tree under its own [default:
+    /// embree-grafted if the run has it, else own]
+    #[arg(long, value_name = "KERNEL")]
+    kernel: Option<String>,
+    /// Draw nothing; fail if the SVG files there are not those of the CSV
+    #[arg(long)]
+    check: bool,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let rows = records::read(&arguments.results)?;
+    let under = under(arguments.kernel.as_deref(), &rows)?;
+    let drawings = plot::figures(&rows, &under);
+    if drawings.is_empty() {
+        let results = arguments.results.display();
+        return Err(Failure::Bad(format!(
+            "{results}: no tree was traced beside Embree SAH under {}; run `phr bench` with embree-sah",
+            under.name()
+        )));
+    }
+    let results = &arguments.results;
+    let beside = if results.is_dir() { results.clone() } else { results.with_file_name("") };
+    let folder = arguments.out.clone().unwrap_or(beside);
+    for drawing in drawings {
+        let (svg, png) = (
+            folder.join(drawing.name).with_extension("svg"),
+            folder.join(drawing.name).with_extension("png"),
+        );
+        if arguments.check {
+            let found = std::fs::read_to_string(&svg).unwrap_or_default();
+            if found != drawing.svg {
+                let svg = svg.display();
+                return Err(Failure::Wrong(format!("{svg}: not the figure of these rows; run `phr plot`")));
+            }
+            continue;
+        }
+        write_whole(&svg, drawing.svg.as_bytes())?;
+        write_whole(&png, &raster::png(&drawing.svg, SCALE)?)?;
+        say(&format!("{}\n{}", svg.display(), png.display()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,274 @@
+//! Two runs compared, figure by figure: is B faster than A, slower or the same, as far as the interval of
+//! the ratio can tell?
+
+use super::grid::{Grid, short};
+use crate::bench::contender::Kernel;
+use crate::bench::environment::{ENVIRONMENT, Environment};
+use crate::bench::records::{self, ALL, RecordsError, Row};
+use crate::bench::samples::{CellSamples, SAMPLES, Samples, read_json};
+use crate::bench::statistics::{Ratio, Summary};
+use crate::bench::summary::{builds, times};
+use crate::trace::RayKind;
+use std::collections::HashSet;
+use std::path::Path;
+
+/// A run as it lies on disk.
+#[derive(Clone, Debug, Default)]
+pub struct Recorded {
+    /// Its rows.
+    pub rows: Vec<Row>,
+    /// Its samples, if they were kept.
+    pub samples: Option<Samples>,
+    /// Where it was made, if that was kept.
+    pub environment: Option<Environment>,
+}
+
+impl Recorded {
+    /// Reads a results folder, or a CSV alone.
+    ///
+    /// # Errors
+    /// No such rows; samples or environment that are there but cannot be read.
+    pub fn read(path: &Path) -> Result<Self, RecordsError> {
+        let (samples, environment) = (path.join(SAMPLES), path.join(ENVIRONMENT));
+        Ok(Self {
+            rows: records::read(path)?,
+            samples: samples.is_file().then(|| read_json(&samples)).transpose()?,
+            environment: environment.is_file().then(|| read_json(&environment)).transpose()?,
+        })
+    }
+
+    fn cell(&self, row: &Row) -> Option<&CellSamples> {
+        let scene = self.samples.as_ref()?.scene(&row.scene)?;
+        scene.cells.iter().find(|cell| cell.cell.builder == row.builder && cell.cell.width == row.width)
+    }
+}
+
+/// What a comparison says of B.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// The whole interval lies above the threshold.
+    Slower,
+    /// The interval reaches over a threshold, or nothing is known of the spread.
+    Inconclusive,
+    /// The whole interval lies below the threshold.
+    Faster,
+    /// The whole interval lies between the thresholds.
+    Same,
+}
+
+impl Verdict {
+    /// All, the worst first.
+    pub const ALL: [Self; 4] = [Self::Slower, Self::Inconclusive, Self::Faster, Self::Same];
+
+    /// Decides about a ratio of times. A `threshold` of 0.05 lets times grow by 5 %, or shrink by as much
+    /// that they grow by 5 % on the way back.
+    pub fn of(ratio: &Ratio, threshold: f64) -> Self {
+        let (least, most) = (1.0 / (1.0 + threshold), 1.0 + threshold);
+        if ratio.low > most {
+            Self::Slower
+        } else if ratio.high < least {
+            Self::Faster
+        } else if ratio.low >= least && ratio.high <= most {
+            Self::Same
+        } else {
+            Self::Inconclusive
+        }
+    }
+
+    /// The name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Slower => "slower",
+            Self::Inconclusive => "inconclusive",
+            Self::Faster => "faster",
+            Self::Same => "same",
+        }
+    }
+}
+
+/// A figure of a run.
+struct Measure {
+    name: String,
+    of: String,
+    sha: String,
+    rays: Option<u64>,
+    summary: Summary,
+    samples: Vec<f64>,
+}
+
+/// A figure in both runs.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// What was measured: scene, tree, kernel, view, rays.
+    pub name: String,
+    /// Median in A, ms.
+    pub a: f64,
+    /// Median in B, ms.
+    pub b: f64,
+    /// B relative to A.
+    pub ratio: Ratio,
+    /// What that says.
+    pub verdict: Verdict,
+}
+
+/// What came of two runs.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// The figures that both have.
+    pub comparisons: Vec<Comparison>,
+    /// What could not be compared, and why.
+    pub remarks: Vec<String>,
+    /// What works in A but not in B.
+    pub failures: Vec<String>,
+}
+
+impl Outcome {
+    /// Number of figures with a verdict.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        self.comparisons.iter().filter(|comparison| comparison.verdict == verdict).count()
+    }
+
+    /// Compares `b` with `a`; `totals` leaves out single views and kinds of rays.
+    pub fn of(a: &Recorded, b: &Recorded, threshold: f64, totals: bool) -> Self {
+        let mut outcome = Self::default();
+        outcome.note_machines(a, b);
+        let (ours, theirs) = (measures(a, totals), measures(b, totals));
+        let (mut only_a, mut changed) = (Vec::new(), Vec::new());
+        for (index, old) in ours.iter().enumerate() {
+            let Some(new) = theirs.iter().find(|new| new.name == old.name) else {
+                only_a.push(old.of.clone());
+                continue;
+            };
+            if (&old.sha, old.rays) != (&new.sha, new.rays) {
+                changed.push(old.of.clone());
+                continue;
+            }
+            let ratio =
+                Ratio::cautious((&new.summary, &new.samples), (&old.summary, &old.samples), index as u64);
+            outcome.comparisons.push(Comparison {
+                name: old.name.clone(),
+                a: old.summary.median,
+                b: new.summary.median,
+                verdict: Verdict::of(&ratio, threshold),
+                ratio,
+            });
+        }
+        let known: HashSet<&str> = ours.iter().map(|measure| measure.name.as_str()).collect();
+        let only_b = theirs.iter().filter(|new| !known.contains(new.name.as_str())).map(|new| new.of.clone());
+        outcome.note_errors(a, b);
+        outcome.note("only in A", only_a);
+        outcome.note("only in B", only_b.collect());
+        outcome.note("other geometry or other rays", changed);
+        outcome
+    }
+
+    fn note(&mut self, why: &str, mut names: Vec<String>) {
+        names.dedup();
+        let mut seen = HashSet::new();
+        names.retain(|name| seen.insert(name.clone()));
+        self.remarks.extend(names.into_iter().map(|name| format!("{why}: {name}")));
+    }
+
+    fn note_machines(&mut self, a: &Recorded, b: &Recorded) {
+        let (Some(a), Some(b)) = (&a.environment, &b.environment) else { return };
+        let mut differs = |what: &str, a: &str, b: &str| {
+            if a != b {
+                self.remarks.push(format!("another {what}: {a} in A, {b} in B"));
+            }
+        };
+        differs("host", &a.machine.host, &b.machine.host);
+        differs("processor", &a.machine.cpu, &b.machine.cpu);
+        differs("Embree", &a.library.embree, &b.library.embree);
+        differs("compiler", &a.program.rustc, &b.program.rustc);
+    }
+
+    /// What failed in B only is worse than slow.
+    fn note_errors(&mut self, a: &Recorded, b: &Recorded) {
+        let is_bad = |row: &&Row| !row.is_good();
+        let same = |x: &Row, y: &Row| {
+            (&x.scene, &x.builder, x.width, &x.kernel) == (&y.scene, &y.builder, y.width, &y.kernel)
+        };
+        let was_bad = |row: &Row| a.rows.iter().filter(is_bad).any(|old| same(old, row));
+        let was_there = |row: &Row| {
+            a.rows
+                .iter()
+                .any(|old| (&old.scene, &old.builder, old.width) == (&row.scene, &row.builder, row.width))
+        };
+        for row in b.rows.iter().filter(is_bad) {
+            let text = format!("{} {}/{} {}: {}", row.scene, row.builder, row.width, row.kernel, row.error);
+            if was_bad(row) || !was_there(row) {
+                self.remarks.push(format!("no figures in B: {text}"));
+            } else {
+                self.failures.push(text);
+            }
+        }
+    }
+
+    /// The outcome as Markdown; figures that are the same are only counted, unless `all` are to be shown.
+    pub fn document(&self, threshold: f64, all: bool) -> String {
+        let mut grid = Grid::new(["figure", "A ms", "B ms", "B / A", "95 % interval", "verdict"]);
+        for verdict in Verdict::ALL {
+            let shown = all || verdict != Verdict::Same;
+            for one in self.comparisons.iter().filter(|one| shown && one.verdict == verdict) {
+                let interval = format!("{:.3} to {:.3}", one.ratio.low, one.ratio.high);
+                let ratio = format!("{:.3}", one.ratio.value);
+                let verdict = verdict.name().into();
+                grid.push(vec![one.name.clone(), short(one.a), short(one.b), ratio, interval, verdict]);
+            }
+        }
+        let mut text = if grid.is_empty() { String::new() } else { grid.markdown() + "\n" };
+        for failure in &self.failures {
+            text += &format!("failed in B: {failure}\n");
+        }
+        for remark in &self.remarks {
+            text += &format!("{remark}\n");
+        }
+        text + &self.summary(threshold) + "\n"
+    }
+
+    /// One line of counts.
+    pub fn summary(&self, threshold: f64) -> String {
+        let counts = Verdict::ALL.map(|verdict| format!("{} {}", self.count(verdict), verdict.name()));
+        let (figures, failed) = (self.comparisons.len(), self.failures.len());
+        let failed = if failed == 0 { String::new() } else { format!(", {failed} failed") };
+        format!("{figures} figures, threshold {} %: {}{failed}", short(100.0 * threshold), counts.join(", "))
+    }
+}
+
+/// The figures of a run, each under its own name.
+fn measures(run: &Recorded, totals: bool) -> Vec<Measure> {
+    let mut measures: Vec<Measure> = Vec::new();
+    let mut names = HashSet::new();
+    for row in run.rows.iter().filter(|row| row.is_good() && (!totals || row.is_total())) {
+        let tree = format!("{} {}/{}, {} threads", row.scene, row.builder, row.width, row.threads);
+        let cell = run.cell(row);
+        let mut add =
+            |figure: String, of: String, summary: Option<Summary>, rays, samples: Option<Vec<f64>>| {
+                let name = format!("{of}: {figure}");
+                if let Some(summary) = summary
+                    && names.insert(name.clone())
+                {
+                    let samples = samples.unwrap_or_default();
+                    measures.push(Measure { name, of, sha: row.scene_sha.clone(), rays, summary, samples });
+                }
+            };
+        // Builds stand in the rows of every kernel, but are one figure.
+        let samples = cell.map(|cell| builds(cell, &row.regime));
+        add(format!("{} build", row.regime), tree.clone(), row.build_ms(), None, samples);
+
+        let view = if row.view == ALL { None } else { row.view.parse().ok() };
+        let kind = RayKind::ALL.into_iter().find(|kind| kind.name() == row.ray_kind);
+        let traced = |is_frame: bool| {
+            let matches = |found: Option<RayKind>| match found {
+                None => is_frame,
+                Some(found) => !is_frame && kind.is_none_or(|kind| kind == found),
+            };
+            Some(times(cell?, Kernel::by_name(&row.kernel)?, view, matches))
+        };
+        let of = format!("{tree}, {}", row.kernel);
+        let views = if row.view == ALL { "all views".to_owned() } else { format!("view {}", row.view) };
+        add(format!("{views}, {} rays", row.ray_kind), of.clone(), row.trace_ms(), row.rays, traced(false));
+        add(format!("{views}, frame"), of, row.frame_ms(), row.rays, traced(true));
+    }
+    measures
+}

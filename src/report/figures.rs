@@ -1,0 +1,265 @@
+//! The figures of a run by scene and tree: looked up among the rows, never mixing kernels silently, and
+//! relative to Embree SAH.
+
+use crate::bench::contender::place;
+use crate::bench::records::{ALL, COLD, NO_KERNEL, Row, WARM};
+use crate::bench::statistics::{Ratio, Summary};
+
+/// A tree of the table: builder and width.
+pub type Tree<'a> = (&'a str, u32);
+
+/// What all figures are relative to.
+pub const BASELINE: Tree<'static> = ("embree-sah", 4);
+/// The width of the paper's trees.
+pub const WIDTH: u32 = 4;
+
+/// Every tree in Embree's node layout under Embree's kernel.
+pub const GRAFTED: &str = "embree-grafted";
+/// Embree's trees as Embree built them, under its kernel.
+pub const NATIVE: &str = "embree-native";
+/// Our kernel.
+pub const PHR: &str = "phr";
+/// Each tree under the kernel of whoever built it.
+pub const OWN: &str = "own";
+
+/// Under which kernel traces are compared.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Under {
+    /// All trees under one kernel, of this name.
+    One(String),
+    /// Embree's trees under [`NATIVE`], ours under [`PHR`]: tree and kernel are compared together.
+    Own,
+}
+
+impl Under {
+    /// The fairest there is: [`GRAFTED`] if the run has it, else each tree under its own kernel.
+    pub fn best(rows: &[Row]) -> Self {
+        if kernels(rows).iter().any(|kernel| kernel == GRAFTED) {
+            Self::One(GRAFTED.into())
+        } else {
+            Self::Own
+        }
+    }
+
+    /// The choice called `name`, if `rows` have figures for it.
+    ///
+    /// # Errors
+    /// One line that says which there are.
+    pub fn by_name(name: &str, rows: &[Row]) -> Result<Self, String> {
+        let known = kernels(rows);
+        if name == OWN {
+            Ok(Self::Own)
+        } else if known.iter().any(|kernel| kernel == name) {
+            Ok(Self::One(name.into()))
+        } else {
+            Err(format!(
+                "--kernel {name}: no traces under it; there are {}",
+                [&known[..], &[OWN.into()]].concat().join(", ")
+            ))
+        }
+    }
+
+    /// The name on the command line.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::One(kernel) => kernel,
+            Self::Own => OWN,
+        }
+    }
+
+    /// The kernel under which trees of `builder` are traced.
+    pub fn kernel_of(&self, builder: &str) -> &str {
+        match self {
+            Self::One(kernel) => kernel,
+            Self::Own if builder.starts_with("embree-") => NATIVE,
+            Self::Own => PHR,
+        }
+    }
+
+    /// What a reader has to know of it.
+    pub fn about(&self) -> String {
+        match self {
+            Self::One(kernel) if kernel == GRAFTED => {
+                "all trees in Embree's node layout under Embree's kernel (embree-grafted)".into()
+            }
+            Self::One(kernel) => format!("all trees under the kernel {kernel}"),
+            Self::Own => {
+                "Embree's trees under embree-native, ours under phr: tree and kernel together".into()
+            }
+        }
+    }
+}
+
+/// Kernels with figures, the most comparable first.
+pub fn kernels<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Vec<String> {
+    let order = |name: &str| [GRAFTED, NATIVE, PHR].iter().position(|known| *known == name).unwrap_or(3);
+    let traced = rows.into_iter().filter(|row| row.is_good() && row.trace_ms_median.is_some());
+    let mut names: Vec<String> = traced.map(|row| row.kernel.clone()).collect();
+    names.sort_by(|a, b| (order(a), a).cmp(&(order(b), b)));
+    names.dedup();
+    names
+}
+
+/// The scenes of `rows`, in their order.
+pub fn scenes(rows: &[Row]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for row in rows {
+        if !names.contains(&row.scene) {
+            names.push(row.scene.clone());
+        }
+    }
+    names
+}
+
+/// The trees of `rows`, in the table's order.
+pub fn trees<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Vec<Tree<'a>> {
+    let mut trees: Vec<Tree<'a>> = rows.into_iter().map(|row| (row.builder.as_str(), row.width)).collect();
+    trees.sort_by(|a, b| (place(a.0), a).cmp(&(place(b.0), b)));
+    trees.dedup();
+    trees
+}
+
+/// A tree's name: the builder, with the width where it is not the paper's.
+pub fn tree_name((builder, width): Tree<'_>) -> String {
+    if width == WIDTH { builder.into() } else { format!("{builder} / {width}") }
+}
+
+/// What is looked up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Figure {
+    /// Time of a warm build.
+    Build,
+    /// SAH cost.
+    Cost,
+    /// Time of the whole path-traced frame.
+    Frame,
+    /// Time for the recorded rays alone.
+    Trace,
+}
+
+/// A place in a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place<T> {
+    /// A figure.
+    Value(T),
+    /// The builder failed, its hits were wrong, or the kernel could not have the tree: the row says why.
+    Failed,
+    /// Not measured.
+    Missing,
+}
+
+impl<T> Place<T> {
+    /// The figure.
+    pub fn value(self) -> Option<T> {
+        match self {
+            Self::Value(value) => Some(value),
+            Self::Failed | Self::Missing => None,
+        }
+    }
+
+    /// Another figure of the same place; missing if there is none.
+    pub fn and_then<U>(self, figure: impl FnOnce(T) -> Option<U>) -> Place<U> {
+        match self {
+            Self::Value(value) => figure(value).map_or(Place::Missing, Place::Value),
+            Self::Failed => Place::Failed,
+            Self::Missing => Place::Missing,
+        }
+    }
+
+    /// As a cell: the figure, `error` or `-`.
+    pub fn cell(self, show: impl FnOnce(T) -> String) -> String {
+        match self {
+            Self::Value(value) => show(value),
+            Self::Failed => "error".into(),
+            Self::Missing => "-".into(),
+        }
+    }
+}
+
+/// The figures of one scene.
+pub struct SceneFigures<'a> {
+    totals: Vec<&'a Row>,
+    /// Views behind a figure that sums over all of them, at least 1.
+    pub views: usize,
+}
+
+impl<'a> SceneFigures<'a> {
+    /// Those of `scene` among `rows`.
+    pub fn of(rows: &'a [Row], scene: &str) -> Self {
+        let of_scene = || rows.iter().filter(|row| row.scene == scene);
+        let mut views: Vec<&str> =
+            of_scene().map(|row| row.view.as_str()).filter(|&view| view != ALL).collect();
+        views.sort_unstable();
+        views.dedup();
+        Self { totals: of_scene().filter(|row| row.is_total()).collect(), views: views.len().max(1) }
+    }
+
+    /// Rows that sum over views and kinds of rays.
+    pub fn totals(&self) -> &[&'a Row] {
+        &self.totals
+    }
+
+    /// Triangles of the scene.
+    pub fn triangles(&self) -> u64 {
+        self.totals.first().map_or(0, |row| row.triangles)
+    }
+
+    fn of_tree(&self, (builder, width): Tree<'_>, regime: &str) -> impl Iterator<Item = &'a Row> {
+        self.totals
+            .iter()
+            .copied()
+            .filter(move |r| r.builder == builder && r.width == width && r.regime == regime)
+    }
+
+    /// A row that tells of a tree's warm builds: any but one of wrong hits.
+    pub fn build(&self, tree: Tree<'_>) -> Place<&'a Row> {
+        let told = |row: &&Row| row.build_ms_median.is_some() && row.verified != Some(false);
+        match self.of_tree(tree, WARM).find(told) {
+            Some(row) => Place::Value(row),
+            None if self.of_tree(tree, WARM).any(|row| !row.error.is_empty()) => Place::Failed,
+            None => Place::Missing,
+        }
+    }
+
+    /// The row of a tree's cold builds.
+    pub fn cold(&self, tree: Tree<'_>) -> Option<&'a Row> {
+        self.of_tree(tree, COLD).next()
+    }
+
+    /// The row of a tree under `kernel`.
+    pub fn trace(&self, tree: Tree<'_>, kernel: &str) -> Place<&'a Row> {
+        let rows = || self.of_tree(tree, WARM).filter(|row| row.kernel == kernel || row.kernel == NO_KERNEL);
+        match rows().find(|row| row.is_good() && row.trace_ms_median.is_some()) {
+            Some(row) => Place::Value(row),
+            None if rows().any(|row| !row.is_good()) => Place::Failed,
+            None => Place::Missing,
+        }
+    }
+
+    /// A figure of a tree; times with their spread, costs without any.
+    pub fn figure(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Place<Summary> {
+        let traced = || self.trace(tree, under.kernel_of(tree.0));
+        match figure {
+            Figure::Build => self.build(tree).and_then(Row::build_ms),
+            Figure::Cost => self.build(tree).and_then(|row| row.sah).and_then(|cost| Some(exact(cost))),
+            Figure::Frame => traced().and_then(Row::frame_ms),
+            Figure::Trace => traced().and_then(Row::trace_ms),
+        }
+    }
+
+    /// A figure of a tree relative to Embree SAH, which is taken under the same choice of kernel. `None` too
+    /// where that has none: a ratio to nothing is no figure.
+    pub fn ratio(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Option<Ratio> {
+        let (a, b) =
+            (self.figure(tree, figure, under).value()?, self.figure(BASELINE, figure, under).value()?);
+        Some(if tree == BASELINE {
+            Ratio { value: 1.0, low: 1.0, high: 1.0 }
+        } else {
+            Ratio::propagated(&a, &b)
+        })
+    }
+}
+
+fn exact(value: f64) -> Summary {
+    Summary { count: usize::MAX, median: value, mad: 0.0, min: value, max: value }
+}

@@ -1,0 +1,223 @@
+//! Figures within Markdown files, made from committed rows: what stands between two markers is generated, so
+//! that a check can tell whether a text still says what the rows say. `results/README.md` has the markers.
+
+use super::details;
+use super::figures::{Figure, Under, WIDTH, scenes};
+use super::means::{Ratios, means};
+use super::table::{document_under, heading, remarks};
+use super::table1::table1;
+use crate::bench::environment::{ENVIRONMENT, Environment, State};
+use crate::bench::records::{self, RecordsError, Row};
+use crate::bench::samples::read_json;
+use std::path::Path;
+
+const END: &str = "<!-- end -->";
+const KINDS: [&str; 6] = ["table", "table1", "means", "scenes", "run", "value"];
+
+/// Why a text cannot be regenerated.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadmeError {
+    /// The rows cannot be read.
+    #[error("line {line}: {source}")]
+    Records {
+        /// Line of the marker.
+        line: usize,
+        /// What is wrong with them.
+        source: RecordsError,
+    },
+    /// A marker cannot be understood.
+    #[error("line {line}: {reason}")]
+    Marker {
+        /// Its line.
+        line: usize,
+        /// What is wrong, and what to write.
+        reason: String,
+    },
+    /// No marker at all: there would be nothing to check.
+    #[error("no marker; write `<!-- table1: RESULTS -->` and `<!-- end -->` around what is to be generated")]
+    None,
+}
+
+/// `text` with everything between markers made anew. Results are found relative to `folder`, that of the text.
+///
+/// # Errors
+/// Markers that cannot be understood, rows that cannot be read, or no marker.
+pub fn regenerate(text: &str, folder: &Path) -> Result<String, ReadmeError> {
+    let mut out = String::new();
+    let (mut is_code, mut blocks) = (false, 0);
+    let mut lines = text.lines().enumerate();
+    while let Some((index, content)) = lines.next() {
+        let line = index + 1;
+        is_code ^= content.trim_start().starts_with("```");
+        if is_code || !content.contains("<!--") {
+            out += &format!("{content}\n");
+        } else if let Some(marker) = Marker::of(content.trim(), line)? {
+            // A block: all lines up to the end's.
+            let until = lines.by_ref().find(|(_, line)| line.trim() == END || Marker::starts(line));
+            if until.is_none_or(|(_, line)| line.trim() != END) {
+                return Err(marker.wrong(format!("{} without {END} on a line of its own", marker.kind)));
+            }
+            out += &format!("{content}\n{}\n{END}\n", marker.content(folder)?.trim_end());
+            blocks += 1;
+        } else {
+            let (content, count) = inline(content, line, folder)?;
+            out += &format!("{content}\n");
+            blocks += count;
+        }
+    }
+    if blocks == 0 { Err(ReadmeError::None) } else { Ok(out) }
+}
+
+/// A line with what stands between its markers made anew, and their number.
+fn inline(mut rest: &str, line: usize, folder: &Path) -> Result<(String, usize), ReadmeError> {
+    let (mut out, mut count) = (String::new(), 0);
+    while let Some(start) = rest.find("<!--") {
+        let Some(length) = rest[start..].find("-->") else { break };
+        let after = start + length + "-->".len();
+        let comment = &rest[start..after];
+        out += &rest[..after];
+        rest = &rest[after..];
+        let Some(marker) = Marker::of(comment, line)? else {
+            if comment == END {
+                let reason = format!("{END} without a beginning; there are {}", KINDS.join(", "));
+                return Err(ReadmeError::Marker { line, reason });
+            }
+            continue;
+        };
+        let end = rest.find(END).ok_or_else(|| marker.wrong(format!("{} without {END}", marker.kind)))?;
+        out += &(marker.content(folder)? + END);
+        rest = &rest[end + END.len()..];
+        count += 1;
+    }
+    Ok((out + rest, count))
+}
+
+/// What a marker asks for.
+struct Marker<'a> {
+    kind: &'a str,
+    words: Vec<&'a str>,
+    kernel: Option<&'a str>,
+    line: usize,
+}
+
+impl<'a> Marker<'a> {
+    fn starts(line: &str) -> bool {
+        Marker::of(line.trim(), 0).is_ok_and(|marker| marker.is_some())
+    }
+
+    /// `<!-- KIND: WORDS [--kernel KERNEL] -->`; other comments are none.
+    fn of(comment: &'a str, line: usize) -> Result<Option<Self>, ReadmeError> {
+        let inside = comment.strip_prefix("<!--").and_then(|rest| rest.strip_suffix("-->"));
+        let Some((kind, words)) = inside.and_then(|inside| inside.split_once(':')) else { return Ok(None) };
+        let kind = kind.trim();
+        if !KINDS.contains(&kind) || words.contains("<!--") {
+            return Ok(None);
+        }
+        let mut words: Vec<&str> = words.split_whitespace().collect();
+        let kernel = words.iter().position(|word| *word == "--kernel").map(|at| {
+            let kernel = words.get(at + 1).copied();
+            words.drain(at..words.len().min(at + 2));
+            kernel
+        });
+        let marker = Self { kind, words, kernel: kernel.flatten(), line };
+        let needs_words = if kind == "value" { 4 } else { 1 };
+        if marker.words.len() != needs_words || kernel == Some(None) {
+            let usage = if kind == "value" { "RESULTS MEAN FIGURE BUILDER" } else { "RESULTS" };
+            return Err(marker.wrong(format!("write <!-- {kind}: {usage} [--kernel KERNEL] -->")));
+        }
+        Ok(Some(marker))
+    }
+
+    fn wrong(&self, reason: String) -> ReadmeError {
+        ReadmeError::Marker { line: self.line, reason }
+    }
+
+    fn content(&self, folder: &Path) -> Result<String, ReadmeError> {
+        let results = folder.join(self.words[0]);
+        let records = |source| ReadmeError::Records { line: self.line, source };
+        let rows = records::read(&results).map_err(records)?;
+        let under = match self.kernel {
+            Some(name) => Under::by_name(name, &rows).map_err(|reason| self.wrong(reason))?,
+            None => Under::best(&rows),
+        };
+        let environment = results.join(ENVIRONMENT);
+        let environment = environment.is_file().then(|| read_json::<Environment>(&environment));
+        let environment = environment.transpose().map_err(records)?;
+        let is_complete = environment.as_ref().is_none_or(|found| found.state == State::Complete);
+        Ok(match self.kind {
+            // Headings are those of the text around.
+            "table1" => without_title(&table1(&rows, &under)) + &remarks(&rows),
+            "means" => without_title(&means(&rows, &under)),
+            "scenes" => scenes(&rows).iter().map(|scene| details::scene(&rows, scene) + "\n").collect(),
+            "run" => run(&rows, environment.as_ref()),
+            "value" => self.value(&rows, &under)?,
+            _ => document_under(&rows, is_complete, &under),
+        })
+    }
+
+    /// A mean over scenes, relative to Embree SAH: `geometric trace phr-hq`.
+    fn value(&self, rows: &[Row], under: &Under) -> Result<String, ReadmeError> {
+        let (mean, figure, builder) = (self.words[1], self.words[2], self.words[3]);
+        let figure = match figure {
+            "build" => Figure::Build,
+            "cost" => Figure::Cost,
+            "frame" => Figure::Frame,
+            "trace" => Figure::Trace,
+            _ => return Err(self.wrong(format!("no figure {figure}; there are build, cost, frame, trace"))),
+        };
+        let ratios = Ratios::of(rows, (builder, WIDTH), figure, under);
+        let value = match mean {
+            "arithmetic" => ratios.arithmetic(),
+            "geometric" => ratios.geometric(),
+            "worst" => ratios.worst().map(|worst| worst.1),
+            _ => return Err(self.wrong(format!("no mean {mean}; there are arithmetic, geometric, worst"))),
+        };
+        let none = || self.wrong(format!("the rows have no such figure of {builder} beside Embree SAH"));
+        value.map(|value| format!("{value:.2}")).ok_or_else(none)
+    }
+}
+
+fn without_title(text: &str) -> String {
+    text.split_once("\n\n").map_or_else(String::new, |(_, rest)| rest.to_owned())
+}
+
+/// When, from what and on what a run was made.
+fn run(rows: &[Row], environment: Option<&Environment>) -> String {
+    let about = without_title(&heading(rows));
+    let Some(environment) = environment else { return about };
+    let (machine, library, program) = (&environment.machine, &environment.library, &environment.program);
+    let threads = rows.first().map_or(0, |row| row.threads);
+    let stopped = if environment.state == State::Complete { "" } else { "\n\nStopped before its end." };
+    format!(
+        "{}\n\n{}, {threads} of {} processors, {}; {} ({}); {}{stopped}",
+        about.trim_end(),
+        machine.cpu,
+        machine.processors,
+        machine.os,
+        library.embree_package,
+        library.note,
+        program.rustc,
+    )
+}
+
+/// Lines that differ, as `-` what stands there and `+` what should, at most twenty.
+pub fn differences(old: &str, new: &str) -> String {
+    let (old, new): (Vec<&str>, Vec<&str>) = (old.lines().collect(), new.lines().collect());
+    let same_tail = |(a, b): &(&&str, &&str)| a == b;
+    let head = old.iter().zip(&new).take_while(|(a, b)| a == b).count();
+    let tail = old[head..].iter().rev().zip(new[head..].iter().rev()).take_while(same_tail).count();
+    let (old, new) = (&old[head..old.len() - tail], &new[head..new.len() - tail]);
+    let mut lines: Vec<String> = Vec::new();
+    for index in 0..old.len().max(new.len()) {
+        let (a, b) = (old.get(index), new.get(index));
+        if a != b {
+            lines.extend(a.map(|line| format!("{:>5} -{line}", head + index + 1)));
+            lines.extend(b.map(|line| format!("{:>5} +{line}", head + index + 1)));
+        }
+    }
+    if lines.len() > 20 {
+        lines.truncate(20);
+        lines.push("      ...".into());
+    }
+    lines.join("\n")
+}
