@@ -2,7 +2,6 @@
 
 use super::binary::{BinaryTree, Node};
 use crate::geometry::Aabb;
-use arrayvec::ArrayVec;
 use std::collections::BinaryHeap;
 
 /// All of space: the clip box above the first spatial split.
@@ -96,30 +95,30 @@ impl PartialEq for Queued {
 
 impl Eq for Queued {}
 
-/// The children of `node` that reach into `clip`, their boxes clipped.
+/// Gives `take` the children of `node` that reach into `clip`, their boxes clipped.
 ///
 /// A box that merely touches a split plane from one side belongs to that side alone, and one that lies in the
 /// plane belongs to the left, unless its parent began at the plane and so never was there: else an
 /// axis-aligned wall in the plane would be on both sides, or on neither.
 #[inline]
-pub(super) fn open(tree: &BinaryTree, node: &Node, clip: &Aabb) -> ArrayVec<Node, 2> {
-    let children = *tree.children(node);
+pub(super) fn open(tree: &BinaryTree, node: &Node, clip: &Aabb, mut take: impl FnMut(Node)) {
+    let children = tree.children(node);
     if *clip == SPACE {
-        return children.into();
+        take(children[0]);
+        take(children[1]);
+        return;
     }
     let parent = children[0].bounds().union(children[1].bounds());
-    let reaches = |b: Aabb| {
+    for child in children {
+        let b = child.bounds();
         // Right of a split plane (clip.min): what ends there is on the left, if the parent was there at all.
         let left_of = b.max.cmple(clip.min) & parent.min.cmplt(clip.min);
         // Left of a split plane (clip.max): what begins there and goes on is on the right.
         let right_of = b.min.cmpge(clip.max) & b.max.cmpgt(clip.max);
-        !(left_of | right_of).any()
-    };
-    children
-        .into_iter()
-        .filter(|child| reaches(child.bounds()))
-        .map(|child| child.with_bounds(child.bounds().intersection(*clip)))
-        .collect()
+        if !(left_of | right_of).any() {
+            take(child.with_bounds(b.intersection(*clip)));
+        }
+    }
 }
 
 /// Appends the triangles below `node`, a member of a cut clipped to `clip`, and grows `bounds` by their
@@ -130,7 +129,5 @@ pub(super) fn gather(tree: &BinaryTree, node: &Node, clip: &Aabb, ids: &mut Vec<
         *bounds = bounds.union(node.bounds());
         return;
     }
-    for child in &open(tree, node, clip) {
-        gather(tree, child, clip, ids, bounds);
-    }
+    open(tree, node, clip, |child| gather(tree, &child, clip, ids, bounds));
 }

@@ -68,7 +68,7 @@ impl<R: Refine> CutRecursion<'_, R> {
             && !node.is_leaf()
         {
             cut.nodes.clear();
-            cut.nodes.extend(open(self.tree, &node, &cut.clip));
+            open(self.tree, &node, &cut.clip, |child| cut.nodes.push(child));
         }
         self.measure(cut);
     }
@@ -81,7 +81,7 @@ impl<R: Refine> CutRecursion<'_, R> {
                 i += 1;
             } else {
                 let node = cut.nodes.swap_remove(i);
-                cut.nodes.extend(open(self.tree, &node, &cut.clip));
+                open(self.tree, &node, &cut.clip, |child| cut.nodes.push(child));
             }
         }
         self.measure(cut);

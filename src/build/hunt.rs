@@ -40,7 +40,7 @@ impl Refine for ConstantLength {
             let mut opened = vec![false; side.len()];
             areas[..wanted].iter().for_each(|&(_, i)| opened[i] = true);
             for (node, opened) in side.drain(..).zip(opened) {
-                if opened { refined.extend(open(tree, &node, clip)) } else { refined.push(node) }
+                if opened { open(tree, &node, clip, |child| refined.push(child)) } else { refined.push(node) }
             }
             std::mem::swap(side, refined);
         }

@@ -64,7 +64,7 @@ impl MortonOrder {
 /// centroids' bounds, which is what further bits would say.
 pub(super) fn part(keys: &mut [Key], boxes: &[Aabb], depth: u32) -> usize {
     let (first, last) = (code(keys[0]), code(keys[keys.len() - 1]));
-    if depth >= MAX_CODED_DEPTH {
+    if keys.len() == 2 || depth >= MAX_CODED_DEPTH {
         keys.len() / 2
     } else if first == last {
         part_by_middle(keys, boxes)

@@ -72,7 +72,7 @@ impl Refine for Threshold {
             if node.is_leaf() || node.bounds().half_area() <= threshold {
                 refined.push(node);
             } else {
-                refined.extend(open(tree, &node, clip));
+                open(tree, &node, clip, |child| refined.push(child));
             }
         }
     }
