@@ -202,9 +202,9 @@ mod tests {
         let (mesh, _) = Mesh::new(vertices, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
         let mut node = WideNode::EMPTY;
         let mut blocks = vec![TriangleBlock::EMPTY; 2];
-        for prim in 0..2 {
-            blocks[prim].set(0, mesh.corners(prim as u32), prim as u32);
-            node.set(prim, mesh.bounds_of(prim as u32), Link::leaf(prim, 1));
+        for (prim, block) in (0..).zip(&mut blocks) {
+            block.set(0, mesh.corners(prim), prim);
+            node.set(prim as usize, mesh.bounds_of(prim), Link::leaf(prim as usize, 1));
         }
         let tree = Bvh4 { root: Link::inner(0), bounds: mesh.bounds(), nodes: vec![node], blocks };
         (mesh, tree)

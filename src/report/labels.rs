@@ -63,7 +63,7 @@ pub fn place(labels: &[Label], points: &[Rect], lines: &[Segment], bounds: Rect)
                 let outside = rect.width * rect.height - inside;
                 let on = |obstacles: &[Rect]| obstacles.iter().map(|o| rect.overlap(o)).sum::<f64>();
                 let crossed = lines.iter().filter(|line| crosses(rect, **line)).count() as f64;
-                preference + 20.0 * outside + 8.0 * on(&others) + 4.0 * on(points) + 6.0 * crossed
+                preference + 20.0 * outside + 8.0 * on(&others) + 4.0 * on(points) + 15.0 * crossed
             };
             let best = candidates(label)
                 .map(|(rect, preference)| (cost(&rect, preference), rect))
