@@ -27,3 +27,8 @@ pub mod bench;
 pub mod cli;
 #[cfg(feature = "harness")]
 pub mod report;
+
+/// The examples of the README are compiled and run with the documentation's.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct ReadmeExamples;
