@@ -3,10 +3,12 @@
 
 use super::binary::{BinaryTree, Node};
 use super::cut::{Cut, SPACE, gather, open};
+use super::lbvh::Auxiliary;
 use super::object_split::{ObjectSplit, Sweep};
 use super::spatial_split::{SpatialSplit, SpatialSweep};
-use super::top_down::{QUARTET, TopDown};
-use crate::geometry::Aabb;
+use super::top_down::{self, Pool, QUARTET, TopDown};
+use super::{Build, Counts, Stopwatch};
+use crate::geometry::{Aabb, Mesh};
 
 /// From this many binary splits on, the triangles left are halved by count: no input makes the tree deeper
 /// than traversal stacks allow.
@@ -26,12 +28,14 @@ pub(super) trait Refine: Sync {
     );
 }
 
-/// The recursion over cuts.
-pub(super) struct CutRecursion<'a, R> {
-    /// The auxiliary BVH.
-    pub tree: &'a BinaryTree,
+/// What one builder over cuts does otherwise than another.
+pub(super) struct Rules<R> {
     /// How cuts are refined.
     pub refine: R,
+    /// Nodes of a larger half area are opened for the initial cut,
+    pub initial_threshold: f32,
+    /// while it has fewer nodes than this.
+    pub initial_len: usize,
     /// Spatial splits are tried for nodes of a larger half area; infinite for none.
     pub spatial_above: f32,
     /// Most references per triangle that spatial splits may make.
@@ -40,11 +44,51 @@ pub(super) struct CutRecursion<'a, R> {
     pub max_leaf: u32,
 }
 
+/// The recursion over cuts.
+pub(super) struct CutRecursion<'a, R> {
+    tree: &'a BinaryTree,
+    rules: Rules<R>,
+}
+
+/// An auxiliary BVH and the memory to build over its cuts, kept from build to build.
+#[derive(Default)]
+pub(super) struct Hierarchy {
+    auxiliary: Auxiliary,
+    pool: Pool<Scratch>,
+}
+
+impl Hierarchy {
+    /// Builds over `mesh` by the rules made for the scene's box.
+    pub fn build<R: Refine>(&mut self, mesh: &Mesh, rules: impl FnOnce(Aabb) -> Rules<R>) -> Build {
+        let mut phases = self.auxiliary.build(mesh);
+        let mut watch = Stopwatch::start();
+        let tree = &self.auxiliary.tree;
+        let recursion = CutRecursion { tree, rules: rules(self.auxiliary.order.primitives.bounds) };
+        let root = tree.root.map(|root| recursion.root(root));
+        let tree = top_down::build(&recursion, root, mesh, &self.pool);
+        watch.lap("cuts and nodes");
+        phases.extend(watch.phases);
+        Build::finish(tree, phases, self.counts(mesh), self.auxiliary.bytes() + self.pool.bytes())
+    }
+
+    /// Adds up what the tasks counted.
+    fn counts(&self, mesh: &Mesh) -> Counts {
+        let mut counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };
+        self.pool.for_each_scratch(|scratch| {
+            let of_task = std::mem::take(&mut scratch.counts);
+            counts.splits += of_task.splits;
+            counts.spatial_splits += of_task.spatial_splits;
+            counts.swept += of_task.swept;
+        });
+        counts
+    }
+}
+
 /// Memory and counts of one task.
 #[derive(Default)]
 pub(super) struct Scratch {
-    /// What was counted since the last [`std::mem::take`].
-    pub counts: super::Counts,
+    /// What was counted since it was last taken.
+    counts: Counts,
     sweep: Sweep,
     spatial_sweep: SpatialSweep,
     is_left: Vec<bool>,
@@ -55,10 +99,11 @@ pub(super) struct Scratch {
 
 impl<R: Refine> CutRecursion<'_, R> {
     /// The whole scene as a cut.
-    pub fn root(&self, nodes: Vec<Node>) -> Cut {
+    fn root(&self, root: Node) -> Cut {
+        let nodes = Cut::initial(self.tree, root, self.rules.initial_threshold, self.rules.initial_len);
         let count: u32 = nodes.iter().map(|node| node.count).sum();
         let bounds = nodes.iter().map(Node::bounds).collect();
-        let capacity = (count as f32 * self.max_references) as u32;
+        let capacity = (count as f32 * self.rules.max_references) as u32;
         Cut { nodes, clip: SPACE, bounds, count, capacity, depth: 0, is_leaf: count <= QUARTET }
     }
 
@@ -102,13 +147,14 @@ impl<R: Refine> CutRecursion<'_, R> {
             leaf(bounds.half_area(), side.iter().map(|node| node.count).sum())
         };
         let area = cut.bounds.half_area();
-        cut.count <= self.max_leaf && leaf(area, cut.count) <= area + sides.map(side_cost).iter().sum::<f32>()
+        cut.count <= self.rules.max_leaf
+            && leaf(area, cut.count) <= area + sides.map(side_cost).iter().sum::<f32>()
     }
 
     /// A spatial split, if the rules allow one that is cheaper than `object`.
     fn spatial_split(&self, cut: &Cut, object: &ObjectSplit, scratch: &mut Scratch) -> Option<SpatialSplit> {
         let area = cut.bounds.half_area();
-        if area <= self.spatial_above {
+        if area <= self.rules.spatial_above {
             return None;
         }
         let split = scratch.spatial_sweep.best(&cut.nodes, cut.bounds);
@@ -137,7 +183,7 @@ impl<R: Refine> CutRecursion<'_, R> {
         let own: u32 = side.iter().map(|node| node.count).sum();
         let mut nodes = scratch.spare.pop().unwrap_or_default();
         let depth = parent.depth + 1;
-        self.refine.refine(self.tree, &clip, depth, side, &mut nodes);
+        self.rules.refine.refine(self.tree, &clip, depth, side, &mut nodes);
         // Room for duplicates is handed down in proportion to what each side holds.
         let capacity = (f64::from(parent.capacity) * f64::from(own) / f64::from(references)) as u32;
         let mut cut = Cut {

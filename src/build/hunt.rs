@@ -2,12 +2,9 @@
 //! PHR's recursion, refined by opening the largest nodes until the cut is long enough, without spatial splits.
 
 use super::binary::{BinaryTree, Node};
-use super::cut::{Cut, open};
-use super::cut_recursion::{CutRecursion, Refine, Scratch};
-use super::lbvh::Auxiliary;
-use super::phr::gather_counts;
-use super::top_down::{self, Pool};
-use super::{Build, Builder, Counts, Stopwatch};
+use super::cut::open;
+use super::cut_recursion::{Hierarchy, Refine, Rules};
+use super::{Build, Builder};
 use crate::geometry::{Aabb, Mesh};
 
 /// Parameters of Hunt's method.
@@ -52,14 +49,13 @@ impl Refine for ConstantLength {
 pub struct Hunt {
     name: &'static str,
     config: HuntConfig,
-    auxiliary: Auxiliary,
-    pool: Pool<Scratch>,
+    hierarchy: Hierarchy,
 }
 
 impl Hunt {
     /// A builder called `name` in records.
     pub fn new(name: &'static str, config: HuntConfig) -> Self {
-        Self { name, config, auxiliary: Auxiliary::default(), pool: Pool::default() }
+        Self { name, config, hierarchy: Hierarchy::default() }
     }
 }
 
@@ -73,28 +69,14 @@ impl Builder for Hunt {
     }
 
     fn build(&mut self, mesh: &Mesh) -> Build {
-        let mut phases = self.auxiliary.build(mesh);
-        let mut watch = Stopwatch::start();
-        let tree = &self.auxiliary.tree;
-        let refine = ConstantLength(self.config.cut_length);
-        let recursion = CutRecursion {
-            tree,
-            refine,
+        let HuntConfig { cut_length, max_leaf } = self.config;
+        self.hierarchy.build(mesh, |_| Rules {
+            refine: ConstantLength(cut_length),
+            initial_threshold: 0.0,
+            initial_len: cut_length,
             spatial_above: f32::INFINITY,
             max_references: 1.0,
-            max_leaf: self.config.max_leaf,
-        };
-        let root =
-            tree.root.map(|root| recursion.root(Cut::initial(tree, root, 0.0, self.config.cut_length)));
-        let tree = top_down::build(&recursion, root, mesh, &self.pool);
-        watch.lap("cuts and nodes");
-        phases.extend(watch.phases);
-        let counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };
-        Build::finish(
-            tree,
-            phases,
-            gather_counts(counts, &self.pool),
-            self.auxiliary.bytes() + self.pool.bytes(),
-        )
+            max_leaf,
+        })
     }
 }

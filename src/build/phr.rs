@@ -1,11 +1,9 @@
 //! Progressive Hierarchical Refinement (Hendrich, Meister, Bittner 2017): the paper's builder.
 
 use super::binary::{BinaryTree, Node};
-use super::cut::{Cut, open};
-use super::cut_recursion::{CutRecursion, Refine, Scratch};
-use super::lbvh::Auxiliary;
-use super::top_down::{self, Pool};
-use super::{Build, Builder, Counts, Stopwatch};
+use super::cut::open;
+use super::cut_recursion::{Hierarchy, Refine, Rules};
+use super::{Build, Builder};
 use crate::geometry::{Aabb, Mesh};
 
 /// Parameters of PHR.
@@ -82,14 +80,13 @@ impl Refine for Threshold {
 pub struct Phr {
     name: &'static str,
     config: PhrConfig,
-    auxiliary: Auxiliary,
-    pool: Pool<Scratch>,
+    hierarchy: Hierarchy,
 }
 
 impl Phr {
     /// A builder called `name` in records.
     pub fn new(name: &'static str, config: PhrConfig) -> Self {
-        Self { name, config, auxiliary: Auxiliary::default(), pool: Pool::default() }
+        Self { name, config, hierarchy: Hierarchy::default() }
     }
 }
 
@@ -103,41 +100,17 @@ impl Builder for Phr {
     }
 
     fn build(&mut self, mesh: &Mesh) -> Build {
-        let mut phases = self.auxiliary.build(mesh);
-        let mut watch = Stopwatch::start();
-        let tree = &self.auxiliary.tree;
-        let scene = self.auxiliary.order.primitives.bounds;
-        let refine = Threshold::new(scene, &self.config);
-        let threshold = refine.at(0);
-        let recursion = CutRecursion {
-            tree,
-            refine,
-            spatial_above: scene.half_area() * self.config.spatial_threshold,
-            max_references: self.config.max_references,
-            max_leaf: self.config.max_leaf,
-        };
-        let root =
-            tree.root.map(|root| recursion.root(Cut::initial(tree, root, threshold, self.config.max_cut)));
-        let tree = top_down::build(&recursion, root, mesh, &self.pool);
-        watch.lap("cuts and nodes");
-        phases.extend(watch.phases);
-        let counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };
-        Build::finish(
-            tree,
-            phases,
-            gather_counts(counts, &self.pool),
-            self.auxiliary.bytes() + self.pool.bytes(),
-        )
+        let PhrConfig { max_cut, spatial_threshold, max_references, max_leaf, .. } = self.config;
+        self.hierarchy.build(mesh, |scene| {
+            let refine = Threshold::new(scene, &self.config);
+            Rules {
+                initial_threshold: refine.at(0),
+                refine,
+                initial_len: max_cut,
+                spatial_above: scene.half_area() * spatial_threshold,
+                max_references,
+                max_leaf,
+            }
+        })
     }
-}
-
-/// Adds up what the tasks counted.
-pub(super) fn gather_counts(mut counts: Counts, pool: &Pool<Scratch>) -> Counts {
-    pool.for_each_scratch(|scratch| {
-        let of_task = std::mem::take(&mut scratch.counts);
-        counts.splits += of_task.splits;
-        counts.spatial_splits += of_task.spatial_splits;
-        counts.swept += of_task.swept;
-    });
-    counts
 }
