@@ -3,11 +3,15 @@
 
 use super::binary::{BinaryTree, Node};
 use super::collapse::Collapse;
-use super::lbvh::SERIAL;
-use super::morton_order::{Key, MortonOrder, part, prim};
-use super::top_down::{self, Pool};
-use super::{Build, Builder, Counts, Stopwatch};
-use crate::geometry::{Aabb, Mesh};
+use super::morton_order::{Key, MortonOrder, part, reference};
+use super::references::References;
+use super::top_down::{self, Memory};
+use super::{Build, Builder, Counts, Stopwatch, pages};
+use crate::bvh::Bvh4;
+use crate::geometry::Mesh;
+
+/// Runs shorter than this are clustered by one thread.
+const SERIAL: usize = 1 << 12;
 
 /// Parameters of AAC.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -35,13 +39,13 @@ pub struct Aac {
     config: AacConfig,
     order: MortonOrder,
     tree: BinaryTree,
-    pool: Pool<()>,
+    memory: Memory<()>,
 }
 
 impl Aac {
     /// A builder with the given parameters.
     pub fn new(config: AacConfig) -> Self {
-        Self { config, order: MortonOrder::default(), tree: BinaryTree::default(), pool: Pool::default() }
+        Self { config, order: MortonOrder::default(), tree: BinaryTree::default(), memory: Memory::default() }
     }
 }
 
@@ -56,25 +60,30 @@ impl Builder for Aac {
 
     fn build(&mut self, mesh: &Mesh) -> Build {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, &mut watch);
-        self.tree.make_room(mesh.len());
-        let MortonOrder { primitives, keys, .. } = &mut self.order;
+        let references = References::whole(mesh);
+        self.order.sort(&references, &mut watch);
+        pages::resize(&mut self.tree.pairs, mesh.len().saturating_sub(1), [Node::ZERO; 2]);
+        let keys = &mut self.order.keys;
         self.tree.root = if keys.is_empty() {
             None
         } else {
             let mut forest = Forest::default();
-            let clustering = Clustering { config: self.config, boxes: &primitives.boxes };
+            let clustering = Clustering { config: self.config, references };
             clustering.build(keys, 0, 0, &mut self.tree.pairs, &mut forest);
             combine(&mut forest, 0, 1, 0, &mut self.tree.pairs);
             forest.clusters.pop()
         };
         watch.lap("clusters");
-        let tree = Collapse { tree: &self.tree, boxes: &self.order.primitives.boxes };
-        let tree = top_down::build(&tree, tree.root(), mesh, &self.pool);
+        let collapse = Collapse { tree: &self.tree, keys: &self.order.keys, references };
+        let tree = top_down::build(&collapse, collapse.root(), &references, &mut self.memory);
         watch.lap("nodes");
-        let held = self.order.bytes() + self.tree.bytes() + self.pool.bytes();
+        let held = self.order.bytes() + self.tree.bytes() + self.memory.bytes();
         let counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };
         Build::finish(tree, watch.phases, counts, held)
+    }
+
+    fn recycle(&mut self, tree: Bvh4) {
+        self.memory.recycle(tree);
     }
 }
 
@@ -89,7 +98,7 @@ struct Forest {
 
 struct Clustering<'a> {
     config: AacConfig,
-    boxes: &'a [Aabb],
+    references: References<'a>,
 }
 
 impl Clustering<'_> {
@@ -105,23 +114,25 @@ impl Clustering<'_> {
         let len = keys.len();
         let begin = (forest.clusters.len(), forest.free.len());
         if len <= self.config.delta {
+            let bounds = |key: Key| self.references.bounds(reference(key));
             forest
                 .clusters
-                .extend(keys.iter().map(|&key| Node::leaf(self.boxes[prim(key) as usize], prim(key))));
+                .extend(keys.iter().enumerate().map(|(i, &key)| Node::leaf(bounds(key), first + i, 1)));
             forest.free.extend(first..first + len - 1);
         } else {
-            let split = part(keys, self.boxes, depth);
+            let mut below = depth;
+            let split = part(keys, &self.references, &mut below);
             let (left, right) = keys.split_at_mut(split);
             let (left_pairs, right_pairs) = pairs.split_at_mut(split - 1);
             let right_pairs = &mut right_pairs[1..];
             if len < SERIAL {
-                self.build(left, first, depth + 1, left_pairs, forest);
-                self.build(right, first + split, depth + 1, right_pairs, forest);
+                self.build(left, first, below, left_pairs, forest);
+                self.build(right, first + split, below, right_pairs, forest);
             } else {
                 let mut other = Forest::default();
                 rayon::join(
-                    || self.build(left, first, depth + 1, left_pairs, forest),
-                    || self.build(right, first + split, depth + 1, right_pairs, &mut other),
+                    || self.build(left, first, below, left_pairs, forest),
+                    || self.build(right, first + split, below, right_pairs, &mut other),
                 );
                 forest.clusters.append(&mut other.clusters);
                 forest.free.append(&mut other.free);
@@ -184,6 +195,7 @@ fn find_nearest(clusters: &[Node], i: usize) -> (f32, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Aabb;
 
     #[test]
     fn cluster_numbers_are_those_of_aac_fast() {
@@ -196,7 +208,7 @@ mod tests {
     #[test]
     fn nearest_neighbours_are_merged_first() {
         use glam::Vec3A;
-        let leaf = |x: f32, i| Node::leaf(Aabb::new(Vec3A::new(x, 0., 0.), Vec3A::new(x + 1., 1., 1.)), i);
+        let leaf = |x: f32, i| Node::leaf(Aabb::new(Vec3A::new(x, 0., 0.), Vec3A::new(x + 1., 1., 1.)), i, 1);
         let mut forest = Forest {
             clusters: vec![leaf(0., 0), leaf(10., 1), leaf(1., 2), leaf(11., 3)],
             free: vec![0, 1, 2],

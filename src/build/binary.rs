@@ -1,31 +1,35 @@
-//! Binary trees over single triangles: the auxiliary BVH.
+//! Binary trees over runs of references in Morton order: the auxiliary BVH.
 
 use crate::geometry::Aabb;
 use glam::Vec3A;
 
-/// A subtree: its box, how many triangles it holds, and where they are. Two of them fill a cache line.
+/// A subtree: its box, how many references it holds, and where they are. Two of them fill a cache line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub(super) struct Node {
     min: [f32; 3],
-    /// One triangle: its id. More: index of the pair of children in [`BinaryTree::pairs`].
+    /// A leaf: [`Node::LEAF`] and the position of its first reference in the order. Else the index of the pair
+    /// of children in [`BinaryTree::pairs`].
     link: u32,
     max: [f32; 3],
-    /// Triangles below, >= 1.
+    /// References below, >= 1.
     pub count: u32,
 }
 
 impl Node {
+    const LEAF: u32 = 1 << 31;
+
     /// A node without meaning, to size arrays with.
     pub const ZERO: Self = Self { min: [0.0; 3], link: 0, max: [0.0; 3], count: 0 };
 
-    /// The leaf of triangle `prim`.
+    /// The leaf of the `count` references from position `first` on.
     #[inline]
-    pub fn leaf(bounds: Aabb, prim: u32) -> Self {
-        Self { min: bounds.min.to_array(), link: prim, max: bounds.max.to_array(), count: 1 }
+    pub fn leaf(bounds: Aabb, first: usize, count: u32) -> Self {
+        let link = Self::LEAF | first as u32;
+        Self { min: bounds.min.to_array(), link, max: bounds.max.to_array(), count }
     }
 
-    /// The parent of the pair at `index`.
+    /// The parent of `children`, the pair at `index`.
     #[inline]
     pub fn inner(children: &[Self; 2], index: usize) -> Self {
         let bounds = children[0].bounds().union(children[1].bounds());
@@ -39,16 +43,28 @@ impl Node {
         Aabb::new(Vec3A::from_array(self.min), Vec3A::from_array(self.max))
     }
 
+    /// The lower corner and, three floats on, the upper one.
+    #[inline]
+    pub fn corners(&self) -> [[f32; 3]; 2] {
+        [self.min, self.max]
+    }
+
     /// The same subtree with another box: the part of it inside a clip box.
     #[inline]
     pub fn with_bounds(self, bounds: Aabb) -> Self {
         Self { min: bounds.min.to_array(), max: bounds.max.to_array(), ..self }
     }
 
-    /// True for a single triangle.
+    /// The same subtree in a tree whose pairs have moved up.
+    #[inline]
+    pub fn moved(self, pairs: u32) -> Self {
+        Self { link: if self.is_leaf() { self.link } else { self.link + pairs }, ..self }
+    }
+
+    /// True for a run of references that the tree does not part.
     #[inline]
     pub fn is_leaf(&self) -> bool {
-        self.count == 1
+        self.link & Self::LEAF != 0
     }
 
     /// Names the subtree within its tree.
@@ -57,15 +73,22 @@ impl Node {
         (self.count, self.link)
     }
 
-    /// The triangle of a leaf.
+    /// The positions of a leaf's references.
     #[inline]
-    pub fn prim(&self) -> u32 {
+    pub fn run(&self) -> std::ops::Range<usize> {
         debug_assert!(self.is_leaf());
-        self.link
+        let first = (self.link & !Self::LEAF) as usize;
+        first..first + self.count as usize
+    }
+
+    #[inline]
+    fn pair(&self) -> usize {
+        debug_assert!(!self.is_leaf());
+        self.link as usize
     }
 }
 
-/// A binary tree whose leaves are single triangles.
+/// A binary tree whose leaves are runs of references.
 #[derive(Default)]
 pub(super) struct BinaryTree {
     /// `None` without triangles.
@@ -75,20 +98,22 @@ pub(super) struct BinaryTree {
 }
 
 impl BinaryTree {
-    /// Gives the tree room for the pairs over `triangles`.
-    pub fn make_room(&mut self, triangles: usize) {
-        super::pages::resize(&mut self.pairs, triangles.saturating_sub(1), [Node::ZERO; 2]);
-    }
-
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.pairs.capacity() * size_of::<[Node; 2]>()
+        self.pairs.len() * size_of::<[Node; 2]>()
     }
 
     /// The children of an inner node.
     #[inline]
     pub fn children(&self, node: &Node) -> &[Node; 2] {
-        debug_assert!(!node.is_leaf());
-        &self.pairs[node.link as usize]
+        &self.pairs[node.pair()]
+    }
+
+    /// Asks for the children of a node to be brought near: they are likely to be opened soon.
+    #[inline]
+    pub fn prefetch(&self, node: &Node) {
+        if !node.is_leaf() {
+            super::prefetch::line(&self.pairs, node.pair());
+        }
     }
 }

@@ -3,29 +3,35 @@
 
 use super::binary::{BinaryTree, Node};
 use super::lbvh::Auxiliary;
-use super::top_down::{self, Pool, QUARTET, TopDown};
+use super::morton_order::{Key, reference};
+use super::references::References;
+use super::top_down::{self, Kind, Memory, QUARTET, TopDown};
 use super::{Build, Builder, Counts, Stopwatch};
+use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};
 
-/// From this depth of the binary tree on, triangles are halved by count: a chain of clusters must not make the
+/// From this depth of the binary tree on, references are halved by count: a chain of clusters must not make the
 /// tree deeper than traversal stacks allow.
 const MAX_DEPTH: u32 = 64;
 
-/// Collapses a binary tree: subtrees of at most four triangles become leaves.
+/// Collapses a binary tree: subtrees of at most four references become leaves.
 #[derive(Clone, Copy)]
 pub(super) struct Collapse<'a> {
     /// The tree.
     pub tree: &'a BinaryTree,
-    /// Boxes of the triangles.
-    pub boxes: &'a [Aabb],
+    /// References in the order that the leaves' positions mean.
+    pub keys: &'a [Key],
+    /// What they refer to.
+    pub references: References<'a>,
 }
 
 /// What is left to build.
+#[derive(Clone)]
 pub(super) enum Part {
     /// A subtree at a depth of the binary tree.
     Subtree(Node, u32),
-    /// Triangles of a subtree too deep, and their box.
-    Triangles(Vec<u32>, Aabb),
+    /// References of a subtree too deep, and their box.
+    References(Vec<u32>, Aabb),
 }
 
 impl Collapse<'_> {
@@ -34,78 +40,98 @@ impl Collapse<'_> {
         self.tree.root.map(|root| Part::Subtree(root, 0))
     }
 
-    /// Appends the triangles below `node`.
+    /// Appends the references below `node`.
     fn gather(&self, node: &Node, ids: &mut Vec<u32>) {
         if node.is_leaf() {
-            ids.push(node.prim());
+            ids.extend(self.keys[node.run()].iter().map(|&key| reference(key)));
         } else {
             self.tree.children(node).iter().for_each(|child| self.gather(child, ids));
         }
     }
 
-    fn triangles(&self, ids: Vec<u32>) -> Part {
-        let bounds = ids.iter().map(|&id| self.boxes[id as usize]).collect();
-        Part::Triangles(ids, bounds)
+    fn part(&self, ids: Vec<u32>) -> Part {
+        let bounds = ids.iter().map(|&id| self.references.bounds(id)).collect();
+        Part::References(ids, bounds)
     }
 }
 
 impl TopDown for Collapse<'_> {
+    type Seed = Part;
     type Part = Part;
     type Scratch = ();
+
+    fn plant(&self, seed: Part, (): &mut ()) -> Part {
+        seed
+    }
+
+    fn lift(&self, part: &Part, (): &()) -> Part {
+        part.clone()
+    }
 
     fn count(&self, part: &Part) -> u32 {
         match part {
             Part::Subtree(node, _) => node.count,
-            Part::Triangles(ids, _) => ids.len() as u32,
+            Part::References(ids, _) => ids.len() as u32,
         }
-    }
-
-    fn is_leaf(&self, part: &Part) -> bool {
-        self.count(part) <= QUARTET
     }
 
     fn half_area(&self, part: &Part) -> f32 {
         match part {
             Part::Subtree(node, _) => node.bounds().half_area(),
-            Part::Triangles(_, bounds) => bounds.half_area(),
+            Part::References(_, bounds) => bounds.half_area(),
         }
     }
 
-    fn split(&self, part: Part, (): &mut ()) -> [Option<Part>; 2] {
+    fn kind(&self, part: &Part) -> Kind {
+        if self.count(part) <= QUARTET { Kind::Leaf } else { Kind::Inner }
+    }
+
+    fn split(&self, part: &Part, (): &mut ()) -> [Option<Part>; 2] {
         let mut ids = match part {
-            Part::Subtree(node, depth) if depth < MAX_DEPTH => {
-                return self.tree.children(&node).map(|child| Some(Part::Subtree(child, depth + 1)));
+            Part::Subtree(node, depth) if *depth < MAX_DEPTH => {
+                return self.tree.children(node).map(|child| {
+                    self.tree.prefetch(&child);
+                    Some(Part::Subtree(child, depth + 1))
+                });
             }
             Part::Subtree(node, _) => {
                 let mut ids = Vec::with_capacity(node.count as usize);
-                self.gather(&node, &mut ids);
+                self.gather(node, &mut ids);
                 ids
             }
-            Part::Triangles(ids, _) => ids,
+            Part::References(ids, _) => ids.clone(),
         };
         let right = ids.split_off(ids.len() / 2);
-        [Some(self.triangles(ids)), Some(self.triangles(right))]
+        [Some(self.part(ids)), Some(self.part(right))]
     }
 
-    fn leaf(&self, part: Part, ids: &mut Vec<u32>, (): &mut ()) -> Aabb {
-        match part {
+    fn leaf(&self, part: &Part, prims: &mut Vec<u32>, (): &mut ()) -> Aabb {
+        let bounds = match part {
             Part::Subtree(node, _) => {
-                self.gather(&node, ids);
+                self.gather(node, prims);
                 node.bounds()
             }
-            Part::Triangles(leaf, bounds) => {
-                ids.extend(leaf);
-                bounds
+            Part::References(ids, bounds) => {
+                prims.extend(ids);
+                *bounds
             }
-        }
+        };
+        prims.iter_mut().for_each(|id| *id = self.references.prim(*id));
+        bounds
     }
+
+    fn mark(&self, (): &()) -> usize {
+        0
+    }
+
+    fn release(&self, (): &mut (), _: usize) {}
 }
 
 /// Builds the auxiliary LBVH and nothing better.
 #[derive(Default)]
 pub struct Lbvh {
     auxiliary: Auxiliary,
-    pool: Pool<()>,
+    memory: Memory<()>,
 }
 
 impl Builder for Lbvh {
@@ -118,13 +144,19 @@ impl Builder for Lbvh {
     }
 
     fn build(&mut self, mesh: &Mesh) -> Build {
-        let mut phases = self.auxiliary.build(mesh);
+        let references = References::whole(mesh);
+        let mut phases = self.auxiliary.build(&references, QUARTET);
         let mut watch = Stopwatch::start();
-        let tree = Collapse { tree: &self.auxiliary.tree, boxes: &self.auxiliary.order.primitives.boxes };
-        let tree = top_down::build(&tree, tree.root(), mesh, &self.pool);
+        let collapse = Collapse { tree: &self.auxiliary.tree, keys: &self.auxiliary.order.keys, references };
+        let tree = top_down::build(&collapse, collapse.root(), &references, &mut self.memory);
         watch.lap("nodes");
         phases.extend(watch.phases);
-        let counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };
-        Build::finish(tree, phases, counts, self.auxiliary.bytes() + self.pool.bytes())
+        let auxiliary_nodes = 2 * self.auxiliary.tree.pairs.len() as u64 + 1;
+        let counts = Counts { auxiliary_nodes, ..Counts::default() };
+        Build::finish(tree, phases, counts, self.auxiliary.bytes() + self.memory.bytes())
+    }
+
+    fn recycle(&mut self, tree: Bvh4) {
+        self.memory.recycle(tree);
     }
 }

@@ -1,6 +1,9 @@
 //! Cuts of the auxiliary BVH: the initial one (paper 4.1), clipping under spatial splits (4.4), leaves.
 
 use super::binary::{BinaryTree, Node};
+use super::morton_order::{Key, reference};
+use super::references::References;
+use super::top_down::{Kind, QUARTET};
 use crate::geometry::Aabb;
 use std::collections::BinaryHeap;
 
@@ -8,26 +11,75 @@ use std::collections::BinaryHeap;
 pub(super) const SPACE: Aabb = Aabb::new(glam::Vec3A::NEG_INFINITY, glam::Vec3A::INFINITY);
 
 /// A cut: disjoint subtrees of the auxiliary BVH in its depth-first order, which is that of the Morton codes.
-/// Their boxes are clipped.
-#[derive(Clone, Debug)]
+/// Their boxes are clipped, and stand in the arena of a thread.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Cut {
-    /// The subtrees.
-    pub nodes: Vec<Node>,
+    /// Place of the first subtree in the arena.
+    pub first: usize,
+    /// Number of subtrees.
+    pub len: usize,
     /// What spatial splits above have left of space; each finite face lies in a split plane.
     pub clip: Aabb,
     /// The union of the nodes' clipped boxes.
     pub bounds: Aabb,
-    /// Triangles below.
+    /// References below.
     pub count: u32,
-    /// Triangle references that may be made below: bounds duplication by spatial splits.
+    /// References that may be made below: bounds duplication by spatial splits.
     pub capacity: u32,
     /// Binary splits above.
     pub depth: u32,
-    /// To be a leaf.
-    pub is_leaf: bool,
+    /// The nodes are single references, and splits count quartets.
+    pub is_near_leaves: bool,
+    /// What is to become of it.
+    pub kind: Kind,
+}
+
+/// A cut with nodes of its own.
+pub(super) struct OwnCut {
+    nodes: Vec<Node>,
+    cut: Cut,
 }
 
 impl Cut {
+    /// The cut of the arena's nodes from `first` on, otherwise as `like`.
+    pub fn of_arena(arena: &[Node], first: usize, like: Self) -> Self {
+        let mut cut = Self { first, len: arena.len() - first, bounds: Aabb::EMPTY, count: 0, ..like };
+        for node in &arena[first..] {
+            cut.bounds = cut.bounds.union(node.bounds());
+            cut.count += node.count;
+        }
+        cut.kind = if cut.count <= QUARTET { Kind::Leaf } else { Kind::Inner };
+        cut
+    }
+
+    /// The whole scene as a cut of `nodes`, with room for `max_references` per reference.
+    pub fn whole(nodes: Vec<Node>, max_references: f32) -> OwnCut {
+        let cut = Self {
+            first: 0,
+            len: 0,
+            clip: SPACE,
+            bounds: Aabb::EMPTY,
+            count: 0,
+            capacity: 0,
+            depth: 0,
+            is_near_leaves: false,
+            kind: Kind::Inner,
+        };
+        let mut cut = Self::of_arena(&nodes, 0, cut);
+        cut.capacity = (cut.count as f32 * max_references) as u32;
+        OwnCut { nodes, cut }
+    }
+
+    /// The places of its nodes in the arena.
+    pub fn places(&self) -> std::ops::Range<usize> {
+        self.first..self.first + self.len
+    }
+
+    /// Takes the cut out of the arena.
+    pub fn lift(&self, arena: &[Node]) -> OwnCut {
+        OwnCut { nodes: arena[self.places()].to_vec(), cut: *self }
+    }
+
     /// The initial cut (paper 4.1): nodes larger than `threshold` (half area) are opened, the largest first,
     /// until none is left or the cut has `max_len` nodes.
     pub fn initial(tree: &BinaryTree, root: Node, threshold: f32, max_len: usize) -> Vec<Node> {
@@ -95,11 +147,38 @@ impl PartialEq for Queued {
 
 impl Eq for Queued {}
 
-/// Gives `take` the children of `node` that reach into `clip`, their boxes clipped.
+impl OwnCut {
+    /// Puts the cut at the end of `arena`.
+    pub fn plant(self, arena: &mut Vec<Node>) -> Cut {
+        let first = arena.len();
+        arena.extend(self.nodes);
+        Cut { first, ..self.cut }
+    }
+}
+
+/// Which boxes of a node's children a clip box leaves something of.
 ///
 /// A box that merely touches a split plane from one side belongs to that side alone, and one that lies in the
 /// plane belongs to the left, unless its parent began at the plane and so never was there: else an
 /// axis-aligned wall in the plane would be on both sides, or on neither.
+struct Clipper<'a> {
+    clip: &'a Aabb,
+    parent: Aabb,
+}
+
+impl Clipper<'_> {
+    #[inline]
+    fn clip(&self, b: Aabb) -> Option<Aabb> {
+        let clip = self.clip;
+        // Right of a split plane (clip.min): what ends there is on the left, if the parent was there at all.
+        let left_of = b.max.cmple(clip.min) & self.parent.min.cmplt(clip.min);
+        // Left of a split plane (clip.max): what begins there and goes on is on the right.
+        let right_of = b.min.cmpge(clip.max) & b.max.cmpgt(clip.max);
+        (!(left_of | right_of).any()).then(|| b.intersection(*clip))
+    }
+}
+
+/// Gives `take` the children of an inner `node` that reach into `clip`, their boxes clipped.
 #[inline]
 pub(super) fn open(tree: &BinaryTree, node: &Node, clip: &Aabb, mut take: impl FnMut(Node)) {
     let children = tree.children(node);
@@ -108,26 +187,50 @@ pub(super) fn open(tree: &BinaryTree, node: &Node, clip: &Aabb, mut take: impl F
         take(children[1]);
         return;
     }
-    let parent = children[0].bounds().union(children[1].bounds());
+    let clipper = Clipper { clip, parent: children[0].bounds().union(children[1].bounds()) };
     for child in children {
-        let b = child.bounds();
-        // Right of a split plane (clip.min): what ends there is on the left, if the parent was there at all.
-        let left_of = b.max.cmple(clip.min) & parent.min.cmplt(clip.min);
-        // Left of a split plane (clip.max): what begins there and goes on is on the right.
-        let right_of = b.min.cmpge(clip.max) & b.max.cmpgt(clip.max);
-        if !(left_of | right_of).any() {
-            take(child.with_bounds(b.intersection(*clip)));
+        if let Some(bounds) = clipper.clip(child.bounds()) {
+            take(child.with_bounds(bounds));
         }
     }
 }
 
-/// Appends the triangles below `node`, a member of a cut clipped to `clip`, and grows `bounds` by their
-/// clipped boxes.
-pub(super) fn gather(tree: &BinaryTree, node: &Node, clip: &Aabb, ids: &mut Vec<u32>, bounds: &mut Aabb) {
-    if node.is_leaf() {
-        ids.push(node.prim());
-        *bounds = bounds.union(node.bounds());
-        return;
+/// The references in Morton order, to which the leaves of the auxiliary BVH are opened.
+#[derive(Clone, Copy)]
+pub(super) struct Order<'a> {
+    /// Sorted keys.
+    pub keys: &'a [Key],
+    /// What they refer to.
+    pub references: References<'a>,
+}
+
+impl Order<'_> {
+    /// Gives `take` the references below `node`, a member of a cut clipped to `clip`: leaves of one
+    /// reference, their boxes clipped.
+    pub fn each(&self, tree: &BinaryTree, node: &Node, clip: &Aabb, take: &mut impl FnMut(Node)) {
+        if !node.is_leaf() {
+            open(tree, node, clip, |child| self.each(tree, &child, clip, take));
+            return;
+        }
+        if node.count == 1 {
+            take(*node);
+            return;
+        }
+        let bounds = |place: usize| self.references.bounds(reference(self.keys[place]));
+        if *clip == SPACE {
+            node.run().for_each(|place| take(Node::leaf(bounds(place), place, 1)));
+            return;
+        }
+        let clipper = Clipper { clip, parent: node.run().map(bounds).collect() };
+        for place in node.run() {
+            if let Some(bounds) = clipper.clip(bounds(place)) {
+                take(Node::leaf(bounds, place, 1));
+            }
+        }
     }
-    open(tree, node, clip, |child| gather(tree, &child, clip, ids, bounds));
+
+    /// The triangle at a position.
+    pub fn prim(&self, place: usize) -> u32 {
+        self.references.prim(reference(self.keys[place]))
+    }
 }

@@ -2,30 +2,23 @@
 //! How a side is refined is all in which PHR and the method of Hunt et al. differ.
 
 use super::binary::{BinaryTree, Node};
-use super::cut::{Cut, SPACE, gather, open};
-use super::lbvh::Auxiliary;
+use super::cut::{Cut, Order, OwnCut, open};
 use super::object_split::{ObjectSplit, Sweep};
 use super::spatial_split::{SpatialSplit, SpatialSweep};
-use super::top_down::{self, Pool, QUARTET, TopDown};
-use super::{Build, Counts, Stopwatch};
-use crate::geometry::{Aabb, Mesh};
+use super::split_cost::Weight;
+use super::top_down::{Kind, QUARTET, TopDown};
+use super::Counts;
+use crate::geometry::Aabb;
 
-/// From this many binary splits on, the triangles left are halved by count: no input makes the tree deeper
+/// From this many binary splits on, the references left are halved by count: no input makes the tree deeper
 /// than traversal stacks allow.
 const MAX_DEPTH: u32 = 50;
 
 /// How a cut is refined after a split.
 pub(super) trait Refine: Sync {
-    /// Moves the nodes of a side of a split at binary depth `depth` from `side` to `refined`, some of them
-    /// opened ([`open`]).
-    fn refine(
-        &self,
-        tree: &BinaryTree,
-        clip: &Aabb,
-        depth: u32,
-        side: &mut Vec<Node>,
-        refined: &mut Vec<Node>,
-    );
+    /// Appends the nodes of a side of a split at binary depth `depth` to `refined`, some of them opened
+    /// ([`open`]).
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &mut Vec<Node>, refined: &mut Vec<Node>);
 }
 
 /// What one builder over cuts does otherwise than another.
@@ -38,128 +31,102 @@ pub(super) struct Rules<R> {
     pub initial_len: usize,
     /// Spatial splits are tried for nodes of a larger half area; infinite for none.
     pub spatial_above: f32,
-    /// Most references per triangle that spatial splits may make.
+    /// Most references per reference that spatial splits may make.
     pub max_references: f32,
     /// Most triangles of a leaf.
     pub max_leaf: u32,
+    /// Cuts of at most so many references are opened down to them, and their splits count quartets.
+    pub leaf_sweep: u32,
 }
 
 /// The recursion over cuts.
 pub(super) struct CutRecursion<'a, R> {
-    tree: &'a BinaryTree,
-    rules: Rules<R>,
+    /// The auxiliary BVH.
+    pub tree: &'a BinaryTree,
+    /// What its leaves hold.
+    pub order: Order<'a>,
+    /// What to do.
+    pub rules: Rules<R>,
 }
 
-/// An auxiliary BVH and the memory to build over its cuts, kept from build to build.
-#[derive(Default)]
-pub(super) struct Hierarchy {
-    auxiliary: Auxiliary,
-    pool: Pool<Scratch>,
-}
-
-impl Hierarchy {
-    /// Builds over `mesh` by the rules made for the scene's box.
-    pub fn build<R: Refine>(&mut self, mesh: &Mesh, rules: impl FnOnce(Aabb) -> Rules<R>) -> Build {
-        let mut phases = self.auxiliary.build(mesh);
-        let mut watch = Stopwatch::start();
-        let tree = &self.auxiliary.tree;
-        let recursion = CutRecursion { tree, rules: rules(self.auxiliary.order.primitives.bounds) };
-        let root = tree.root.map(|root| recursion.root(root));
-        let tree = top_down::build(&recursion, root, mesh, &self.pool);
-        watch.lap("cuts and nodes");
-        phases.extend(watch.phases);
-        Build::finish(tree, phases, self.counts(mesh), self.auxiliary.bytes() + self.pool.bytes())
-    }
-
-    /// Adds up what the tasks counted.
-    fn counts(&self, mesh: &Mesh) -> Counts {
-        let mut counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };
-        self.pool.for_each_scratch(|scratch| {
-            let of_task = std::mem::take(&mut scratch.counts);
-            counts.splits += of_task.splits;
-            counts.spatial_splits += of_task.spatial_splits;
-            counts.swept += of_task.swept;
-        });
-        counts
-    }
-}
-
-/// Memory and counts of one task.
+/// Memory and counts of a thread.
 #[derive(Default)]
 pub(super) struct Scratch {
     /// What was counted since it was last taken.
-    counts: Counts,
+    pub counts: Counts,
+    /// The nodes of all cuts in use.
+    arena: Vec<Node>,
     sweep: Sweep,
     spatial_sweep: SpatialSweep,
-    is_left: Vec<bool>,
     sides: [Vec<Node>; 2],
-    /// Memory of cuts no longer in use.
-    spare: Vec<Vec<Node>>,
 }
 
 impl<R: Refine> CutRecursion<'_, R> {
     /// The whole scene as a cut.
-    fn root(&self, root: Node) -> Cut {
+    pub fn root(&self) -> Option<OwnCut> {
+        let root = self.tree.root?;
         let nodes = Cut::initial(self.tree, root, self.rules.initial_threshold, self.rules.initial_len);
-        let count: u32 = nodes.iter().map(|node| node.count).sum();
-        let bounds = nodes.iter().map(Node::bounds).collect();
-        let capacity = (count as f32 * self.rules.max_references) as u32;
-        Cut { nodes, clip: SPACE, bounds, count, capacity, depth: 0, is_leaf: count <= QUARTET }
+        Some(Cut::whole(nodes, self.rules.max_references))
     }
 
-    /// Opens a cut of one node, whatever the threshold, until there is something to split.
-    fn open_single(&self, cut: &mut Cut) {
-        while let &[node] = &cut.nodes[..]
-            && !node.is_leaf()
-        {
-            cut.nodes.clear();
-            open(self.tree, &node, &cut.clip, |child| cut.nodes.push(child));
-        }
-        self.measure(cut);
-    }
-
-    /// Opens a cut down to its triangles.
-    fn open_fully(&self, cut: &mut Cut) {
-        let mut i = 0;
-        while i < cut.nodes.len() {
-            if cut.nodes[i].is_leaf() {
-                i += 1;
-            } else {
-                let node = cut.nodes.swap_remove(i);
-                open(self.tree, &node, &cut.clip, |child| cut.nodes.push(child));
+    /// Opens what must be before a cut can be split: a lone node, whatever the threshold; all nodes, near the
+    /// leaves or where the tree gets too deep.
+    fn open_for_split(&self, cut: &Cut, arena: &mut Vec<Node>) -> Cut {
+        let first = arena.len();
+        let near_leaves = cut.count <= self.rules.leaf_sweep;
+        if !cut.is_near_leaves && (near_leaves || cut.depth >= MAX_DEPTH) {
+            for place in cut.places() {
+                let node = arena[place];
+                self.order.each(self.tree, &node, &cut.clip, &mut |child| arena.push(child));
             }
+            let like = Cut { is_near_leaves: true, ..*cut };
+            return Cut::of_arena(arena, first, like);
         }
-        self.measure(cut);
-    }
-
-    fn measure(&self, cut: &mut Cut) {
-        cut.bounds = cut.nodes.iter().map(Node::bounds).collect();
-        cut.count = cut.nodes.iter().map(|node| node.count).sum();
-        cut.is_leaf = cut.count <= QUARTET;
+        let mut cut = *cut;
+        while cut.len == 1 {
+            let node = arena[cut.places().start];
+            if node.is_leaf() {
+                break;
+            }
+            let first = arena.len();
+            open(self.tree, &node, &cut.clip, |child| arena.push(child));
+            cut = Cut::of_arena(arena, first, cut);
+        }
+        cut
     }
 
     /// Whether a leaf costs no more than a node with the two sides as leaves, in the cost model of Table 1: a
     /// leaf costs its quartets, a node one.
     fn leaf_is_cheaper(&self, cut: &Cut, sides: [&[Node]; 2]) -> bool {
-        let leaf = |area: f32, count: u32| area * count.div_ceil(QUARTET) as f32;
+        if cut.count > self.rules.max_leaf {
+            return false;
+        }
+        let leaf = |bounds: Aabb, count: u32| bounds.half_area() * count.div_ceil(QUARTET) as f32;
         let side_cost = |side: &[Node]| {
-            let bounds: Aabb = side.iter().map(Node::bounds).collect();
-            leaf(bounds.half_area(), side.iter().map(|node| node.count).sum())
+            leaf(side.iter().map(Node::bounds).collect(), side.iter().map(|node| node.count).sum())
         };
         let area = cut.bounds.half_area();
-        cut.count <= self.rules.max_leaf
-            && leaf(area, cut.count) <= area + sides.map(side_cost).iter().sum::<f32>()
+        leaf(cut.bounds, cut.count) <= area + sides.map(side_cost).iter().sum::<f32>()
     }
 
     /// A spatial split, if the rules allow one that is cheaper than `object`.
-    fn spatial_split(&self, cut: &Cut, object: &ObjectSplit, scratch: &mut Scratch) -> Option<SpatialSplit> {
+    fn spatial_split(
+        &self,
+        cut: &Cut,
+        nodes: &[Node],
+        object: &ObjectSplit,
+        weight: Weight,
+        sweep: &mut SpatialSweep,
+    ) -> Option<SpatialSplit> {
         let area = cut.bounds.half_area();
         if area <= self.rules.spatial_above {
             return None;
         }
-        let split = scratch.spatial_sweep.best(&cut.nodes, cut.bounds);
-        let references: u64 = cut
-            .nodes
+        let split = sweep.best(nodes, cut.bounds, weight);
+        if !(split.cost < object.cost && split.cost < area * weight.of(nodes.len())) {
+            return None;
+        }
+        let references: u64 = nodes
             .iter()
             .map(|node| {
                 let sides =
@@ -167,8 +134,7 @@ impl<R: Refine> CutRecursion<'_, R> {
                 u64::from(node.count) * sides
             })
             .sum();
-        let gains = split.cost < object.cost && split.cost < area * cut.nodes.len() as f32;
-        (gains && references <= u64::from(cut.capacity)).then_some(split)
+        (references <= u64::from(cut.capacity)).then_some(split)
     }
 
     /// Refines one side of a split into a cut of its own.
@@ -178,74 +144,76 @@ impl<R: Refine> CutRecursion<'_, R> {
         clip: Aabb,
         references: u32,
         side: &mut Vec<Node>,
-        scratch: &mut Scratch,
+        arena: &mut Vec<Node>,
     ) -> Option<Cut> {
         let own: u32 = side.iter().map(|node| node.count).sum();
-        let mut nodes = scratch.spare.pop().unwrap_or_default();
         let depth = parent.depth + 1;
-        self.rules.refine.refine(self.tree, &clip, depth, side, &mut nodes);
         // Room for duplicates is handed down in proportion to what each side holds.
         let capacity = (f64::from(parent.capacity) * f64::from(own) / f64::from(references)) as u32;
-        let mut cut = Cut {
-            nodes,
-            clip,
-            bounds: Aabb::EMPTY,
-            count: 0,
-            capacity: capacity.max(own),
-            depth,
-            is_leaf: false,
-        };
-        self.measure(&mut cut);
-        if cut.nodes.is_empty() {
-            scratch.spare.push(cut.nodes);
-            return None;
+        let first = arena.len();
+        if parent.is_near_leaves {
+            arena.append(side);
+        } else {
+            self.rules.refine.refine(self.tree, &clip, depth, side, arena);
         }
-        Some(cut)
+        let like = Cut { clip, capacity: capacity.max(own), depth, ..*parent };
+        let cut = Cut::of_arena(arena, first, like);
+        (cut.len > 0).then_some(cut)
     }
 }
 
 impl<R: Refine> TopDown for CutRecursion<'_, R> {
+    type Seed = OwnCut;
     type Part = Cut;
     type Scratch = Scratch;
 
-    fn count(&self, cut: &Cut) -> u32 {
-        cut.count
+    fn plant(&self, seed: OwnCut, scratch: &mut Scratch) -> Cut {
+        seed.plant(&mut scratch.arena)
     }
 
-    fn is_leaf(&self, cut: &Cut) -> bool {
-        cut.is_leaf
+    fn lift(&self, cut: &Cut, scratch: &Scratch) -> OwnCut {
+        cut.lift(&scratch.arena)
+    }
+
+    fn count(&self, cut: &Cut) -> u32 {
+        cut.count
     }
 
     fn half_area(&self, cut: &Cut) -> f32 {
         cut.bounds.half_area()
     }
 
-    fn split(&self, mut cut: Cut, scratch: &mut Scratch) -> [Option<Cut>; 2] {
-        if cut.nodes.len() == 1 {
-            self.open_single(&mut cut);
-        } else if cut.depth >= MAX_DEPTH {
-            self.open_fully(&mut cut);
-        }
-        if cut.nodes.is_empty() {
+    fn kind(&self, cut: &Cut) -> Kind {
+        cut.kind
+    }
+
+    fn split(&self, part: &Cut, scratch: &mut Scratch) -> [Option<Cut>; 2] {
+        let Scratch { counts, arena, sweep, spatial_sweep, sides: [left, right] } = scratch;
+        let cut = self.open_for_split(part, arena);
+        if cut.len == 0 {
             return [None, None];
         }
-        if cut.is_leaf {
+        if cut.kind == Kind::Leaf {
             return [Some(cut), None];
         }
-        scratch.counts.splits += 1;
-        scratch.counts.swept += cut.nodes.len() as u64;
+        counts.splits += 1;
+        counts.swept += cut.len as u64;
+        let nodes = &arena[cut.places()];
+        let weight = if cut.is_near_leaves { Weight::Quartets } else { Weight::Nodes };
 
         // Find: the cheapest object split, and a spatial one where it is cheaper still.
         let halve = cut.depth >= MAX_DEPTH;
-        let object = if halve { ObjectSplit::NONE } else { scratch.sweep.best(&cut.nodes, cut.bounds) };
-        let spatial = if halve { None } else { self.spatial_split(&cut, &object, scratch) };
+        let object = if halve { ObjectSplit::NONE } else { sweep.best(nodes, cut.bounds, weight) };
+        let spatial =
+            if halve { None } else { self.spatial_split(&cut, nodes, &object, weight, spatial_sweep) };
 
         // Reorder: the nodes to the left and to the right, clipped by the plane of a spatial split.
-        let [mut left, mut right] = std::mem::take(&mut scratch.sides);
+        left.clear();
+        right.clear();
         let mut clips = [cut.clip; 2];
         if let Some(split) = spatial {
-            scratch.counts.spatial_splits += 1;
-            for node in &cut.nodes {
+            counts.spatial_splits += 1;
+            for node in nodes {
                 let bounds = node.bounds();
                 if split.on_left(bounds) {
                     left.push(node.with_bounds(split.left_of(bounds)));
@@ -256,46 +224,49 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
             }
             clips = [split.left_of(cut.clip), split.right_of(cut.clip)];
         } else if object.left > 0 {
-            scratch.sweep.mark_left(&object, &mut scratch.is_left);
-            for (node, &is_left) in cut.nodes.iter().zip(&scratch.is_left) {
-                if is_left { left.push(*node) } else { right.push(*node) }
+            let is_left = object.members(nodes);
+            for (i, node) in nodes.iter().enumerate() {
+                if is_left(i, node) { left.push(*node) } else { right.push(*node) }
             }
         } else {
             // Nothing is gained by any split: halve in the order of the Morton codes.
-            let (a, b) = cut.nodes.split_at(cut.nodes.len() / 2);
+            let (a, b) = nodes.split_at(nodes.len() / 2);
             left.extend_from_slice(a);
             right.extend_from_slice(b);
         }
 
-        if self.leaf_is_cheaper(&cut, [&left, &right]) {
-            left.clear();
-            right.clear();
-            scratch.sides = [left, right];
-            cut.is_leaf = true;
-            return [Some(cut), None];
+        if part.kind != Kind::SoftLeaf && self.leaf_is_cheaper(&cut, [left, right]) {
+            return [Some(Cut { kind: Kind::SoftLeaf, ..cut }), None];
         }
 
         // Refine.
-        let references = left.iter().chain(&right).map(|node| node.count).sum();
-        let sides = [
-            self.side(&cut, clips[0], references, &mut left, scratch),
-            self.side(&cut, clips[1], references, &mut right, scratch),
-        ];
-        left.clear();
-        right.clear();
-        scratch.sides = [left, right];
-        cut.nodes.clear();
-        scratch.spare.push(cut.nodes);
-        sides
+        let references = left.iter().chain(right.iter()).map(|node| node.count).sum();
+        [
+            self.side(&cut, clips[0], references, left, arena),
+            self.side(&cut, clips[1], references, right, arena),
+        ]
     }
 
-    fn leaf(&self, mut cut: Cut, ids: &mut Vec<u32>, scratch: &mut Scratch) -> Aabb {
+    fn leaf(&self, cut: &Cut, prims: &mut Vec<u32>, scratch: &mut Scratch) -> Aabb {
         let mut bounds = Aabb::EMPTY;
-        for node in &cut.nodes {
-            gather(self.tree, node, &cut.clip, ids, &mut bounds);
+        for node in &scratch.arena[cut.places()] {
+            self.order.each(self.tree, node, &cut.clip, &mut |reference| {
+                bounds = bounds.union(reference.bounds());
+                let prim = self.order.prim(reference.run().start);
+                // Parts of one triangle may meet in a leaf.
+                if self.order.references.fragments.is_empty() || !prims.contains(&prim) {
+                    prims.push(prim);
+                }
+            });
         }
-        cut.nodes.clear();
-        scratch.spare.push(cut.nodes);
         bounds
+    }
+
+    fn mark(&self, scratch: &Scratch) -> usize {
+        scratch.arena.len()
+    }
+
+    fn release(&self, scratch: &mut Scratch, mark: usize) {
+        scratch.arena.truncate(mark);
     }
 }

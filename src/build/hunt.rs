@@ -3,8 +3,10 @@
 
 use super::binary::{BinaryTree, Node};
 use super::cut::open;
-use super::cut_recursion::{Hierarchy, Refine, Rules};
+use super::cut_recursion::{Refine, Rules};
+use super::hierarchy::Hierarchy;
 use super::{Build, Builder};
+use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};
 
 /// Parameters of Hunt's method.
@@ -21,6 +23,7 @@ struct ConstantLength(usize);
 
 impl Refine for ConstantLength {
     fn refine(&self, tree: &BinaryTree, clip: &Aabb, _: u32, side: &mut Vec<Node>, refined: &mut Vec<Node>) {
+        let mut opened_once = Vec::new();
         // Opening a node makes a cut one longer; several rounds are needed after an uneven split.
         while side.len() < self.0 {
             let mut areas: Vec<(f32, usize)> = side
@@ -37,9 +40,13 @@ impl Refine for ConstantLength {
             let mut opened = vec![false; side.len()];
             areas[..wanted].iter().for_each(|&(_, i)| opened[i] = true);
             for (node, opened) in side.drain(..).zip(opened) {
-                if opened { open(tree, &node, clip, |child| refined.push(child)) } else { refined.push(node) }
+                if opened {
+                    open(tree, &node, clip, |child| opened_once.push(child));
+                } else {
+                    opened_once.push(node);
+                }
             }
-            std::mem::swap(side, refined);
+            std::mem::swap(side, &mut opened_once);
         }
         refined.append(side);
     }
@@ -70,13 +77,18 @@ impl Builder for Hunt {
 
     fn build(&mut self, mesh: &Mesh) -> Build {
         let HuntConfig { cut_length, max_leaf } = self.config;
-        self.hierarchy.build(mesh, |_| Rules {
+        self.hierarchy.build(mesh, 1, |_| Rules {
             refine: ConstantLength(cut_length),
             initial_threshold: 0.0,
             initial_len: cut_length,
             spatial_above: f32::INFINITY,
             max_references: 1.0,
             max_leaf,
+            leaf_sweep: 0,
         })
+    }
+
+    fn recycle(&mut self, tree: Bvh4) {
+        self.hierarchy.recycle(tree);
     }
 }

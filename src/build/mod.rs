@@ -5,16 +5,21 @@ mod binary;
 mod collapse;
 mod cut;
 mod cut_recursion;
+mod hierarchy;
 mod hunt;
+mod in_order;
 mod lbvh;
 mod morton;
 mod morton_order;
 mod object_split;
 mod pages;
 mod phr;
-mod primitives;
+mod piece;
+mod prefetch;
 mod radix_sort;
+mod references;
 mod spatial_split;
+mod split_cost;
 mod top_down;
 
 pub use aac::{Aac, AacConfig};
@@ -73,6 +78,10 @@ pub trait Builder: Send {
 
     /// Builds the tree over all triangles of `mesh`. Temporary memory is kept for the next call.
     fn build(&mut self, mesh: &Mesh) -> Build;
+
+    /// Gives back a tree that is no longer needed, so that the next one is built in its memory: fresh memory
+    /// costs as much as a good part of a build.
+    fn recycle(&mut self, tree: Bvh4);
 }
 
 impl Build {
@@ -117,6 +126,11 @@ pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
         "hunt-500" => Box::new(Hunt::new("hunt-500", HuntConfig { cut_length: 500, max_leaf: 8 })),
         "aac" => Box::new(Aac::new(AacConfig::FAST)),
         "phr-fast" => Box::new(Phr::new("phr-fast", PhrConfig::FAST)),
+        n if n.starts_with("x:") => {
+            // x:alpha:delta:max_leaf:leaf_sweep:spatial:auxleaf
+            let f: Vec<f32> = n[2..].split(':').map(|x| x.parse().unwrap()).collect();
+            Box::new(Phr::new("x", PhrConfig { alpha: f[0], delta: f[1], max_leaf: f[2] as u32, leaf_sweep: f[3] as u32, spatial_threshold: f[4], auxiliary_leaf: f[5] as u32, ..PhrConfig::FAST }))
+        }
         "phr-hq" => Box::new(Phr::new("phr-hq", PhrConfig::HQ)),
         _ => return None,
     })

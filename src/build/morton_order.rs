@@ -1,50 +1,54 @@
-//! Triangles in the order of their Morton codes, and how a run of them parts in two (paper 4.7).
+//! References in the order of their Morton codes, and how a run of them parts in two (paper 4.7).
 
 use super::morton::Quantizer;
-use super::primitives::{GRAIN, Primitives};
+use super::references::{Extent, GRAIN, References};
 use super::{Stopwatch, pages, radix_sort};
-use crate::geometry::{Aabb, Mesh};
+use crate::geometry::Aabb;
 use rayon::prelude::*;
 
-/// Beyond this depth runs are halved by count, so that no input makes a tree deeper than this plus 28 levels.
-const MAX_CODED_DEPTH: u32 = 44;
+/// Splits of a run by further bits than codes have, before it is halved by count: with the bits of a code they
+/// bound the depth of any tree by 44 and another 28 levels.
+const MIDDLE_DEPTH: u32 = 12;
 
-/// Boxes and sorted codes of a mesh; memory is reused from build to build.
+/// Sorted codes; memory is reused from build to build.
 #[derive(Default)]
 pub(super) struct MortonOrder {
-    /// Boxes of the triangles, by triangle id.
-    pub primitives: Primitives,
     /// [`Key`]s, sorted.
     pub keys: Vec<Key>,
+    /// What bounds the triangles.
+    pub extent: Option<Extent>,
     scratch: Vec<Key>,
 }
 
-/// (code << 32 | triangle).
+/// (code << 32 | reference).
 pub(super) type Key = u64;
 
-/// The triangle of a key.
+/// The reference of a key.
 #[inline]
-pub(super) fn prim(key: Key) -> u32 {
+pub(super) fn reference(key: Key) -> u32 {
     key as u32
 }
 
+/// The code of a key.
 #[inline]
-fn code(key: Key) -> u32 {
+pub(super) fn code(key: Key) -> u32 {
     (key >> 32) as u32
 }
 
 impl MortonOrder {
-    /// Computes the boxes and sorts the triangles of `mesh`.
-    pub fn sort(&mut self, mesh: &Mesh, watch: &mut Stopwatch) {
-        self.primitives.collect(mesh);
-        watch.lap("boxes");
-        let quantizer = Quantizer::new(self.primitives.centers);
-        let boxes = &self.primitives.boxes;
-        pages::resize(&mut self.keys, boxes.len(), 0);
-        pages::resize(&mut self.scratch, boxes.len(), 0);
+    /// Sorts the triangles of a mesh.
+    pub fn sort(&mut self, references: &References<'_>, watch: &mut Stopwatch) {
+        let extent = Extent::of(references.mesh);
+        self.extent = Some(extent);
+        watch.lap("bounds");
+        let quantizer = Quantizer::new(extent.centers);
+        let n = references.mesh.len();
+        pages::resize(&mut self.keys, n, 0);
+        pages::resize(&mut self.scratch, n, 0);
         self.keys.par_chunks_mut(GRAIN).enumerate().for_each(|(chunk, keys)| {
             for (prim, key) in (chunk * GRAIN..).zip(keys) {
-                *key = u64::from(quantizer.code(boxes[prim].center2())) << 32 | prim as u64;
+                let center = references.bounds(prim as u32).center2();
+                *key = u64::from(quantizer.code(center)) << 32 | prim as u64;
             }
         });
         watch.lap("codes");
@@ -52,41 +56,50 @@ impl MortonOrder {
         watch.lap("sort");
     }
 
+    /// Box of the scene.
+    pub fn bounds(&self) -> Aabb {
+        self.extent.map_or(Aabb::EMPTY, |extent| extent.bounds)
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.primitives.boxes.capacity() * size_of::<Aabb>()
-            + (self.keys.capacity() + self.scratch.capacity()) * size_of::<Key>()
+        (self.keys.capacity() + self.scratch.capacity()) * size_of::<Key>()
     }
 }
 
-/// Where a run of two or more sorted keys, `depth` splits below the whole, parts in two: where the highest bit
-/// changes in which their codes differ. A run of one code is reordered to part at the middle of its own
-/// centroids' bounds, which is what further bits would say.
-pub(super) fn part(keys: &mut [Key], boxes: &[Aabb], depth: u32) -> usize {
+/// Where a run of two or more sorted keys parts in two: where the highest bit changes in which their codes
+/// differ. A run of one code is reordered to part at the middle of its own centroids' bounds, which is what
+/// further bits would say; `depth` counts such splits.
+pub(super) fn part(keys: &mut [Key], references: &References<'_>, depth: &mut u32) -> usize {
     let (first, last) = (code(keys[0]), code(keys[keys.len() - 1]));
-    if keys.len() == 2 || depth >= MAX_CODED_DEPTH {
-        keys.len() / 2
-    } else if first == last {
-        part_by_middle(keys, boxes)
-    } else {
+    if first != last {
         let bit = 1 << (31 - (first ^ last).leading_zeros());
-        keys.partition_point(|&key| code(key) & bit == 0)
+        return keys.partition_point(|&key| code(key) & bit == 0);
     }
+    *depth += 1;
+    if keys.len() == 2 || *depth > MIDDLE_DEPTH {
+        return keys.len() / 2;
+    }
+    part_by_middle(keys, |key| references.bounds(reference(*key)))
 }
 
-/// Moves to the front the keys whose centroid lies before the middle of the longest edge of the centroids'
+/// As [`part`], of references of one code that stand beside their boxes.
+pub(super) fn part_boxed(run: &mut [(Key, Aabb)], depth: u32) -> usize {
+    if run.len() == 2 || depth > MIDDLE_DEPTH { run.len() / 2 } else { part_by_middle(run, |(_, b)| *b) }
+}
+
+/// Moves to the front the items whose centroid lies before the middle of the longest edge of the centroids'
 /// bounds. Returns their number; half of all where they do not lie apart.
-fn part_by_middle(keys: &mut [Key], boxes: &[Aabb]) -> usize {
-    let center = |key: Key| boxes[prim(key) as usize].center2();
-    let bounds = keys.iter().fold(Aabb::EMPTY, |bounds, &key| bounds.grow(center(key)));
-    let axis = bounds.extent().max_position();
-    let middle = bounds.center()[axis];
+fn part_by_middle<T>(items: &mut [T], bounds: impl Fn(&T) -> Aabb) -> usize {
+    let all = items.iter().fold(Aabb::EMPTY, |all, item| all.grow(bounds(item).center2()));
+    let axis = all.extent().max_position();
+    let middle = all.center()[axis];
     let mut split = 0;
-    for i in 0..keys.len() {
-        if center(keys[i])[axis] < middle {
-            keys.swap(i, split);
+    for i in 0..items.len() {
+        if bounds(&items[i]).center2()[axis] < middle {
+            items.swap(i, split);
             split += 1;
         }
     }
-    if (1..keys.len()).contains(&split) { split } else { keys.len() / 2 }
+    if (1..items.len()).contains(&split) { split } else { items.len() / 2 }
 }

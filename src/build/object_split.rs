@@ -1,6 +1,7 @@
 //! The full-sweep SAH object split of a cut (paper 4.2, equation 1).
 
 use super::binary::Node;
+use super::split_cost::Weight;
 use crate::geometry::Aabb;
 
 /// The best object split of a cut.
@@ -12,40 +13,55 @@ pub(super) struct ObjectSplit {
     pub axis: usize,
     /// Nodes on the left.
     pub left: usize,
+    /// Position in the cut of the last node on the left.
+    pub last: usize,
 }
 
 impl ObjectSplit {
     /// No split.
-    pub const NONE: Self = Self { cost: f32::INFINITY, axis: 0, left: 0 };
+    pub const NONE: Self = Self { cost: f32::INFINITY, axis: 0, left: 0, last: 0 };
+
+    /// Tells of every node of the cut, given with its position, whether it is on the left.
+    pub fn members(&self, nodes: &[Node]) -> impl Fn(usize, &Node) -> bool + use<> {
+        let (axis, last) = (self.axis, self.last);
+        let border = center(&nodes[last], axis);
+        move |i, node| {
+            let own = center(node, axis);
+            own < border || (own == border && i <= last)
+        }
+    }
 }
 
-/// A split must cost less than this part of no split (`S n`) to count as a gain: among boxes all alike every
-/// split costs `S n` but for rounding, and the first of them would peel off one node at a time.
-pub(super) const GAIN: f32 = 1.0 - 1.0 / (1 << 20) as f32;
+/// Twice the centroid's coordinate along an axis.
+#[inline]
+fn center(node: &Node, axis: usize) -> f32 {
+    let [min, max] = node.corners();
+    min[axis] + max[axis]
+}
 
-/// Memory for sweeps; after [`Sweep::best`] it holds the order of the nodes along each axis.
+/// Memory for sweeps.
 #[derive(Default)]
 pub(super) struct Sweep {
-    /// Sort keys along each axis: (centroid << 32 | position in the cut).
-    orders: [Vec<u64>; 3],
+    /// Sort keys: (centroid << 32 | position in the cut).
+    order: Vec<u64>,
     right_areas: Vec<f32>,
 }
 
 impl Sweep {
     /// The split of `nodes` (two or more, with union `bounds`) of least cost; of equal ones the first by axis,
-    /// then by position.
-    pub fn best(&mut self, nodes: &[Node], bounds: Aabb) -> ObjectSplit {
+    /// then by position. Nodes are ordered along an axis by centroid, then by position in the cut.
+    pub fn best(&mut self, nodes: &[Node], bounds: Aabb, weight: Weight) -> ObjectSplit {
         let n = nodes.len();
-        let limit = bounds.half_area() * n as f32 * GAIN;
+        let limit = weight.limit(bounds.half_area(), n);
         let mut best = ObjectSplit { cost: limit, ..ObjectSplit::NONE };
         for axis in 0..3 {
-            let order = &mut self.orders[axis];
+            let order = &mut self.order;
             order.clear();
             order.extend(
                 nodes
                     .iter()
                     .enumerate()
-                    .map(|(i, node)| u64::from(sortable(node.bounds().center2()[axis])) << 32 | i as u64),
+                    .map(|(i, node)| u64::from(sortable(center(node, axis))) << 32 | i as u64),
             );
             order.sort_unstable();
             let node_at = |i: usize| nodes[order[i] as u32 as usize].bounds();
@@ -58,21 +74,13 @@ impl Sweep {
             let mut left = Aabb::EMPTY;
             for i in 1..n {
                 left = left.union(node_at(i - 1));
-                let cost = left.half_area() * i as f32 + self.right_areas[i] * (n - i) as f32;
+                let cost = left.half_area() * weight.of(i) + self.right_areas[i] * weight.of(n - i);
                 if cost < best.cost {
-                    best = ObjectSplit { cost, axis, left: i };
+                    best = ObjectSplit { cost, axis, left: i, last: order[i - 1] as u32 as usize };
                 }
             }
         }
         if best.left == 0 { ObjectSplit::NONE } else { best }
-    }
-
-    /// Marks the positions in the cut of the nodes on the left of `split`.
-    pub fn mark_left(&self, split: &ObjectSplit, is_left: &mut Vec<bool>) {
-        let order = &self.orders[split.axis];
-        is_left.clear();
-        is_left.resize(order.len(), false);
-        order[..split.left].iter().for_each(|&key| is_left[key as u32 as usize] = true);
     }
 }
 
@@ -91,7 +99,7 @@ mod tests {
     fn cubes(places: &[[f32; 3]]) -> (Vec<Node>, Aabb) {
         let nodes: Vec<Node> = places
             .iter()
-            .map(|&p| Node::leaf(Aabb::new(Vec3A::from_array(p), Vec3A::from_array(p) + 1.0), 0))
+            .map(|&p| Node::leaf(Aabb::new(Vec3A::from_array(p), Vec3A::from_array(p) + 1.0), 0, 1))
             .collect();
         let bounds = nodes.iter().map(Node::bounds).collect();
         (nodes, bounds)
@@ -101,19 +109,19 @@ mod tests {
     fn two_clusters_are_parted_along_their_axis() {
         let (nodes, bounds) = cubes(&[[0., 9., 0.], [0., 0., 0.], [0., 10., 0.], [0., 1., 0.], [0., 2., 0.]]);
         let mut sweep = Sweep::default();
-        let split = sweep.best(&nodes, bounds);
+        let split = sweep.best(&nodes, bounds, Weight::Nodes);
         // Left: three cubes in a row, half area 3 + 3 + 1 = 7; right: two, half area 2 + 2 + 1 = 5.
-        assert_eq!(split, ObjectSplit { cost: 7.0 * 3.0 + 5.0 * 2.0, axis: 1, left: 3 });
-        let mut is_left = Vec::new();
-        sweep.mark_left(&split, &mut is_left);
-        assert_eq!(is_left, [false, true, false, true, true]);
+        assert_eq!(split, ObjectSplit { cost: 7.0 * 3.0 + 5.0 * 2.0, axis: 1, left: 3, last: 4 });
+        let is_left = split.members(&nodes);
+        let left: Vec<bool> = nodes.iter().enumerate().map(|(i, node)| is_left(i, node)).collect();
+        assert_eq!(left, [false, true, false, true, true]);
     }
 
     #[test]
     fn boxes_all_alike_gain_nothing() {
         for n in [2, 3, 1000] {
             let (nodes, bounds) = cubes(&vec![[0.3, 0.7, 0.1]; n]);
-            assert_eq!(Sweep::default().best(&nodes, bounds), ObjectSplit::NONE);
+            assert_eq!(Sweep::default().best(&nodes, bounds, Weight::Nodes), ObjectSplit::NONE);
         }
     }
 

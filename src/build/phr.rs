@@ -2,8 +2,10 @@
 
 use super::binary::{BinaryTree, Node};
 use super::cut::open;
-use super::cut_recursion::{Hierarchy, Refine, Rules};
+use super::cut_recursion::{Refine, Rules};
+use super::hierarchy::Hierarchy;
 use super::{Build, Builder};
+use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};
 
 /// Parameters of PHR.
@@ -22,6 +24,11 @@ pub struct PhrConfig {
     /// Most triangles of a leaf. Up to four always are one; more where the cost model has a leaf of several
     /// quartets cheaper than a node (the paper leaves leaves open).
     pub max_leaf: u32,
+    /// References that a leaf of the auxiliary BVH holds at most: 1 in the paper, up to 4.
+    pub auxiliary_leaf: u32,
+    /// Cuts of at most so many references are opened down to them, and their splits count the quartets that
+    /// leaves cost: 0 in the paper.
+    pub leaf_sweep: u32,
 }
 
 impl PhrConfig {
@@ -33,6 +40,8 @@ impl PhrConfig {
         spatial_threshold: 1e-3,
         max_references: 2.0,
         max_leaf: 8,
+        auxiliary_leaf: 1,
+        leaf_sweep: 0,
     };
     /// PHR-HQ (paper 4.3).
     pub const HQ: Self = Self { alpha: 0.55, delta: 9.0, ..Self::FAST };
@@ -70,7 +79,10 @@ impl Refine for Threshold {
             if node.is_leaf() || node.bounds().half_area() <= threshold {
                 refined.push(node);
             } else {
-                open(tree, &node, clip, |child| refined.push(child));
+                open(tree, &node, clip, |child| {
+                    tree.prefetch(&child);
+                    refined.push(child);
+                });
             }
         }
     }
@@ -100,8 +112,8 @@ impl Builder for Phr {
     }
 
     fn build(&mut self, mesh: &Mesh) -> Build {
-        let PhrConfig { max_cut, spatial_threshold, max_references, max_leaf, .. } = self.config;
-        self.hierarchy.build(mesh, |scene| {
+        let PhrConfig { max_cut, spatial_threshold, max_references, max_leaf, leaf_sweep, .. } = self.config;
+        self.hierarchy.build(mesh, self.config.auxiliary_leaf, |scene| {
             let refine = Threshold::new(scene, &self.config);
             Rules {
                 initial_threshold: refine.at(0),
@@ -110,7 +122,12 @@ impl Builder for Phr {
                 spatial_above: scene.half_area() * spatial_threshold,
                 max_references,
                 max_leaf,
+                leaf_sweep,
             }
         })
+    }
+
+    fn recycle(&mut self, tree: Bvh4) {
+        self.hierarchy.recycle(tree);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::binary::Node;
 use super::object_split::sortable;
+use super::split_cost::Weight;
 use crate::geometry::Aabb;
 
 /// The best spatial split of a cut.
@@ -61,14 +62,14 @@ pub(super) struct SpatialSweep {
 impl SpatialSweep {
     /// The spatial split of `nodes`, whose union is `bounds`, of least cost; of equal ones the first by axis,
     /// then by plane.
-    pub fn best(&mut self, nodes: &[Node], bounds: Aabb) -> SpatialSplit {
+    pub fn best(&mut self, nodes: &[Node], bounds: Aabb, weight: Weight) -> SpatialSplit {
         (0..3).fold(SpatialSplit::NONE, |best, axis| {
-            let candidate = self.best_along(axis, nodes, bounds);
+            let candidate = self.best_along(axis, nodes, bounds, weight);
             if candidate.cost < best.cost { candidate } else { best }
         })
     }
 
-    fn best_along(&mut self, axis: usize, nodes: &[Node], bounds: Aabb) -> SpatialSplit {
+    fn best_along(&mut self, axis: usize, nodes: &[Node], bounds: Aabb, weight: Weight) -> SpatialSplit {
         let n = nodes.len();
         self.by_lower.clear();
         self.by_upper.clear();
@@ -117,8 +118,8 @@ impl SpatialSweep {
                 continue;
             }
             let split = SpatialSplit { cost: 0.0, axis, plane };
-            let cost = split.left_of(left).half_area() * on_left as f32
-                + split.right_of(self.right[ended]).half_area() * on_right as f32;
+            let cost = split.left_of(left).half_area() * weight.of(on_left)
+                + split.right_of(self.right[ended]).half_area() * weight.of(on_right);
             if cost < best.cost {
                 best = SpatialSplit { cost, ..split };
             }
@@ -135,7 +136,7 @@ mod tests {
     fn nodes(boxes: &[[f32; 2]]) -> (Vec<Node>, Aabb) {
         let nodes: Vec<Node> = boxes
             .iter()
-            .map(|&[lo, hi]| Node::leaf(Aabb::new(Vec3A::new(lo, 0., 0.), Vec3A::new(hi, 1., 1.)), 0))
+            .map(|&[lo, hi]| Node::leaf(Aabb::new(Vec3A::new(lo, 0., 0.), Vec3A::new(hi, 1., 1.)), 0, 1))
             .collect();
         let bounds = nodes.iter().map(Node::bounds).collect();
         (nodes, bounds)
@@ -193,7 +194,7 @@ mod tests {
     #[test]
     fn the_sweep_finds_what_the_definition_says() {
         let (long, bounds) = nodes(&[[0., 10.], [0., 1.], [9., 10.], [5., 5.], [0., 4.]]);
-        let best = SpatialSweep::default().best(&long, bounds);
+        let best = SpatialSweep::default().best(&long, bounds, Weight::Nodes);
         assert_eq!(best.cost, by_definition(&long, bounds));
         let mut state = 1u32;
         let mut random = || {
@@ -207,17 +208,17 @@ mod tests {
                         (Vec3A::new(random(), random(), random()), Vec3A::new(random(), random(), random()));
                     // Every third box is a wall.
                     let flat = if n % 3 == 0 { Vec3A::new(0.0, 1.0, 1.0) } else { Vec3A::ONE };
-                    Node::leaf(Aabb::new(a.min(b), a.min(b) + (a.max(b) - a.min(b)) * flat), 0)
+                    Node::leaf(Aabb::new(a.min(b), a.min(b) + (a.max(b) - a.min(b)) * flat), 0, 1)
                 })
                 .collect();
             let bounds = nodes.iter().map(Node::bounds).collect();
-            assert_eq!(SpatialSweep::default().best(&nodes, bounds).cost, by_definition(&nodes, bounds));
+            assert_eq!(SpatialSweep::default().best(&nodes, bounds, Weight::Nodes).cost, by_definition(&nodes, bounds));
         }
     }
 
     #[test]
     fn one_box_has_no_plane() {
         let (nodes, bounds) = nodes(&[[0., 1.]]);
-        assert_eq!(SpatialSweep::default().best(&nodes, bounds), SpatialSplit::NONE);
+        assert_eq!(SpatialSweep::default().best(&nodes, bounds, Weight::Nodes), SpatialSplit::NONE);
     }
 }

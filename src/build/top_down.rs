@@ -1,320 +1,297 @@
 //! The recursion every top-down builder shares: wide nodes formed by splitting the largest child first
-//! (paper 4.5), subtrees built in parallel (4.6), and their assembly into one tree.
+//! (paper 4.5), with subtrees built in parallel (4.6).
 //!
-//! Where the paper shares a queue of unbuilt subtrees among threads, rayon's deques do it here; each task
-//! emits into memory of its own, and the pieces are put together in depth-first order, so that the tree is the
-//! same at any number of threads.
+//! Where the paper shares a queue of unbuilt subtrees among threads, here the upper part is split by rayon's
+//! tasks down to pieces that fit a cache, and the pieces are then built and written in order
+//! ([`super::in_order`]), so that the tree is the same at any number of threads.
 
-#![allow(unsafe_code)]
-
+use super::in_order::{self, Spare};
 use super::pages;
-use super::primitives::GRAIN;
-use crate::bvh::{Bvh4, Link, MAX_LEAF_BLOCKS, TriangleBlock, WideNode};
-use crate::geometry::{Aabb, Mesh};
+use super::piece::Piece;
+use super::references::References;
+use crate::bvh::{Bvh4, Link, WideNode};
+use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 use rayon::prelude::*;
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 
 /// Children of a wide node.
-const WIDTH: usize = 4;
+pub(super) const WIDTH: usize = 4;
 /// Triangles of a leaf block: up to so many are always a leaf.
 pub(super) const QUARTET: u32 = 4;
 
+/// What becomes of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A node: it is split.
+    Inner,
+    /// A leaf of several quartets, because a node would cost more; where a parent has room for more children
+    /// it is split nevertheless, as that costs no node.
+    SoftLeaf,
+    /// A leaf.
+    Leaf,
+}
+
 /// What a concrete builder supplies.
 pub(super) trait TopDown: Sync {
-    /// An unbuilt subtree.
-    type Part: Send;
-    /// Memory and counts of one task.
+    /// An unbuilt subtree on its way between threads.
+    type Seed: Send;
+    /// An unbuilt subtree within a thread's memory.
+    type Part: Clone;
+    /// Memory and counts of a thread.
     type Scratch: Default + Send;
 
-    /// Triangle references below the part, an upper bound where it is clipped.
+    /// Brings a subtree into a thread's memory.
+    fn plant(&self, seed: Self::Seed, scratch: &mut Self::Scratch) -> Self::Part;
+
+    /// Takes a subtree out of a thread's memory.
+    fn lift(&self, part: &Self::Part, scratch: &Self::Scratch) -> Self::Seed;
+
+    /// References below the part, an upper bound where it is clipped.
     fn count(&self, part: &Self::Part) -> u32;
 
     /// Half the surface area of the part's box.
     fn half_area(&self, part: &Self::Part) -> f32;
 
-    /// Whether the part is to become a leaf; it is then of at most 4 * [`MAX_LEAF_BLOCKS`] references.
-    fn is_leaf(&self, part: &Self::Part) -> bool;
+    /// Whether the part is to become a leaf; it is then of at most 4 * [`crate::bvh::MAX_LEAF_BLOCKS`] references.
+    fn kind(&self, part: &Self::Part) -> Kind;
 
-    /// Divides a part that is no leaf in two, either of which may turn out to be empty; or finds that it should
-    /// be a leaf, and gives it back as one.
-    fn split(&self, part: Self::Part, scratch: &mut Self::Scratch) -> [Option<Self::Part>; 2];
+    /// Divides a part that is no [`Kind::Leaf`] in two, either of which may turn out to be empty. If it is
+    /// [`Kind::Inner`], it may be found that it should be a leaf; it is then given back as one.
+    fn split(&self, part: &Self::Part, scratch: &mut Self::Scratch) -> [Option<Self::Part>; 2];
 
     /// Appends the triangles of a leaf; returns their box, clipped like the part.
-    fn leaf(&self, part: Self::Part, ids: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb;
+    fn leaf(&self, part: &Self::Part, prims: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb;
+
+    /// How much of the scratch memory is in use.
+    fn mark(&self, scratch: &Self::Scratch) -> usize;
+
+    /// Frees scratch memory taken since `mark`.
+    fn release(&self, scratch: &mut Self::Scratch, mark: usize);
 }
 
-/// Memory of tasks, kept from build to build.
-pub(super) struct Pool<S> {
-    workers: Mutex<Vec<Worker<S>>>,
-    pieces: Mutex<Vec<Piece>>,
+/// Memory of tasks and of trees no longer used, kept from build to build.
+pub(super) struct Memory<S> {
+    workers: Spare<Worker<S>>,
+    pieces: Spare<Piece>,
+    tree: Option<Bvh4>,
 }
 
-impl<S> Default for Pool<S> {
+impl<S> Default for Memory<S> {
     fn default() -> Self {
-        Self { workers: Mutex::default(), pieces: Mutex::default() }
+        Self { workers: Spare::default(), pieces: Spare::default(), tree: None }
     }
 }
 
-impl<S: Default> Pool<S> {
-    /// Calls `f` on each worker's scratch memory: to gather counts.
-    pub fn for_each_scratch(&self, f: impl FnMut(&mut S)) {
-        self.workers.lock().expect("no task panics").iter_mut().map(|worker| &mut worker.scratch).for_each(f);
+impl<S: Default> Memory<S> {
+    /// Calls `f` on each thread's scratch memory: to gather counts.
+    pub fn for_each_scratch(&self, mut f: impl FnMut(&mut S)) {
+        self.workers.for_each(|worker| f(&mut worker.scratch));
     }
 
-    /// Bytes held by the pieces of the last tree.
+    /// Takes a tree whose memory the next one may use.
+    pub fn recycle(&mut self, tree: Bvh4) {
+        self.tree = Some(tree);
+    }
+
+    /// Bytes held by pieces.
     pub fn bytes(&self) -> usize {
-        self.pieces.lock().expect("no task panics").iter().map(Piece::bytes).sum()
-    }
-
-    fn worker(&self) -> Worker<S> {
-        self.workers.lock().expect("no task panics").pop().unwrap_or_default()
-    }
-
-    fn put_back(&self, worker: Worker<S>) {
-        self.workers.lock().expect("no task panics").push(worker);
+        let mut bytes = 0;
+        self.pieces.for_each(|piece| bytes += piece.bytes());
+        bytes
     }
 }
 
 #[derive(Default)]
 struct Worker<S> {
     scratch: S,
-    ids: Vec<u32>,
+    prims: Vec<u32>,
 }
 
-/// A serially built part of the tree; links are relative to its own arrays.
-#[derive(Default)]
-struct Piece {
-    nodes: Vec<WideNode<WIDTH>>,
-    blocks: Vec<TriangleBlock>,
+/// An upper part of the tree over pieces yet to be built.
+enum Upper<S> {
+    Piece(S),
+    Node(Vec<Self>),
 }
 
-impl Piece {
-    fn bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<WideNode<WIDTH>>()
-            + self.blocks.capacity() * size_of::<TriangleBlock>()
+/// A subtree: its box and link, or nothing if clipping left nothing of it.
+type Subtree = Option<(Aabb, Link)>;
+
+/// Builds the tree below `root` over `triangles` triangles.
+pub(super) fn build<T: TopDown>(
+    builder: &T,
+    root: Option<T::Seed>,
+    references: &References<'_>,
+    memory: &mut Memory<T::Scratch>,
+) -> Bvh4 {
+    let Bvh4 { mut nodes, mut blocks, .. } = memory.tree.take().unwrap_or_default();
+    nodes.clear();
+    blocks.clear();
+    let Some(root) = root else { return Bvh4::default() };
+    let n = references.mesh.len();
+    // Room for what most trees need; more is added if that is exceeded.
+    pages::reserve(&mut nodes, n / 4 + 64);
+    pages::reserve(&mut blocks, n / 2 + 64);
+
+    // Pieces are small enough for caches and many enough for threads, and their number depends on the scene
+    // alone.
+    let grain = (n / 256).clamp(1 << 9, 1 << 12) as u32;
+    let task = Task { builder, references, workers: &memory.workers, grain };
+    let mut seeds = Vec::new();
+    let upper = task.upper(root).number(&mut seeds);
+    let built: Vec<OnceLock<(Subtree, [usize; 2])>> = seeds.iter().map(|_| OnceLock::new()).collect();
+    let seeds: Vec<Mutex<Option<T::Seed>>> = seeds.into_iter().map(|seed| Mutex::new(Some(seed))).collect();
+    in_order::append(seeds.len(), &memory.pieces, &mut nodes, &mut blocks, |i, piece: &mut Piece| {
+        let seed = seeds[i].lock().expect("no task panics").take().expect("each task runs once");
+        let mut worker = memory.workers.take();
+        let mark = builder.mark(&worker.scratch);
+        let part = builder.plant(seed, &mut worker.scratch);
+        let subtree = task.serial(&part, piece, &mut worker);
+        builder.release(&mut worker.scratch, mark);
+        memory.workers.put(worker);
+        built[i].set((subtree, piece.lengths())).expect("each task runs once");
+    });
+    let mut at = [0, 0];
+    let subtrees: Vec<Subtree> = built
+        .into_iter()
+        .map(|built| {
+            let (subtree, len) = built.into_inner().expect("all tasks have run");
+            let moved = subtree.map(|(bounds, link)| (bounds, link.moved(at[0], at[1])));
+            at = [at[0] + len[0], at[1] + len[1]];
+            moved
+        })
+        .collect();
+    let root = upper.finish(&subtrees, &mut nodes);
+    match root {
+        None => Bvh4::default(),
+        Some((bounds, link)) => Bvh4 { root: link, bounds, nodes, blocks },
     }
 }
 
-/// A finished subtree.
-enum Subtree {
-    /// Built by one task.
-    Piece(Piece, Link),
-    /// An upper node whose children were built in parallel.
-    Spine(Vec<(Aabb, Subtree)>),
+impl<S> Upper<S> {
+    /// Moves the seeds to an array, depth first, and leaves their numbers.
+    fn number(self, seeds: &mut Vec<S>) -> Upper<usize> {
+        match self {
+            Self::Piece(seed) => {
+                seeds.push(seed);
+                Upper::Piece(seeds.len() - 1)
+            }
+            Self::Node(children) => {
+                Upper::Node(children.into_iter().map(|child| child.number(seeds)).collect())
+            }
+        }
+    }
 }
 
-/// Builds the tree below `root`.
-pub(super) fn build<T: TopDown>(
-    builder: &T,
-    root: Option<T::Part>,
-    mesh: &Mesh,
-    pool: &Pool<T::Scratch>,
-) -> Bvh4 {
-    let task = Task { builder, mesh, pool };
-    match root.and_then(|root| task.parallel(root)) {
-        None => Bvh4::default(),
-        Some((bounds, subtree)) => assemble(bounds, subtree, pool),
+impl Upper<usize> {
+    /// Appends the upper nodes, children before parents.
+    fn finish(&self, subtrees: &[Subtree], nodes: &mut Vec<WideNode<WIDTH>>) -> Subtree {
+        let children = match self {
+            Self::Piece(i) => return subtrees[*i],
+            Self::Node(children) => children,
+        };
+        let children: ArrayVec<(Aabb, Link), WIDTH> =
+            children.iter().filter_map(|child| child.finish(subtrees, nodes)).collect();
+        match children[..] {
+            [] => None,
+            [only] => Some(only),
+            _ => {
+                let bounds = children.iter().map(|(bounds, _)| *bounds).collect();
+                nodes.push(WideNode::of(&children));
+                Some((bounds, Link::inner(nodes.len() - 1)))
+            }
+        }
     }
 }
 
 struct Task<'a, T: TopDown> {
     builder: &'a T,
-    mesh: &'a Mesh,
-    pool: &'a Pool<T::Scratch>,
+    references: &'a References<'a>,
+    workers: &'a Spare<Worker<T::Scratch>>,
+    /// References below which a part is built by one thread.
+    grain: u32,
 }
 
 impl<T: TopDown> Task<'_, T> {
-    /// Builds a part, its children in parallel while they are large. `None` if clipping left nothing of it.
-    fn parallel(&self, part: T::Part) -> Option<(Aabb, Subtree)> {
-        let mut worker = self.pool.worker();
-        if (self.builder.count(&part) as usize) < GRAIN {
-            let mut piece = self.pool.pieces.lock().expect("no task panics").pop().unwrap_or_default();
-            let built = self.serial(part, &mut piece, &mut worker);
-            self.pool.put_back(worker);
-            return built.map(|(bounds, link)| (bounds, Subtree::Piece(piece, link)));
-        }
-        let children = self.children(part, &mut worker.scratch);
-        self.pool.put_back(worker);
-        let children: Vec<_> = children
-            .into_iter()
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .filter_map(|child| self.parallel(child))
+    /// Splits a part into pieces, its children in parallel.
+    fn upper(&self, seed: T::Seed) -> Upper<T::Seed> {
+        let mut worker = self.workers.take();
+        let scratch = &mut worker.scratch;
+        let mark = self.builder.mark(scratch);
+        let part = self.builder.plant(seed, scratch);
+        let children = if self.builder.count(&part) < self.grain {
+            None
+        } else {
+            Some(self.children(&part, scratch))
+        };
+        let seeds: Vec<T::Seed> = children
+            .as_deref()
+            .unwrap_or(std::slice::from_ref(&part))
+            .iter()
+            .map(|part| self.builder.lift(part, scratch))
             .collect();
-        let bounds = children.iter().map(|(bounds, _)| *bounds).collect();
-        (!children.is_empty()).then_some((bounds, Subtree::Spine(children)))
+        self.builder.release(scratch, mark);
+        self.workers.put(worker);
+        if children.is_none() {
+            return Upper::Piece(seeds.into_iter().next().expect("the part itself"));
+        }
+        Upper::Node(seeds.into_par_iter().map(|seed| self.upper(seed)).collect())
     }
 
     /// Builds a part depth first into `piece`.
-    fn serial(
-        &self,
-        part: T::Part,
-        piece: &mut Piece,
-        worker: &mut Worker<T::Scratch>,
-    ) -> Option<(Aabb, Link)> {
-        if self.builder.is_leaf(&part) {
+    fn serial(&self, part: &T::Part, piece: &mut Piece, worker: &mut Worker<T::Scratch>) -> Subtree {
+        if self.builder.kind(part) != Kind::Inner {
             return self.leaf(part, piece, worker);
         }
-        let mut children = self.children(part, &mut worker.scratch);
-        // Clipping may leave a single child, or the part be found to be a leaf: it takes its parent's place.
-        if children.len() <= 1 {
-            return self.serial(children.pop()?, piece, worker);
-        }
-        let index = piece.nodes.len();
-        piece.nodes.push(WideNode::EMPTY);
-        let mut node = WideNode::EMPTY;
-        let (mut bounds, mut slot) = (Aabb::EMPTY, 0);
-        let mut last = Link::EMPTY;
-        for child in children {
-            if let Some((child_bounds, link)) = self.serial(child, piece, worker) {
-                node.set(slot, child_bounds, link);
-                bounds = bounds.union(child_bounds);
-                last = link;
-                slot += 1;
+        let mark = self.builder.mark(&worker.scratch);
+        let children = self.children(part, &mut worker.scratch);
+        let subtree = match &children[..] {
+            // Clipping may leave a single child, or the part be found to be a leaf: it takes its parent's place.
+            [] => None,
+            [only] => self.serial(only, piece, worker),
+            _ => {
+                let index = piece.reserve_node();
+                let built: ArrayVec<(Aabb, Link), WIDTH> =
+                    children.iter().filter_map(|child| self.serial(child, piece, worker)).collect();
+                piece.finish_node(index, &built)
             }
-        }
-        if slot <= 1 {
-            // The others were clipped away and emitted nothing. A node left in place for a lone inner child
-            // would only cost a visit, and taking it out would move the ones after it: it is rare, so it stays.
-            if slot == 0 || !last.is_inner() {
-                piece.nodes.pop();
-                return (slot == 1).then_some((bounds, last));
-            }
-        }
-        piece.nodes[index] = node;
-        Some((bounds, Link::inner(index)))
+        };
+        self.builder.release(&mut worker.scratch, mark);
+        subtree
     }
 
     /// Splits a part into up to four: the largest that is no leaf first (paper 4.5).
-    fn children(&self, part: T::Part, scratch: &mut T::Scratch) -> ArrayVec<T::Part, WIDTH> {
+    fn children(&self, part: &T::Part, scratch: &mut T::Scratch) -> ArrayVec<T::Part, WIDTH> {
         let mut children = ArrayVec::new();
-        children.push(part);
+        children.push(part.clone());
         while (1..WIDTH).contains(&children.len()) {
-            let splittable = (0..children.len()).filter(|&i| !self.builder.is_leaf(&children[i]));
-            let area = |i: usize| self.builder.half_area(&children[i]);
-            let Some(largest) = splittable.reduce(|a, b| if area(b) > area(a) { b } else { a }) else {
-                break;
+            let largest = |kind: Kind| {
+                let of_kind = (0..children.len()).filter(|&i| self.builder.kind(&children[i]) == kind);
+                let area = |i: usize| self.builder.half_area(&children[i]);
+                of_kind.reduce(|a, b| if area(b) > area(a) { b } else { a })
             };
-            let [left, right] = self.builder.split(children.remove(largest), scratch);
-            if let Some(right) = right {
-                children.insert(largest, right);
-            }
-            if let Some(left) = left {
-                children.insert(largest, left);
+            let next = match largest(Kind::Inner) {
+                None if children.len() > 1 => largest(Kind::SoftLeaf),
+                inner => inner,
+            };
+            let Some(next) = next else { break };
+            match self.builder.split(&children[next], scratch) {
+                [Some(left), Some(right)] => {
+                    children[next] = left;
+                    children.insert(next + 1, right);
+                }
+                [Some(only), None] | [None, Some(only)] => children[next] = only,
+                [None, None] => {
+                    children.remove(next);
+                }
             }
         }
         children
     }
 
-    fn leaf(
-        &self,
-        part: T::Part,
-        piece: &mut Piece,
-        worker: &mut Worker<T::Scratch>,
-    ) -> Option<(Aabb, Link)> {
-        worker.ids.clear();
-        let bounds = self.builder.leaf(part, &mut worker.ids, &mut worker.scratch);
-        if worker.ids.is_empty() {
-            return None;
-        }
-        let first = piece.blocks.len();
-        debug_assert!(worker.ids.len() <= QUARTET as usize * MAX_LEAF_BLOCKS);
-        for ids in worker.ids.chunks(QUARTET as usize) {
-            let mut block = TriangleBlock::EMPTY;
-            for (lane, &prim) in ids.iter().enumerate() {
-                block.set(lane, self.mesh.corners(prim), prim);
-            }
-            piece.blocks.push(block);
-        }
-        Some((bounds, Link::leaf(first, piece.blocks.len() - first)))
-    }
-}
-
-/// Puts the pieces together: the spine's nodes first, then piece after piece, depth first.
-fn assemble<S>(bounds: Aabb, subtree: Subtree, pool: &Pool<S>) -> Bvh4 {
-    let mut plan = Plan { spine: Vec::new(), pieces: Vec::new(), nodes: 0, blocks: 0 };
-    plan.nodes = spine_len(&subtree);
-    let root = plan.place(subtree);
-    let (mut nodes, mut blocks) = (Vec::new(), Vec::new());
-    pages::reserve(&mut nodes, plan.nodes);
-    pages::reserve(&mut blocks, plan.blocks);
-    nodes.extend_from_slice(&plan.spine);
-    let mut node_room = nodes.spare_capacity_mut();
-    let mut block_room = blocks.spare_capacity_mut();
-    let mut copies = Vec::with_capacity(plan.pieces.len());
-    let mut first_node = plan.spine.len();
-    let mut first_block = 0;
-    for piece in plan.pieces {
-        let (to_nodes, rest) = node_room.split_at_mut(piece.nodes.len());
-        node_room = rest;
-        let (to_blocks, rest) = block_room.split_at_mut(piece.blocks.len());
-        block_room = rest;
-        let at = (first_node, first_block);
-        first_node += to_nodes.len();
-        first_block += to_blocks.len();
-        copies.push((piece, to_nodes, to_blocks, at));
-    }
-    let pieces: Vec<Piece> = copies
-        .into_par_iter()
-        .map(|(mut piece, to_nodes, to_blocks, (first_node, first_block))| {
-            for (to, node) in to_nodes.iter_mut().zip(&piece.nodes) {
-                let links = node.links.map(|link| link.moved(first_node, first_block));
-                to.write(WideNode { links, ..*node });
-            }
-            for (to, block) in to_blocks.iter_mut().zip(&piece.blocks) {
-                to.write(*block);
-            }
-            piece.nodes.clear();
-            piece.blocks.clear();
-            piece
-        })
-        .collect();
-    pool.pieces.lock().expect("no task panics").extend(pieces);
-    // SAFETY: the spine and the pieces were written one after the other without a gap: `plan.nodes` and
-    // `plan.blocks` are the sums of their lengths, and the capacities are no less.
-    unsafe {
-        nodes.set_len(plan.nodes);
-        blocks.set_len(plan.blocks);
-    }
-    Bvh4 { root, bounds, nodes, blocks }
-}
-
-fn spine_len(subtree: &Subtree) -> usize {
-    match subtree {
-        Subtree::Piece(..) => 0,
-        Subtree::Spine(children) => 1 + children.iter().map(|(_, child)| spine_len(child)).sum::<usize>(),
-    }
-}
-
-/// Where everything goes.
-struct Plan {
-    spine: Vec<WideNode<WIDTH>>,
-    pieces: Vec<Piece>,
-    /// Nodes placed so far, the whole spine included.
-    nodes: usize,
-    blocks: usize,
-}
-
-impl Plan {
-    fn place(&mut self, subtree: Subtree) -> Link {
-        match subtree {
-            Subtree::Piece(piece, link) => {
-                let link = link.moved(self.nodes, self.blocks);
-                self.nodes += piece.nodes.len();
-                self.blocks += piece.blocks.len();
-                self.pieces.push(piece);
-                link
-            }
-            Subtree::Spine(children) => {
-                let index = self.spine.len();
-                self.spine.push(WideNode::EMPTY);
-                for (slot, (bounds, child)) in children.into_iter().enumerate() {
-                    let link = self.place(child);
-                    self.spine[index].set(slot, bounds, link);
-                }
-                Link::inner(index)
-            }
-        }
+    fn leaf(&self, part: &T::Part, piece: &mut Piece, worker: &mut Worker<T::Scratch>) -> Subtree {
+        worker.prims.clear();
+        let bounds = self.builder.leaf(part, &mut worker.prims, &mut worker.scratch);
+        piece.leaf(self.references.mesh, &worker.prims).map(|link| (bounds, link))
     }
 }

@@ -1,7 +1,7 @@
 //! The wide (multi-) BVH: N-wide nodes in structure-of-arrays form and leaf blocks of four triangles
 //! (paper 4.5; leaf model of Table 1's caption).
 
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Mesh};
 use glam::Vec3A;
 
 /// Most blocks in one leaf (28 triangles), as in Embree.
@@ -123,6 +123,14 @@ impl<const N: usize> WideNode<N> {
     pub const EMPTY: Self =
         Self { lower: [[f32::INFINITY; N]; 3], upper: [[f32::NEG_INFINITY; N]; 3], links: [Link::EMPTY; N] };
 
+    /// A node of at most `N` children.
+    #[inline]
+    pub fn of(children: &[(Aabb, Link)]) -> Self {
+        let mut node = Self::EMPTY;
+        children.iter().enumerate().for_each(|(slot, &(bounds, link))| node.set(slot, bounds, link));
+        node
+    }
+
     /// Fills `slot`.
     #[inline]
     pub fn set(&mut self, slot: usize, bounds: Aabb, link: Link) {
@@ -167,6 +175,14 @@ impl TriangleBlock {
     /// A block without triangles.
     pub const EMPTY: Self =
         Self { v0: [[0.0; 4]; 3], e1: [[0.0; 4]; 3], e2: [[0.0; 4]; 3], prims: [u32::MAX; 4] };
+
+    /// A block of one to four triangles of `mesh`.
+    #[inline]
+    pub fn of(mesh: &Mesh, prims: &[u32]) -> Self {
+        let mut block = Self::EMPTY;
+        prims.iter().enumerate().for_each(|(lane, &prim)| block.set(lane, mesh.corners(prim), prim));
+        block
+    }
 
     /// Fills `lane`.
     #[inline]

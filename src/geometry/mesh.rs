@@ -136,7 +136,13 @@ impl Mesh {
     /// The three corners of triangle `prim`.
     #[inline]
     pub fn corners(&self, prim: u32) -> [Vec3A; 3] {
-        self.triangles[prim as usize].map(|i| Vec3A::from_array(self.padded_vertices[i as usize]))
+        self.corners_of(&self.triangles[prim as usize])
+    }
+
+    /// The corners of one of [`Mesh::triangles`].
+    #[inline]
+    pub fn corners_of(&self, triangle: &[u32; 3]) -> [Vec3A; 3] {
+        triangle.map(|i| Vec3A::from_array(self.padded_vertices[i as usize]))
     }
 
     /// The box of triangle `prim`.

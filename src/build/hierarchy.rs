@@ -1,0 +1,59 @@
+//! An auxiliary BVH and a build over its cuts: what PHR and the method of Hunt et al. have in common.
+
+use super::cut::Order;
+use super::cut_recursion::{CutRecursion, Refine, Rules, Scratch};
+use super::lbvh::Auxiliary;
+use super::references::References;
+use super::top_down::{self, Memory};
+use super::{Build, Counts, Stopwatch};
+use crate::bvh::Bvh4;
+use crate::geometry::{Aabb, Mesh};
+
+/// The memory of builds from a hierarchy.
+#[derive(Default)]
+pub(super) struct Hierarchy {
+    auxiliary: Auxiliary,
+    memory: Memory<Scratch>,
+}
+
+impl Hierarchy {
+    /// Builds over `mesh` by the rules made for the scene's box; leaves of the auxiliary BVH hold at most
+    /// `auxiliary_leaf` references.
+    pub fn build<R: Refine>(
+        &mut self,
+        mesh: &Mesh,
+        auxiliary_leaf: u32,
+        rules: impl FnOnce(Aabb) -> Rules<R>,
+    ) -> Build {
+        let references = References::whole(mesh);
+        let mut phases = self.auxiliary.build(&references, auxiliary_leaf);
+        let mut watch = Stopwatch::start();
+        let recursion = CutRecursion {
+            tree: &self.auxiliary.tree,
+            order: Order { keys: &self.auxiliary.order.keys, references },
+            rules: rules(self.auxiliary.order.bounds()),
+        };
+        let tree = top_down::build(&recursion, recursion.root(), &references, &mut self.memory);
+        watch.lap("cuts and nodes");
+        phases.extend(watch.phases);
+        Build::finish(tree, phases, self.counts(), self.auxiliary.bytes() + self.memory.bytes())
+    }
+
+    /// Takes a tree whose memory the next one may use.
+    pub fn recycle(&mut self, tree: Bvh4) {
+        self.memory.recycle(tree);
+    }
+
+    /// Adds up what the threads counted.
+    fn counts(&self) -> Counts {
+        let auxiliary_nodes = 2 * self.auxiliary.tree.pairs.len() as u64 + 1;
+        let mut counts = Counts { auxiliary_nodes, ..Counts::default() };
+        self.memory.for_each_scratch(|scratch| {
+            let of_task = std::mem::take(&mut scratch.counts);
+            counts.splits += of_task.splits;
+            counts.spatial_splits += of_task.spatial_splits;
+            counts.swept += of_task.swept;
+        });
+        counts
+    }
+}

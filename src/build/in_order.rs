@@ -1,0 +1,248 @@
+//! Arrays written by many tasks in the order of the tasks, each task knowing only when it is done how much it
+//! has to write.
+//!
+//! Tasks make batches in memory of their own, which stays in the cache, and copy them to their place as soon
+//! as those before them are known. What comes out is the same at any number of threads.
+
+#![allow(unsafe_code)]
+
+use std::collections::VecDeque;
+use std::mem::MaybeUninit;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Places in, or lengths of, the two arrays.
+pub(super) type Place = [usize; 2];
+
+/// What a task makes: elements of two arrays.
+pub(super) trait Batch: Default + Send {
+    /// Elements of the first array.
+    type A: Send;
+    /// Elements of the second array.
+    type B: Send;
+    /// How many elements it has for each.
+    fn len(&self) -> Place;
+    /// As many elements as [`Batch::len`] says, for a batch that begins at `at`.
+    fn elements(&self, at: Place) -> (impl Iterator<Item = Self::A>, impl Iterator<Item = Self::B>);
+    /// Forgets what it holds, but not its memory.
+    fn clear(&mut self);
+}
+
+/// Finished batches that a thread keeps before it waits for others.
+const PATIENCE: usize = 8;
+
+/// Memory kept from build to build.
+pub(super) struct Spare<T>(Mutex<Vec<T>>);
+
+impl<T> Default for Spare<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T: Default> Spare<T> {
+    /// Memory used before, or new.
+    pub fn take(&self) -> T {
+        self.0.lock().expect("no task panics").pop().unwrap_or_default()
+    }
+
+    /// Keeps `memory`.
+    pub fn put(&self, memory: T) {
+        self.0.lock().expect("no task panics").push(memory);
+    }
+
+    /// Looks at all that is kept.
+    pub fn for_each(&self, f: impl FnMut(&mut T)) {
+        self.0.lock().expect("no task panics").iter_mut().for_each(f);
+    }
+}
+
+/// Makes `tasks` batches by `make` and appends them to the arrays `a` and `b` in the order of the tasks.
+/// Capacity that the arrays have is used at once; what exceeds it is kept until the end.
+pub(super) fn append<T: Batch>(
+    tasks: usize,
+    spare: &Spare<T>,
+    a: &mut Vec<T::A>,
+    b: &mut Vec<T::B>,
+    make: impl Fn(usize, &mut T) + Sync,
+) {
+    let chain = Chain::new(tasks, [a.len(), b.len()]);
+    let next = AtomicUsize::new(0);
+    let left_over = Mutex::new(Vec::new());
+    let (room_a, room_b) = (Room::new(a), Room::new(b));
+    let put = |mut batch: T, at: Place| {
+        let len = batch.len();
+        if at[0] + len[0] > room_a.capacity || at[1] + len[1] > room_b.capacity {
+            left_over.lock().expect("no task panics").push((at, batch));
+            return;
+        }
+        let (items_a, items_b) = batch.elements(at);
+        // SAFETY: the chain gives every batch places of its own, beyond the arrays' elements, and these are
+        // below the capacities; the arrays are borrowed and not touched until all tasks have ended.
+        unsafe {
+            fill(room_a.places(at[0], len[0]), items_a);
+            fill(room_b.places(at[1], len[1]), items_b);
+        }
+        batch.clear();
+        spare.put(batch);
+    };
+    let work = || {
+        let mut waiting: VecDeque<(usize, T)> = VecDeque::new();
+        loop {
+            // Tasks are begun in order, so that whoever waits for an earlier one waits for one that runs.
+            let task = next.fetch_add(1, Ordering::Relaxed);
+            if task < tasks {
+                let mut batch = spare.take();
+                make(task, &mut batch);
+                chain.finish(task, batch.len());
+                waiting.push_back((task, batch));
+            }
+            while let Some(&(first, _)) = waiting.front() {
+                if let Some(at) = chain.place(first) {
+                    let (_, batch) = waiting.pop_front().expect("there is a front");
+                    put(batch, at);
+                } else if task < tasks && waiting.len() < PATIENCE {
+                    break;
+                } else {
+                    std::thread::yield_now();
+                }
+            }
+            if task >= tasks {
+                break;
+            }
+        }
+    };
+    rayon::scope(|scope| (0..rayon::current_num_threads().min(tasks)).for_each(|_| scope.spawn(|_| work())));
+
+    let mut left_over = left_over.into_inner().expect("no task panics");
+    left_over.sort_by_key(|&(at, _)| at);
+    // Once a batch has no room, none after it has: places only grow.
+    let written = left_over.first().map_or(chain.end(), |&(at, _)| at);
+    // SAFETY: all places below `written` were filled, see `put`.
+    unsafe {
+        a.set_len(written[0]);
+        b.set_len(written[1]);
+    }
+    for (at, mut batch) in left_over {
+        let (items_a, items_b) = batch.elements(at);
+        a.extend(items_a);
+        b.extend(items_b);
+        batch.clear();
+        spare.put(batch);
+    }
+}
+
+/// Moves `items` to `places`, one for each.
+fn fill<T>(places: &mut [MaybeUninit<T>], items: impl Iterator<Item = T>) {
+    let mut left = places.len();
+    for (place, item) in places.iter_mut().zip(items) {
+        place.write(item);
+        left -= 1;
+    }
+    assert_eq!(left, 0, "a batch has as many elements as it says");
+}
+
+/// The memory of an array, to be filled by several threads.
+struct Room<T> {
+    first: *mut MaybeUninit<T>,
+    capacity: usize,
+}
+
+// SAFETY: threads get references to disjoint places only, see `append`.
+unsafe impl<T: Send> Sync for Room<T> {}
+
+impl<T> Room<T> {
+    fn new(array: &mut Vec<T>) -> Self {
+        Self { first: array.as_mut_ptr().cast(), capacity: array.capacity() }
+    }
+
+    /// The places `first..first + len`.
+    ///
+    /// # Safety
+    /// They lie within the capacity of the array, hold no elements, and nobody else has them meanwhile.
+    #[allow(clippy::mut_from_ref)] // disjoint, by the caller's promise
+    unsafe fn places(&self, first: usize, len: usize) -> &mut [MaybeUninit<T>] {
+        // SAFETY: the caller's promise.
+        unsafe { std::slice::from_raw_parts_mut(self.first.add(first), len) }
+    }
+}
+
+/// Where each task writes, known once all before it are done.
+struct Chain(Mutex<Links>);
+
+struct Links {
+    /// Lengths of tasks that are done, then their places.
+    tasks: Vec<Option<Place>>,
+    /// Tasks whose places are known.
+    placed: usize,
+    end: Place,
+}
+
+impl Chain {
+    fn new(tasks: usize, begin: Place) -> Self {
+        Self(Mutex::new(Links { tasks: vec![None; tasks], placed: 0, end: begin }))
+    }
+
+    fn finish(&self, task: usize, len: Place) {
+        let mut guard = self.0.lock().expect("no task panics");
+        let links = &mut *guard;
+        links.tasks[task] = Some(len);
+        while let Some(Some(entry)) = links.tasks.get_mut(links.placed) {
+            let [a, b] = std::mem::replace(entry, links.end);
+            links.end = [links.end[0] + a, links.end[1] + b];
+            links.placed += 1;
+        }
+    }
+
+    fn place(&self, task: usize) -> Option<Place> {
+        let links = self.0.lock().expect("no task panics");
+        if task < links.placed { links.tasks[task] } else { None }
+    }
+
+    fn end(&self) -> Place {
+        self.0.lock().expect("no task panics").end
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Default)]
+    struct Numbers(Vec<usize>);
+
+    impl Batch for Numbers {
+        type A = usize;
+        type B = [usize; 2];
+        fn len(&self) -> Place {
+            [self.0.len(), self.0.len() / 2]
+        }
+        fn elements(&self, at: Place) -> (impl Iterator<Item = usize>, impl Iterator<Item = [usize; 2]>) {
+            let len = self.len()[1];
+            (self.0.iter().copied(), (0..len).map(move |i| [at[1] + i, at[0]]))
+        }
+        fn clear(&mut self) {
+            self.0.clear();
+        }
+    }
+
+    #[test]
+    fn batches_follow_each_other_in_order_whatever_their_lengths_and_the_room() {
+        let expected: Vec<usize> =
+            [7].into_iter().chain((0..100).flat_map(|task| std::iter::repeat_n(task, task * 37 % 11))).collect();
+        for threads in [1, 2, 8] {
+            for room in [0, 200, 10_000] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let (mut a, mut b) = (vec![7], Vec::new());
+                a.reserve_exact(room);
+                b.reserve_exact(room);
+                let make = |task: usize, batch: &mut Numbers| {
+                    batch.0.extend(std::iter::repeat_n(task, task * 37 % 11));
+                };
+                pool.install(|| append(100, &Spare::default(), &mut a, &mut b, make));
+                assert_eq!(a, expected);
+                assert!(b.iter().enumerate().all(|(i, &[place, _])| place == i));
+            }
+        }
+    }
+}
