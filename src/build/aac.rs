@@ -39,7 +39,7 @@ pub struct Aac {
     config: AacConfig,
     order: MortonOrder,
     tree: BinaryTree,
-    memory: Memory<()>,
+    memory: Memory<Vec<u32>>,
 }
 
 impl Aac {

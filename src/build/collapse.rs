@@ -4,6 +4,7 @@
 use super::binary::{BinaryTree, Node};
 use super::lbvh::Auxiliary;
 use super::morton_order::{Key, reference};
+use super::prefetch::warm;
 use super::references::References;
 use super::top_down::{self, Kind, Memory, QUARTET, TopDown};
 use super::{Build, Builder, Counts, Stopwatch};
@@ -26,18 +27,21 @@ pub(super) struct Collapse<'a> {
 }
 
 /// What is left to build.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 pub(super) enum Part {
     /// A subtree at a depth of the binary tree.
     Subtree(Node, u32),
-    /// References of a subtree too deep, and their box.
-    References(Vec<u32>, Aabb),
+    /// References of a subtree too deep, as a range of the scratch memory, and their box.
+    References(usize, u32, Aabb),
 }
+
+/// A part with references of its own.
+pub(super) struct OwnPart(Part, Vec<u32>);
 
 impl Collapse<'_> {
     /// The whole tree.
-    pub fn root(&self) -> Option<Part> {
-        self.tree.root.map(|root| Part::Subtree(root, 0))
+    pub fn root(&self) -> Option<OwnPart> {
+        self.tree.root.map(|root| OwnPart(Part::Subtree(root, 0), Vec::new()))
     }
 
     /// Appends the references below `node`.
@@ -49,36 +53,50 @@ impl Collapse<'_> {
         }
     }
 
-    fn part(&self, ids: Vec<u32>) -> Part {
+    fn part(&self, first: usize, ids: &[u32]) -> Option<Part> {
         let bounds = ids.iter().map(|&id| self.references.bounds(id)).collect();
-        Part::References(ids, bounds)
+        Some(Part::References(first, ids.len() as u32, bounds))
     }
 }
 
 impl TopDown for Collapse<'_> {
-    type Seed = Part;
+    type Seed = OwnPart;
     type Part = Part;
-    type Scratch = ();
+    type Scratch = Vec<u32>;
 
-    fn plant(&self, seed: Part, (): &mut ()) -> Part {
-        seed
+    fn plant(&self, OwnPart(part, ids): OwnPart, scratch: &mut Vec<u32>) -> Part {
+        let first = scratch.len();
+        scratch.extend(ids);
+        match part {
+            Part::References(_, len, bounds) => Part::References(first, len, bounds),
+            subtree @ Part::Subtree(..) => subtree,
+        }
     }
 
-    fn lift(&self, part: &Part, (): &()) -> Part {
-        part.clone()
+    fn lift(&self, part: &Part, scratch: &Vec<u32>) -> OwnPart {
+        match *part {
+            Part::References(first, len, _) => OwnPart(*part, scratch[first..first + len as usize].to_vec()),
+            Part::Subtree(..) => OwnPart(*part, Vec::new()),
+        }
+    }
+
+    fn approach(&self, part: &Part, _: &Vec<u32>) {
+        if let Part::Subtree(node, _) = part {
+            warm(self.tree, self.keys, &self.references, node);
+        }
     }
 
     fn count(&self, part: &Part) -> u32 {
         match part {
             Part::Subtree(node, _) => node.count,
-            Part::References(ids, _) => ids.len() as u32,
+            Part::References(_, len, _) => *len,
         }
     }
 
     fn half_area(&self, part: &Part) -> f32 {
         match part {
             Part::Subtree(node, _) => node.bounds().half_area(),
-            Part::References(_, bounds) => bounds.half_area(),
+            Part::References(_, _, bounds) => bounds.half_area(),
         }
     }
 
@@ -86,52 +104,54 @@ impl TopDown for Collapse<'_> {
         if self.count(part) <= QUARTET { Kind::Leaf } else { Kind::Inner }
     }
 
-    fn split(&self, part: &Part, (): &mut ()) -> [Option<Part>; 2] {
-        let mut ids = match part {
-            Part::Subtree(node, depth) if *depth < MAX_DEPTH => {
-                return self.tree.children(node).map(|child| {
+    fn split(&self, part: &Part, scratch: &mut Vec<u32>) -> [Option<Part>; 2] {
+        let (first, len) = match *part {
+            Part::Subtree(node, depth) if depth < MAX_DEPTH => {
+                return self.tree.children(&node).map(|child| {
                     self.tree.prefetch(&child);
                     Some(Part::Subtree(child, depth + 1))
                 });
             }
             Part::Subtree(node, _) => {
-                let mut ids = Vec::with_capacity(node.count as usize);
-                self.gather(node, &mut ids);
-                ids
+                let first = scratch.len();
+                self.gather(&node, scratch);
+                (first, node.count as usize)
             }
-            Part::References(ids, _) => ids.clone(),
+            Part::References(first, len, _) => (first, len as usize),
         };
-        let right = ids.split_off(ids.len() / 2);
-        [Some(self.part(ids)), Some(self.part(right))]
+        let (left, right) = scratch[first..first + len].split_at(len / 2);
+        [self.part(first, left), self.part(first + len / 2, right)]
     }
 
-    fn leaf(&self, part: &Part, prims: &mut Vec<u32>, (): &mut ()) -> Aabb {
-        let bounds = match part {
+    fn leaf(&self, part: &Part, prims: &mut Vec<u32>, scratch: &mut Vec<u32>) -> Aabb {
+        let bounds = match *part {
             Part::Subtree(node, _) => {
-                self.gather(node, prims);
+                self.gather(&node, prims);
                 node.bounds()
             }
-            Part::References(ids, bounds) => {
-                prims.extend(ids);
-                *bounds
+            Part::References(first, len, bounds) => {
+                prims.extend(&scratch[first..first + len as usize]);
+                bounds
             }
         };
         prims.iter_mut().for_each(|id| *id = self.references.prim(*id));
         bounds
     }
 
-    fn mark(&self, (): &()) -> usize {
-        0
+    fn mark(&self, scratch: &Vec<u32>) -> usize {
+        scratch.len()
     }
 
-    fn release(&self, (): &mut (), _: usize) {}
+    fn release(&self, scratch: &mut Vec<u32>, mark: usize) {
+        scratch.truncate(mark);
+    }
 }
 
 /// Builds the auxiliary LBVH and nothing better.
 #[derive(Default)]
 pub struct Lbvh {
     auxiliary: Auxiliary,
-    memory: Memory<()>,
+    memory: Memory<Vec<u32>>,
 }
 
 impl Builder for Lbvh {

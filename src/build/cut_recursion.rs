@@ -3,6 +3,7 @@
 
 use super::binary::{BinaryTree, Node};
 use super::cut::{Cut, Order, OwnCut, open};
+use super::prefetch::warm;
 use super::object_split::{ObjectSplit, Sweep};
 use super::spatial_split::{SpatialSplit, SpatialSweep};
 use super::split_cost::Weight;
@@ -122,8 +123,9 @@ impl<R: Refine> CutRecursion<'_, R> {
         if area <= self.rules.spatial_above {
             return None;
         }
-        let split = sweep.best(nodes, cut.bounds, weight);
-        if !(split.cost < object.cost && split.cost < area * weight.of(nodes.len())) {
+        let limit = object.cost.min(area * weight.of(nodes.len()));
+        let split = sweep.below(limit, nodes, cut.bounds, weight);
+        if split == SpatialSplit::NONE {
             return None;
         }
         let references: u64 = nodes
@@ -173,6 +175,12 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
 
     fn lift(&self, cut: &Cut, scratch: &Scratch) -> OwnCut {
         cut.lift(&scratch.arena)
+    }
+
+    fn approach(&self, cut: &Cut, scratch: &Scratch) {
+        for node in &scratch.arena[cut.places()] {
+            warm(self.tree, self.order.keys, &self.order.references, node);
+        }
     }
 
     fn count(&self, cut: &Cut) -> u32 {

@@ -16,14 +16,14 @@ pub(super) type Place = [usize; 2];
 
 /// What a task makes: elements of two arrays.
 pub(super) trait Batch: Default + Send {
-    /// Elements of the first array.
-    type A: Send;
+    /// Elements of the first array, which name places in both.
+    type A: Copy + Send;
     /// Elements of the second array.
-    type B: Send;
-    /// How many elements it has for each.
-    fn len(&self) -> Place;
-    /// As many elements as [`Batch::len`] says, for a batch that begins at `at`.
-    fn elements(&self, at: Place) -> (impl Iterator<Item = Self::A>, impl Iterator<Item = Self::B>);
+    type B: Copy + Send;
+    /// The elements.
+    fn elements(&self) -> (&[Self::A], &[Self::B]);
+    /// What an element becomes in a batch that begins at `at`.
+    fn moved(element: &Self::A, at: Place) -> Self::A;
     /// Forgets what it holds, but not its memory.
     fn clear(&mut self);
 }
@@ -71,18 +71,19 @@ pub(super) fn append<T: Batch>(
     let left_over = Mutex::new(Vec::new());
     let (room_a, room_b) = (Room::new(a), Room::new(b));
     let put = |mut batch: T, at: Place| {
-        let len = batch.len();
+        let (from_a, from_b) = batch.elements();
+        let len = [from_a.len(), from_b.len()];
         if at[0] + len[0] > room_a.capacity || at[1] + len[1] > room_b.capacity {
             left_over.lock().expect("no task panics").push((at, batch));
             return;
         }
-        let (items_a, items_b) = batch.elements(at);
         // SAFETY: the chain gives every batch places of its own, beyond the arrays' elements, and these are
         // below the capacities; the arrays are borrowed and not touched until all tasks have ended.
-        unsafe {
-            fill(room_a.places(at[0], len[0]), items_a);
-            fill(room_b.places(at[1], len[1]), items_b);
-        }
+        let (to_a, to_b) = unsafe { (room_a.places(at[0], len[0]), room_b.places(at[1], len[1])) };
+        to_a.iter_mut().zip(from_a).for_each(|(to, a)| {
+            to.write(T::moved(a, at));
+        });
+        to_b.write_copy_of_slice(from_b);
         batch.clear();
         spare.put(batch);
     };
@@ -94,7 +95,8 @@ pub(super) fn append<T: Batch>(
             if task < tasks {
                 let mut batch = spare.take();
                 make(task, &mut batch);
-                chain.finish(task, batch.len());
+                let (a, b) = batch.elements();
+                chain.finish(task, [a.len(), b.len()]);
                 waiting.push_back((task, batch));
             }
             while let Some(&(first, _)) = waiting.front() {
@@ -124,22 +126,12 @@ pub(super) fn append<T: Batch>(
         b.set_len(written[1]);
     }
     for (at, mut batch) in left_over {
-        let (items_a, items_b) = batch.elements(at);
-        a.extend(items_a);
-        b.extend(items_b);
+        let (from_a, from_b) = batch.elements();
+        a.extend(from_a.iter().map(|a| T::moved(a, at)));
+        b.extend_from_slice(from_b);
         batch.clear();
         spare.put(batch);
     }
-}
-
-/// Moves `items` to `places`, one for each.
-fn fill<T>(places: &mut [MaybeUninit<T>], items: impl Iterator<Item = T>) {
-    let mut left = places.len();
-    for (place, item) in places.iter_mut().zip(items) {
-        place.write(item);
-        left -= 1;
-    }
-    assert_eq!(left, 0, "a batch has as many elements as it says");
 }
 
 /// The memory of an array, to be filled by several threads.
@@ -209,20 +201,21 @@ mod tests {
     use super::*;
 
     #[derive(Default)]
-    struct Numbers(Vec<usize>);
+    struct Numbers(Vec<usize>, Vec<()>);
 
     impl Batch for Numbers {
         type A = usize;
-        type B = [usize; 2];
-        fn len(&self) -> Place {
-            [self.0.len(), self.0.len() / 2]
+        type B = ();
+        fn elements(&self) -> (&[usize], &[()]) {
+            (&self.0, &self.1)
         }
-        fn elements(&self, at: Place) -> (impl Iterator<Item = usize>, impl Iterator<Item = [usize; 2]>) {
-            let len = self.len()[1];
-            (self.0.iter().copied(), (0..len).map(move |i| [at[1] + i, at[0]]))
+        fn moved(element: &usize, at: Place) -> usize {
+            assert_eq!(at[0], at[1] + 1);
+            *element
         }
         fn clear(&mut self) {
             self.0.clear();
+            self.1.clear();
         }
     }
 
@@ -238,10 +231,11 @@ mod tests {
                 b.reserve_exact(room);
                 let make = |task: usize, batch: &mut Numbers| {
                     batch.0.extend(std::iter::repeat_n(task, task * 37 % 11));
+                    batch.1.resize(batch.0.len(), ());
                 };
                 pool.install(|| append(100, &Spare::default(), &mut a, &mut b, make));
                 assert_eq!(a, expected);
-                assert!(b.iter().enumerate().all(|(i, &[place, _])| place == i));
+                assert_eq!(b.len() + 1, a.len());
             }
         }
     }

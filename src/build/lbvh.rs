@@ -142,7 +142,7 @@ fn split_runs<'a>(mut keys: &'a mut [Key], runs: &[(usize, usize, u32)]) -> Vec<
 #[derive(Clone, Copy)]
 struct Pending {
     node: Node,
-    difference: u32,
+    difference: u64,
 }
 
 /// The subtree over one run, built by one task; links are relative to its own pairs.
@@ -175,13 +175,13 @@ impl Run {
             } else {
                 self.same_code(&mut items[at..at + equal], first + at, depth, leaf)
             };
-            let difference = if at == 0 { u32::MAX } else { own ^ before };
+            let difference = if at == 0 { u64::MAX } else { u64::from(own ^ before) };
             self.unite_below(difference, leaf);
             self.stack.push(Pending { node, difference });
             before = own;
             at += equal;
         }
-        self.unite_below(u32::MAX, leaf);
+        self.unite_below(u64::MAX, leaf);
         for (key, item) in keys.iter_mut().zip(&items) {
             *key = item.0;
         }
@@ -192,7 +192,7 @@ impl Run {
 
     /// Unites the subtrees on the stack that differ in lower bits than `difference`.
     #[inline]
-    fn unite_below(&mut self, difference: u32, leaf: u32) {
+    fn unite_below(&mut self, difference: u64, leaf: u32) {
         while let [.., left, right] = &self.stack[..]
             && right.difference < difference
         {
@@ -233,13 +233,12 @@ impl Batch for Run {
     type A = [Node; 2];
     type B = ();
 
-    fn len(&self) -> Place {
-        [self.pairs.len(), 0]
+    fn elements(&self) -> (&[[Node; 2]], &[()]) {
+        (&self.pairs, &[])
     }
 
-    fn elements(&self, at: Place) -> (impl Iterator<Item = [Node; 2]>, impl Iterator<Item = ()>) {
-        let at = at[0] as u32;
-        (self.pairs.iter().map(move |pair| pair.map(|node| node.moved(at))), std::iter::empty())
+    fn moved(pair: &[Node; 2], at: Place) -> [Node; 2] {
+        pair.map(|node| node.moved(at[0] as u32))
     }
 
     fn clear(&mut self) {

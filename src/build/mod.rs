@@ -2,12 +2,14 @@
 
 mod aac;
 mod binary;
+mod bins;
 mod collapse;
 mod cut;
 mod cut_recursion;
 mod hierarchy;
 mod hunt;
 mod in_order;
+mod lanes;
 mod lbvh;
 mod morton;
 mod morton_order;
@@ -18,6 +20,8 @@ mod piece;
 mod prefetch;
 mod radix_sort;
 mod references;
+mod small_sweep;
+mod spatial_bound;
 mod spatial_split;
 mod split_cost;
 mod top_down;

@@ -1,6 +1,8 @@
 //! The full-sweep SAH object split of a cut (paper 4.2, equation 1).
 
 use super::binary::Node;
+use super::bins::Bins;
+use super::small_sweep::{self, Isa};
 use super::split_cost::Weight;
 use crate::geometry::Aabb;
 
@@ -21,6 +23,13 @@ impl ObjectSplit {
     /// No split.
     pub const NONE: Self = Self { cost: f32::INFINITY, axis: 0, left: 0, last: 0 };
 
+    /// Whether this one is to be preferred: it costs less, or comes before by axis and position.
+    #[inline]
+    pub fn is_before(&self, other: &Self) -> bool {
+        self.cost < other.cost
+            || (self.cost == other.cost && other.left > 0 && (self.axis, self.left) < (other.axis, other.left))
+    }
+
     /// Tells of every node of the cut, given with its position, whether it is on the left.
     pub fn members(&self, nodes: &[Node]) -> impl Fn(usize, &Node) -> bool + use<> {
         let (axis, last) = (self.axis, self.last);
@@ -34,25 +43,55 @@ impl ObjectSplit {
 
 /// Twice the centroid's coordinate along an axis.
 #[inline]
-fn center(node: &Node, axis: usize) -> f32 {
+pub(super) fn center(node: &Node, axis: usize) -> f32 {
     let [min, max] = node.corners();
     min[axis] + max[axis]
 }
 
+/// From this length on bins are faster than sorting.
+const LONG: usize = 24;
+
 /// Memory for sweeps.
-#[derive(Default)]
 pub(super) struct Sweep {
+    /// How short cuts are swept.
+    isa: Isa,
+    /// Whether long cuts are binned.
+    is_binned: bool,
+    bins: Bins,
     /// Sort keys: (centroid << 32 | position in the cut).
     order: Vec<u64>,
     right_areas: Vec<f32>,
 }
 
+impl Default for Sweep {
+    fn default() -> Self {
+        Self { is_binned: true, ..Self::with(Isa::best()) }
+    }
+}
+
 impl Sweep {
+    /// Sorts and sweeps all cuts but those short enough for `isa`, which the processor must have.
+    fn with(isa: Isa) -> Self {
+        Self { isa, is_binned: false, bins: Bins::default(), order: Vec::new(), right_areas: Vec::new() }
+    }
+
+    /// Sorts and sweeps all cuts: what the others are measured by.
+    #[cfg(test)]
+    pub fn plain() -> Self {
+        Self::with(Isa::Scalar)
+    }
+
     /// The split of `nodes` (two or more, with union `bounds`) of least cost; of equal ones the first by axis,
     /// then by position. Nodes are ordered along an axis by centroid, then by position in the cut.
     pub fn best(&mut self, nodes: &[Node], bounds: Aabb, weight: Weight) -> ObjectSplit {
         let n = nodes.len();
         let limit = weight.limit(bounds.half_area(), n);
+        if n <= self.isa.longest() {
+            return small_sweep::best(self.isa, nodes, limit, weight);
+        }
+        if self.is_binned && n >= LONG {
+            return self.bins.best(nodes, limit, weight);
+        }
         let mut best = ObjectSplit { cost: limit, ..ObjectSplit::NONE };
         for axis in 0..3 {
             let order = &mut self.order;

@@ -61,20 +61,15 @@ impl Batch for Piece {
     type A = WideNode<WIDTH>;
     type B = TriangleBlock;
 
-    fn len(&self) -> Place {
-        self.lengths()
+    fn elements(&self) -> (&[Self::A], &[Self::B]) {
+        (&self.nodes, &self.blocks)
     }
 
-    fn elements(
-        &self,
-        [nodes, blocks]: Place,
-    ) -> (impl Iterator<Item = Self::A>, impl Iterator<Item = Self::B>) {
-        let moved = move |node: &WideNode<WIDTH>| {
-            let mut node = *node;
-            node.links = node.links.map(|link| link.moved(nodes, blocks));
-            node
-        };
-        (self.nodes.iter().map(moved), self.blocks.iter().copied())
+    #[inline]
+    fn moved(node: &Self::A, [nodes, blocks]: Place) -> Self::A {
+        let mut node = *node;
+        node.links = node.links.map(|link| link.moved(nodes, blocks));
+        node
     }
 
     fn clear(&mut self) {

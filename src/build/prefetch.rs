@@ -2,6 +2,31 @@
 
 #![allow(unsafe_code)]
 
+use super::binary::{BinaryTree, Node};
+use super::morton_order::{Key, reference};
+use super::references::References;
+
+/// Brings near the triangles below `node`, which one thread is about to build: their addresses depend on loads
+/// themselves, and here many such are on their way at once.
+pub(super) fn warm(tree: &BinaryTree, keys: &[Key], references: &References<'_>, node: &Node) {
+    let mut first = *node;
+    while !first.is_leaf() {
+        first = tree.children(&first)[0];
+    }
+    let start = first.run().start;
+    // In Morton order a subtree is a run; in other trees nearly so.
+    let keys = &keys[start..keys.len().min(start + node.count as usize)];
+    let (triangles, vertices) = (references.mesh.triangles(), references.mesh.padded_vertices());
+    for key in keys {
+        line(triangles, reference(*key) as usize);
+    }
+    for key in keys {
+        if let Some(triangle) = triangles.get(reference(*key) as usize) {
+            triangle.iter().for_each(|&vertex| line(vertices, vertex as usize));
+        }
+    }
+}
+
 /// Asks for the cache line of `array[index]`; nothing happens beyond the array's end.
 #[inline]
 pub(super) fn line<T>(array: &[T], index: usize) {

@@ -2,6 +2,7 @@
 
 use super::binary::Node;
 use super::object_split::sortable;
+use super::spatial_bound::may_gain;
 use super::split_cost::Weight;
 use crate::geometry::Aabb;
 
@@ -60,10 +61,16 @@ pub(super) struct SpatialSweep {
 }
 
 impl SpatialSweep {
-    /// The spatial split of `nodes`, whose union is `bounds`, of least cost; of equal ones the first by axis,
-    /// then by plane.
-    pub fn best(&mut self, nodes: &[Node], bounds: Aabb, weight: Weight) -> SpatialSplit {
-        (0..3).fold(SpatialSplit::NONE, |best, axis| {
+    /// The spatial split of `nodes`, whose union is `bounds`, of least cost, if that is below `limit`; of equal
+    /// ones the first by axis, then by plane.
+    pub fn below(&mut self, limit: f32, nodes: &[Node], bounds: Aabb, weight: Weight) -> SpatialSplit {
+        let axes = may_gain(nodes, bounds, weight, limit);
+        let best = self.best(nodes, bounds, weight, axes);
+        if best.cost < limit { best } else { SpatialSplit::NONE }
+    }
+
+    fn best(&mut self, nodes: &[Node], bounds: Aabb, weight: Weight, axes: [bool; 3]) -> SpatialSplit {
+        (0..3).filter(|&axis| axes[axis]).fold(SpatialSplit::NONE, |best, axis| {
             let candidate = self.best_along(axis, nodes, bounds, weight);
             if candidate.cost < best.cost { candidate } else { best }
         })
@@ -194,7 +201,7 @@ mod tests {
     #[test]
     fn the_sweep_finds_what_the_definition_says() {
         let (long, bounds) = nodes(&[[0., 10.], [0., 1.], [9., 10.], [5., 5.], [0., 4.]]);
-        let best = SpatialSweep::default().best(&long, bounds, Weight::Nodes);
+        let best = SpatialSweep::default().best(&long, bounds, Weight::Nodes, [true; 3]);
         assert_eq!(best.cost, by_definition(&long, bounds));
         let mut state = 1u32;
         let mut random = || {
@@ -212,13 +219,19 @@ mod tests {
                 })
                 .collect();
             let bounds = nodes.iter().map(Node::bounds).collect();
-            assert_eq!(SpatialSweep::default().best(&nodes, bounds, Weight::Nodes).cost, by_definition(&nodes, bounds));
+            let best = SpatialSweep::default().best(&nodes, bounds, Weight::Nodes, [true; 3]);
+            assert_eq!(best.cost, by_definition(&nodes, bounds));
+            for share in [0.5, 0.999, 1.0, 1.001, 2.0] {
+                let limit = best.cost * share;
+                let below = SpatialSweep::default().below(limit, &nodes, bounds, Weight::Nodes);
+                assert_eq!(below, if best.cost < limit { best } else { SpatialSplit::NONE });
+            }
         }
     }
 
     #[test]
     fn one_box_has_no_plane() {
         let (nodes, bounds) = nodes(&[[0., 1.]]);
-        assert_eq!(SpatialSweep::default().best(&nodes, bounds, Weight::Nodes), SpatialSplit::NONE);
+        assert_eq!(SpatialSweep::default().best(&nodes, bounds, Weight::Nodes, [true; 3]), SpatialSplit::NONE);
     }
 }

@@ -47,6 +47,9 @@ pub(super) trait TopDown: Sync {
     /// Takes a subtree out of a thread's memory.
     fn lift(&self, part: &Self::Part, scratch: &Self::Scratch) -> Self::Seed;
 
+    /// Brings near what the leaves of a part need; called once before one thread builds it.
+    fn approach(&self, part: &Self::Part, scratch: &Self::Scratch);
+
     /// References below the part, an upper bound where it is clipped.
     fn count(&self, part: &Self::Part) -> u32;
 
@@ -146,6 +149,7 @@ pub(super) fn build<T: TopDown>(
         let mut worker = memory.workers.take();
         let mark = builder.mark(&worker.scratch);
         let part = builder.plant(seed, &mut worker.scratch);
+        builder.approach(&part, &worker.scratch);
         let subtree = task.serial(&part, piece, &mut worker);
         builder.release(&mut worker.scratch, mark);
         memory.workers.put(worker);

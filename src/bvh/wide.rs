@@ -2,7 +2,7 @@
 //! (paper 4.5; leaf model of Table 1's caption).
 
 use crate::geometry::{Aabb, Mesh};
-use glam::Vec3A;
+use glam::{Mat4, Vec3A};
 
 /// Most blocks in one leaf (28 triangles), as in Embree.
 pub const MAX_LEAF_BLOCKS: usize = 7;
@@ -123,14 +123,6 @@ impl<const N: usize> WideNode<N> {
     pub const EMPTY: Self =
         Self { lower: [[f32::INFINITY; N]; 3], upper: [[f32::NEG_INFINITY; N]; 3], links: [Link::EMPTY; N] };
 
-    /// A node of at most `N` children.
-    #[inline]
-    pub fn of(children: &[(Aabb, Link)]) -> Self {
-        let mut node = Self::EMPTY;
-        children.iter().enumerate().for_each(|(slot, &(bounds, link))| node.set(slot, bounds, link));
-        node
-    }
-
     /// Fills `slot`.
     #[inline]
     pub fn set(&mut self, slot: usize, bounds: Aabb, link: Link) {
@@ -156,6 +148,28 @@ impl<const N: usize> WideNode<N> {
     }
 }
 
+impl WideNode<4> {
+    /// A node of at most four children.
+    #[inline]
+    pub fn of(children: &[(Aabb, Link)]) -> Self {
+        let mut boxes = [Aabb::EMPTY; 4];
+        let mut links = [Link::EMPTY; 4];
+        for (slot, &(bounds, link)) in children.iter().enumerate() {
+            boxes[slot] = bounds;
+            links[slot] = link;
+        }
+        Self { lower: transposed(boxes.map(|b| b.min)), upper: transposed(boxes.map(|b| b.max)), links }
+    }
+}
+
+/// The x, the y and the z of four points.
+#[inline]
+fn transposed(points: [Vec3A; 4]) -> [[f32; 4]; 3] {
+    let [a, b, c, d] = points.map(|p| p.extend(0.0));
+    let rows = Mat4::from_cols(a, b, c, d).transpose();
+    [rows.x_axis.to_array(), rows.y_axis.to_array(), rows.z_axis.to_array()]
+}
+
 /// Four triangles in structure-of-arrays form, ready for intersection: first corner and two edges.
 /// Unused lanes hold zeros (never hit) and id [`crate::geometry::Hit::NONE`]; used lanes come first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -179,9 +193,18 @@ impl TriangleBlock {
     /// A block of one to four triangles of `mesh`.
     #[inline]
     pub fn of(mesh: &Mesh, prims: &[u32]) -> Self {
-        let mut block = Self::EMPTY;
-        prims.iter().enumerate().for_each(|(lane, &prim)| block.set(lane, mesh.corners(prim), prim));
-        block
+        let mut corners = [[Vec3A::ZERO; 3]; 4];
+        let mut ids = Self::EMPTY.prims;
+        for (lane, &prim) in prims.iter().enumerate() {
+            corners[lane] = mesh.corners(prim);
+            ids[lane] = prim;
+        }
+        Self {
+            v0: transposed(corners.map(|[a, _, _]| a)),
+            e1: transposed(corners.map(|[a, b, _]| a - b)),
+            e2: transposed(corners.map(|[a, _, c]| c - a)),
+            prims: ids,
+        }
     }
 
     /// Fills `lane`.
