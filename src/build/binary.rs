@@ -109,6 +109,17 @@ impl BinaryTree {
         &self.pairs[node.pair()]
     }
 
+    /// The positions of the references below a node of an LBVH, where they are a run.
+    #[inline]
+    pub fn run(&self, node: &Node) -> std::ops::Range<usize> {
+        let mut first = *node;
+        while !first.is_leaf() {
+            first = self.children(&first)[0];
+        }
+        let start = first.run().start;
+        start..start + node.count as usize
+    }
+
     /// Asks for the children of a node to be brought near: they are likely to be opened soon.
     #[inline]
     pub fn prefetch(&self, node: &Node) {

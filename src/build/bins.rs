@@ -8,8 +8,17 @@ use super::split_cost::Weight;
 use crate::geometry::Aabb;
 use glam::Vec3A;
 
-/// Bins along each axis.
+/// Most bins along each axis.
 const BINS: usize = 32;
+
+/// Bins for `n` nodes: few nodes do not pay for many.
+fn bins_for(n: usize) -> usize {
+    match n {
+        ..=48 => 8,
+        ..=256 => 16,
+        _ => BINS,
+    }
+}
 
 /// The nodes whose centroids lie in one bin.
 #[derive(Clone, Copy)]
@@ -63,12 +72,13 @@ impl Default for Bins {
 impl Bins {
     /// The split of `nodes` of least cost below `limit`, as [`super::object_split::Sweep::best`] has it.
     pub fn best(&mut self, nodes: &[Node], limit: f32, weight: Weight) -> ObjectSplit {
-        self.fill(nodes);
+        let bins = bins_for(nodes.len());
+        self.fill(nodes, bins);
         let mut best = ObjectSplit { cost: limit, ..ObjectSplit::NONE };
         // Between two bins a split's cost is known.
         let mut border = None;
         for axis in 0..3 {
-            for b in 1..BINS {
+            for b in 1..bins {
                 let (left, right) = (&self.before[axis][b], &self.after[axis][b - 1]);
                 if self.bins[axis][b - 1].count == 0 || left.count == 0 || right.count == 0 {
                     continue;
@@ -82,7 +92,7 @@ impl Bins {
             }
         }
         for axis in 0..3 {
-            for b in 0..BINS {
+            for b in 0..bins {
                 // Both sides of a split within the bin hold at least one of its nodes.
                 let bound = self.before[axis][b].cost(1, weight) + self.after[axis][b].cost(1, weight);
                 if self.bins[axis][b].count >= 2 && bound <= best.cost && self.sweep(axis, b, nodes, weight, &mut best)
@@ -103,18 +113,18 @@ impl Bins {
         best
     }
 
-    fn fill(&mut self, nodes: &[Node]) {
+    fn fill(&mut self, nodes: &[Node], bins: usize) {
         let centers: Aabb = nodes.iter().fold(Aabb::EMPTY, |all, node| all.grow(node.bounds().center2()));
         let extent = centers.extent();
         // A flat side has one bin. The factor keeps the last node within the last bin.
-        let scale = Vec3A::splat(BINS as f32 * 0.999) / extent;
+        let scale = Vec3A::splat(bins as f32 * 0.999) / extent;
         let scale = Vec3A::select(scale.cmplt(Vec3A::splat(f32::MAX)), scale, Vec3A::ZERO);
-        self.bins = [[Bin::EMPTY; BINS]; 3];
+        self.bins.iter_mut().for_each(|of_axis| of_axis[..bins].fill(Bin::EMPTY));
         self.bin_of.clear();
         self.bin_of.extend(nodes.iter().map(|node| {
             let bounds = node.bounds();
             let place = (bounds.center2() - centers.min) * scale;
-            let bin_of = place.to_array().map(|x| (x as u32).min(BINS as u32 - 1) as u8);
+            let bin_of = place.to_array().map(|x| (x as u32).min(bins as u32 - 1) as u8);
             for axis in 0..3 {
                 let bin = &mut self.bins[axis][usize::from(bin_of[axis])];
                 bin.bounds = bin.bounds.union(bounds);
@@ -124,12 +134,12 @@ impl Bins {
         }));
         for axis in 0..3 {
             let mut before = Bin::EMPTY;
-            for b in 0..BINS {
+            for b in 0..bins {
                 self.before[axis][b] = before;
                 before = before.union(self.bins[axis][b]);
             }
             let mut after = Bin::EMPTY;
-            for b in (0..BINS).rev() {
+            for b in (0..bins).rev() {
                 self.after[axis][b] = after;
                 after = after.union(self.bins[axis][b]);
             }

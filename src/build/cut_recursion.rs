@@ -2,7 +2,7 @@
 //! How a side is refined is all in which PHR and the method of Hunt et al. differ.
 
 use super::binary::{BinaryTree, Node};
-use super::cut::{Cut, Order, OwnCut, open};
+use super::cut::{Cut, Order, OwnCut, SPACE, open};
 use super::prefetch::warm;
 use super::object_split::{ObjectSplit, Sweep};
 use super::spatial_split::{SpatialSplit, SpatialSweep};
@@ -256,16 +256,25 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
     }
 
     fn leaf(&self, cut: &Cut, prims: &mut Vec<u32>, scratch: &mut Scratch) -> Aabb {
-        let mut bounds = Aabb::EMPTY;
-        for node in &scratch.arena[cut.places()] {
-            self.order.each(self.tree, node, &cut.clip, &mut |reference| {
-                bounds = bounds.union(reference.bounds());
-                let prim = self.order.prim(reference.run().start);
-                // Parts of one triangle may meet in a leaf.
-                if self.order.references.fragments.is_empty() || !prims.contains(&prim) {
-                    prims.push(prim);
-                }
-            });
+        let mut bounds = cut.bounds;
+        let nodes = &scratch.arena[cut.places()];
+        if cut.clip == SPACE {
+            for node in nodes {
+                prims.extend(self.tree.run(node).map(|place| self.order.prim(place)));
+            }
+        } else {
+            bounds = Aabb::EMPTY;
+            for node in nodes {
+                self.order.each(self.tree, node, &cut.clip, &mut |reference| {
+                    bounds = bounds.union(reference.bounds());
+                    prims.push(self.order.prim(reference.run().start));
+                });
+            }
+        }
+        if !self.order.references.fragments.is_empty() {
+            // Parts of one triangle may meet in a leaf.
+            prims.sort_unstable();
+            prims.dedup();
         }
         bounds
     }

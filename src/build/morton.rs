@@ -4,6 +4,8 @@
 //! the scene is flat or long: each bit halves the longest edge of the cell, so that no bit is spent on an axis
 //! along which nothing lies apart.
 
+#![allow(unsafe_code)]
+
 use crate::geometry::Aabb;
 use glam::Vec3A;
 
@@ -60,7 +62,9 @@ impl Quantizer {
     #[inline]
     pub fn code(&self, point: Vec3A) -> u32 {
         let cell = ((point - self.origin) * self.scale).max(Vec3A::ZERO).min(self.last_cell);
-        let [x, y, z] = cell.to_array().map(|c| c as usize);
+        // SAFETY: the cell lies between zero and `last_cell`, below 2^16; a NaN, which a finite point cannot give,
+        // would have become zero.
+        let [x, y, z] = cell.to_array().map(|c| unsafe { c.to_int_unchecked::<i32>() } as usize);
         let [sx, sy, sz] = &*self.spread;
         (sx[0][x & 255] | sx[1][x >> 8]) | (sy[0][y & 255] | sy[1][y >> 8]) | (sz[0][z & 255] | sz[1][z >> 8])
     }

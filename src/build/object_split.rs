@@ -86,6 +86,9 @@ impl Sweep {
     pub fn best(&mut self, nodes: &[Node], bounds: Aabb, weight: Weight) -> ObjectSplit {
         let n = nodes.len();
         let limit = weight.limit(bounds.half_area(), n);
+        if let [a, b] = nodes {
+            return two(a, b, limit);
+        }
         if n <= self.isa.longest() {
             return small_sweep::best(self.isa, nodes, limit, weight);
         }
@@ -121,6 +124,13 @@ impl Sweep {
         }
         if best.left == 0 { ObjectSplit::NONE } else { best }
     }
+}
+
+/// The one split of two nodes.
+fn two(a: &Node, b: &Node, limit: f32) -> ObjectSplit {
+    let cost = a.bounds().half_area() + b.bounds().half_area();
+    let last = usize::from(center(b, 0) < center(a, 0));
+    if cost < limit { ObjectSplit { cost, axis: 0, left: 1, last } } else { ObjectSplit::NONE }
 }
 
 /// Maps a float to an integer of the same order; both zeros to the same.

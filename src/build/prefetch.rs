@@ -9,13 +9,9 @@ use super::references::References;
 /// Brings near the triangles below `node`, which one thread is about to build: their addresses depend on loads
 /// themselves, and here many such are on their way at once.
 pub(super) fn warm(tree: &BinaryTree, keys: &[Key], references: &References<'_>, node: &Node) {
-    let mut first = *node;
-    while !first.is_leaf() {
-        first = tree.children(&first)[0];
-    }
-    let start = first.run().start;
     // In Morton order a subtree is a run; in other trees nearly so.
-    let keys = &keys[start..keys.len().min(start + node.count as usize)];
+    let run = tree.run(node);
+    let keys = &keys[run.start..keys.len().min(run.end)];
     let (triangles, vertices) = (references.mesh.triangles(), references.mesh.padded_vertices());
     for key in keys {
         line(triangles, reference(*key) as usize);

@@ -6,7 +6,7 @@ use super::split_cost::Weight;
 use crate::geometry::Aabb;
 use glam::Vec3A;
 
-/// Bins along each axis.
+/// Most bins along each axis.
 const BINS: usize = 16;
 
 /// The node boundaries within one bin.
@@ -37,12 +37,14 @@ impl Bin {
 /// A plane within a bin has on its left all nodes that begin in bins before, and on its right all that end in
 /// bins after; their boxes, cut at the bin's outermost planes, and their numbers bound the cost from below.
 pub(super) fn may_gain(nodes: &[Node], bounds: Aabb, weight: Weight, limit: f32) -> [bool; 3] {
-    let scale = Vec3A::splat(BINS as f32 * 0.999) / bounds.extent();
+    // Few nodes do not pay for many bins.
+    let used = if nodes.len() <= 48 { BINS / 2 } else { BINS };
+    let scale = Vec3A::splat(used as f32 * 0.999) / bounds.extent();
     let scale = Vec3A::select(scale.cmplt(Vec3A::splat(f32::MAX)), scale, Vec3A::ZERO);
     let mut bins = [[Bin::EMPTY; BINS]; 3];
     let bin_of = |point: Vec3A| {
         // Boxes lie within the bounds; bins are monotone in the coordinate, whatever is rounded.
-        ((point - bounds.min) * scale).to_array().map(|x| (x as usize).min(BINS - 1))
+        ((point - bounds.min) * scale).to_array().map(|x| (x as usize).min(used - 1))
     };
     for node in nodes {
         let b = node.bounds();
@@ -56,12 +58,12 @@ pub(super) fn may_gain(nodes: &[Node], bounds: Aabb, weight: Weight, limit: f32)
             bin.end = (bin.end.0.union(b), bin.end.1 + 1);
         }
     }
-    [0, 1, 2].map(|axis| axis_may_gain(axis, &bins[axis], weight, limit))
+    [0, 1, 2].map(|axis| axis_may_gain(axis, &bins[axis][..used], weight, limit))
 }
 
-fn axis_may_gain(axis: usize, bins: &[Bin; BINS], weight: Weight, limit: f32) -> bool {
+fn axis_may_gain(axis: usize, bins: &[Bin], weight: Weight, limit: f32) -> bool {
     let mut after = [(Aabb::EMPTY, 0u32); BINS];
-    for b in (1..BINS).rev() {
+    for b in (1..bins.len()).rev() {
         after[b - 1] = (after[b].0.union(bins[b].end.0), after[b].1 + bins[b].end.1);
     }
     let mut before = (Aabb::EMPTY, 0u32);
