@@ -1,0 +1,106 @@
+//! The bars that the builders are to clear, and whether a run shows that they do: build and trace time
+//! against Embree's builders, memory, two threads against one.
+
+pub mod growth;
+pub mod judge;
+pub mod list;
+
+use super::grid::{Grid, short};
+use crate::bench::records::Row;
+use growth::growth;
+use judge::{Judge, Judged, is_at_least, is_of_bytes};
+use list::{BARS, Bar, Measure};
+
+/// The bars and the growth of a run and its subfolders; `is_complete` is false where a part was stopped.
+pub fn document(rows: &[Row], is_complete: bool) -> String {
+    let growth = growth(rows);
+    let growth = if growth.is_empty() { growth } else { format!("\n### Growth\n\n{growth}") };
+    bars(rows, is_complete) + &growth
+}
+
+/// The bars alone.
+pub fn bars(rows: &[Row], is_complete: bool) -> String {
+    let judge = Judge::new(rows);
+    let judged: Vec<Judged> = BARS.iter().map(|bar| judge.judge(bar)).collect();
+    let sections: [(&str, fn(&Bar) -> bool); 3] = [
+        ("Build and trace time", |bar| matches!(bar.measure, Measure::Build(_) | Measure::Trace(_))),
+        ("Memory, bytes per triangle", |bar| is_of_bytes(bar.measure)),
+        ("Build time, one thread against two", |bar| bar.measure == Measure::Threads),
+    ];
+    let mut text = String::new();
+    for (title, is_of) in sections {
+        let lines = judged.iter().filter(|judged| is_of(&judged.bar));
+        text += &format!("### {title}\n\n{}\n", grid(lines).markdown());
+    }
+    if !is_complete {
+        text += "**Part of a run: it was stopped before its end.**\n\n";
+    }
+    text + LEGEND + &measured(rows)
+}
+
+const LEGEND: &str = "All trees 4-wide; scenes of more than 100 k triangles (peak of memory: 1 M). build: medians of \
+    warm builds, both sides with equal threads. trace: all recorded rays of all views under embree-grafted, and beside \
+    it under phr. mean: geometric of ratios, arithmetic of bytes. A bar is met if the mean, and the worst scene where \
+    that has a limit, is not beyond it.\n";
+
+fn grid<'a>(lines: impl Iterator<Item = &'a Judged>) -> Grid {
+    let header =
+        ["builder", "figure", "against", "bar", "mean", "under phr", "worst", "in", "limit", "scenes", ""];
+    let mut grid = Grid::new(header);
+    for judged in lines {
+        let Judged { bar, mean, under_phr, worst, .. } = judged;
+        let (figure, against) = names(bar.measure);
+        let show = |value: f64| show(bar.measure, value);
+        let sign = if is_at_least(bar.measure) { '≥' } else { '≤' };
+        let digits = if is_of_bytes(bar.measure) { 0 } else { 2 };
+        let limit =
+            |limit: Option<f64>| limit.map_or_else(String::new, |limit| format!("{sign} {limit:.digits$}"));
+        let scenes = if judged.scenes == judged.of_scenes {
+            judged.scenes.to_string()
+        } else {
+            format!("{} of {}", judged.scenes, judged.of_scenes)
+        };
+        grid.push(vec![
+            bar.builder.into(),
+            figure.into(),
+            against.into(),
+            limit(bar.mean),
+            mean.map_or_else(|| "-".into(), show),
+            under_phr.map_or_else(String::new, show),
+            worst.as_ref().map_or_else(String::new, |worst| show(worst.1)),
+            worst.as_ref().map_or_else(String::new, |worst| worst.0.clone()),
+            limit(bar.worst),
+            scenes,
+            judged.verdict.cell(),
+        ]);
+    }
+    grid
+}
+
+fn names(measure: Measure) -> (&'static str, &'static str) {
+    match measure {
+        Measure::Build(base) => ("build", base),
+        Measure::Trace(base) => ("trace", base),
+        Measure::Peak => ("peak of the build", ""),
+        Measure::Tree => ("finished tree", ""),
+        Measure::Threads => ("1 thread / 2 threads", ""),
+    }
+}
+
+fn show(measure: Measure, value: f64) -> String {
+    if is_of_bytes(measure) { short(value) } else { format!("{value:.3}") }
+}
+
+/// The runs behind the rows: bars that were measured by different programs are not one measurement.
+fn measured(rows: &[Row]) -> String {
+    let mut ids: Vec<&str> = Vec::new();
+    let mut runs: Vec<String> = Vec::new();
+    for row in rows {
+        let Row { run_id, utc, git_rev, threads, rounds, .. } = row;
+        if !ids.contains(&run_id.as_str()) {
+            ids.push(run_id);
+            runs.push(format!("{utc}, revision {git_rev}, threads: {threads}, rounds: {rounds}"));
+        }
+    }
+    format!("\nMeasured: {}.\n", runs.join("; "))
+}
