@@ -334,10 +334,14 @@ fn every_column_and_marker_is_described() {
     for column in text.lines().next().unwrap().split(',') {
         assert!(described.contains(&format!("`{column}`")), "{column}");
     }
-    for marker in ["table", "table1", "means", "scenes", "run", "value"] {
+    for marker in ["table", "table1", "means", "scenes", "run", "value", "bars", "growth", "ablation"] {
         assert!(described.contains(&format!("| `{marker}: ")), "{marker}");
         // What is described is understood: up to the rows, which are not there.
-        let asked = if marker == "value" { "nowhere geometric trace aac" } else { "nowhere" };
+        let asked = match marker {
+            "value" => "nowhere geometric trace aac",
+            "ablation" => "nowhere phr-hq aac",
+            _ => "nowhere",
+        };
         let text = format!("<!-- {marker}: {asked} -->\n<!-- end -->\n");
         let error = readme::regenerate(&text, folder.path()).unwrap_err().to_string();
         assert!(error.contains("nowhere"), "{error}");

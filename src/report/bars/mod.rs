@@ -9,7 +9,7 @@ use super::grid::{Grid, short};
 use crate::bench::records::Row;
 use growth::growth;
 use judge::{Judge, Judged, is_at_least, is_of_bytes};
-use list::{BARS, Bar, Measure};
+use list::{BARS, Measure};
 
 /// The bars and the growth of a run and its subfolders; `is_complete` is false where a part was stopped.
 pub fn document(rows: &[Row], is_complete: bool) -> String {
@@ -22,15 +22,9 @@ pub fn document(rows: &[Row], is_complete: bool) -> String {
 pub fn bars(rows: &[Row], is_complete: bool) -> String {
     let judge = Judge::new(rows);
     let judged: Vec<Judged> = BARS.iter().map(|bar| judge.judge(bar)).collect();
-    let sections: [(&str, fn(&Bar) -> bool); 3] = [
-        ("Build and trace time", |bar| matches!(bar.measure, Measure::Build(_) | Measure::Trace(_))),
-        ("Memory, bytes per triangle", |bar| is_of_bytes(bar.measure)),
-        ("Build time, one thread against two", |bar| bar.measure == Measure::Threads),
-    ];
     let mut text = String::new();
-    for (title, is_of) in sections {
-        let lines = judged.iter().filter(|judged| is_of(&judged.bar));
-        text += &format!("### {title}\n\n{}\n", grid(lines).markdown());
+    for of_section in judged.chunk_by(|a, b| section(a.bar.measure) == section(b.bar.measure)) {
+        text += &format!("### {}\n\n{}\n", section(of_section[0].bar.measure), grid(of_section).markdown());
     }
     if !is_complete {
         text += "**Part of a run: it was stopped before its end.**\n\n";
@@ -43,7 +37,15 @@ const LEGEND: &str = "All trees 4-wide; scenes of more than 100 k triangles (pea
     it under phr. mean: geometric of ratios, arithmetic of bytes. A bar is met if the mean, and the worst scene where \
     that has a limit, is not beyond it.\n";
 
-fn grid<'a>(lines: impl Iterator<Item = &'a Judged>) -> Grid {
+fn section(measure: Measure) -> &'static str {
+    match measure {
+        Measure::Build(_) | Measure::Trace(_) => "Build and trace time",
+        Measure::Peak | Measure::Tree => "Memory, bytes per triangle",
+        Measure::Threads => "Build time, one thread against two",
+    }
+}
+
+fn grid(lines: &[Judged]) -> Grid {
     let header =
         ["builder", "figure", "against", "bar", "mean", "under phr", "worst", "in", "limit", "scenes", ""];
     let mut grid = Grid::new(header);
@@ -102,5 +104,5 @@ fn measured(rows: &[Row]) -> String {
             runs.push(format!("{utc}, revision {git_rev}, threads: {threads}, rounds: {rounds}"));
         }
     }
-    format!("\nMeasured: {}.\n", runs.join("; "))
+    if runs.is_empty() { String::new() } else { format!("\nMeasured: {}.\n", runs.join("; ")) }
 }
