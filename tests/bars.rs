@@ -195,7 +195,9 @@ fn what_is_missing_is_not_measured_and_what_failed_is_not_met() {
         },
     );
     assert_eq!(judged(&wrong, "phr-speed", TRACE).verdict, Verdict::Failed("hall".into()));
-    assert!(bars(&wrong, true).contains("not met: failed in hall"));
+    let text = bars(&wrong, true);
+    assert!(text.contains("not met: failed in hall"), "{text}");
+    assert!(text.contains("WRONG HITS: hall phr-speed/4 under phr: ray 7 differs"), "{text}");
     // Nothing at all is still a report.
     let nothing = document(&[], false);
     assert!(nothing.contains("not measured") && nothing.contains("stopped before its end"), "{nothing}");

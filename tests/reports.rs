@@ -109,7 +109,15 @@ fn table_1_has_the_figures_of_the_rows() {
     let expected =
         ["phr-hq", "embree-grafted", "20.0", "20.0", "8.00", "62.5", "20.0", "20.0", "62.5", "8.00"];
     assert_eq!(cells(&text, "## Table 1", "phr-hq"), expected);
-    assert!(text.contains("trace ms: the recorded rays of one view alone"), "{text}");
+    assert!(
+        text.contains("trace ms: the recorded rays alone") && text.contains("of one view, mean of"),
+        "{text}"
+    );
+    // Rows that are sums alone do not tell of how many views.
+    let sums: Vec<Row> = rows().into_iter().filter(Row::is_total).collect();
+    let text = table::document(&sums, true);
+    assert_eq!(cells(&text, "## Table 1", "phr-hq")[4], "16.0");
+    assert!(text.contains("of all views together"), "{text}");
 }
 
 #[test]

@@ -186,8 +186,8 @@ impl<T> Place<T> {
 /// The figures of one scene.
 pub struct SceneFigures<'a> {
     totals: Vec<&'a Row>,
-    /// Views behind a figure that sums over all of them, at least 1.
-    pub views: usize,
+    /// Views behind a figure that sums over all of them; `None` where the rows hold the sums alone.
+    pub views: Option<usize>,
 }
 
 impl<'a> SceneFigures<'a> {
@@ -198,7 +198,8 @@ impl<'a> SceneFigures<'a> {
             of_scene().map(|row| row.view.as_str()).filter(|&view| view != ALL).collect();
         views.sort_unstable();
         views.dedup();
-        Self { totals: of_scene().filter(|row| row.is_total()).collect(), views: views.len().max(1) }
+        let views = Some(views.len()).filter(|&views| views > 0);
+        Self { totals: of_scene().filter(|row| row.is_total()).collect(), views }
     }
 
     /// Rows that sum over views and kinds of rays.

@@ -6,6 +6,7 @@ pub mod judge;
 pub mod list;
 
 use super::grid::{Grid, short};
+use super::table::remarks;
 use crate::bench::records::Row;
 use growth::growth;
 use judge::{Judge, Judged, is_at_least, is_of_bytes};
@@ -29,7 +30,7 @@ pub fn bars(rows: &[Row], is_complete: bool) -> String {
     if !is_complete {
         text += "**Part of a run: it was stopped before its end.**\n\n";
     }
-    text + LEGEND + &measured(rows)
+    text + LEGEND + &measured(rows) + &remarks(rows)
 }
 
 const LEGEND: &str = "All trees 4-wide; scenes of more than 100 k triangles (peak of memory: 1 M). build: medians of \
