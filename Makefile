@@ -1,5 +1,9 @@
 # make bench        the table on the built-in scenes, into results/builtin: some minutes on two cores
 # make bench-paper  the same on the paper's nine scenes or their stand-ins, into results/paper-scenes: hours
+# make bench-builders
+#                   what the bars are judged by (`phr bars`), into results/bars: all builders on the files SCENES and
+#                   the built-in scenes with two threads, their builds with one, and their growth over scenes of 1 to
+#                   32 million triangles: some forty minutes on two cores, 16 GiB of memory
 # make test         everything that is checked before a change is taken: formatting, lints, the library
 #                   without any feature, the harness without Embree, all tests and the documentation's examples
 #
@@ -7,15 +11,37 @@
 
 CARGO ?= cargo
 ARGS ?=
+# Scene files of `make bench-builders`, its rounds and pixels.
+SCENES ?= $(wildcard ../shared/scenes/*.ply.zst)
+ROUNDS ?= 3
+SIZE ?= 160
+BARS = results/bars
+# Builders that have bars, and sizes over which they grow.
+BARRED = lbvh|phr-fast|phr-hq|phr-speed|phr-quality|phr-best|embree-[a-z-]+
+GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
+GROWTH = $(foreach size,1 2 4 8 16 32,scalable-$(size)M)
 PACKAGES = libembree-dev libclang-dev
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: bench bench-paper test packages
+.PHONY: bench bench-builders bench-paper test packages
 
 bench: packages
 	$(CARGO) build --release
 	./target/release/phr bench --set builtin $(ARGS)
+
+# The short runs first: what is wrong shows early.
+bench-builders: packages
+	$(CARGO) build --release
+	./target/release/phr bench $(GROWTH) --build-only --filter ' ($(GROWING)) 4 ' \
+		--rounds $(ROUNDS) --threads 2 --out $(BARS)/growth $(ARGS)
+	./target/release/phr bench --set builtin $(SCENES) --build-only --filter ' ($(BARRED)) 4 ' \
+		--rounds $(ROUNDS) --threads 1 --out $(BARS)/threads-1 $(ARGS)
+	./target/release/phr bench --set builtin $(SCENES) --size $(SIZE) \
+		--rounds $(ROUNDS) --threads 2 --out $(BARS) $(ARGS)
+	./target/release/phr plot $(BARS)
+	./target/release/phr plot $(BARS)/growth
+	./target/release/phr bars $(BARS)
 
 bench-paper: packages
 	$(CARGO) build --release

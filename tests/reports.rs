@@ -109,7 +109,15 @@ fn table_1_has_the_figures_of_the_rows() {
     let expected =
         ["phr-hq", "embree-grafted", "20.0", "20.0", "8.00", "62.5", "20.0", "20.0", "62.5", "8.00"];
     assert_eq!(cells(&text, "## Table 1", "phr-hq"), expected);
-    assert!(text.contains("trace ms: the recorded rays of one view alone"), "{text}");
+    assert!(
+        text.contains("trace ms: the recorded rays alone") && text.contains("of one view, mean of"),
+        "{text}"
+    );
+    // Rows that are sums alone do not tell of how many views.
+    let sums: Vec<Row> = rows().into_iter().filter(Row::is_total).collect();
+    let text = table::document(&sums, true);
+    assert_eq!(cells(&text, "## Table 1", "phr-hq")[4], "16.0");
+    assert!(text.contains("of all views together"), "{text}");
 }
 
 #[test]
@@ -334,10 +342,14 @@ fn every_column_and_marker_is_described() {
     for column in text.lines().next().unwrap().split(',') {
         assert!(described.contains(&format!("`{column}`")), "{column}");
     }
-    for marker in ["table", "table1", "means", "scenes", "run", "value"] {
+    for marker in ["table", "table1", "means", "scenes", "run", "value", "bars", "growth", "ablation"] {
         assert!(described.contains(&format!("| `{marker}: ")), "{marker}");
         // What is described is understood: up to the rows, which are not there.
-        let asked = if marker == "value" { "nowhere geometric trace aac" } else { "nowhere" };
+        let asked = match marker {
+            "value" => "nowhere geometric trace aac",
+            "ablation" => "nowhere phr-hq aac",
+            _ => "nowhere",
+        };
         let text = format!("<!-- {marker}: {asked} -->\n<!-- end -->\n");
         let error = readme::regenerate(&text, folder.path()).unwrap_err().to_string();
         assert!(error.contains("nowhere"), "{error}");

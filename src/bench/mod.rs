@@ -5,6 +5,7 @@ mod book;
 pub mod contender;
 pub mod embree_side;
 pub mod environment;
+pub mod folder;
 pub mod load;
 pub mod measure;
 pub mod plan;

@@ -59,7 +59,12 @@ pub enum Source {
     File(PathBuf),
     /// A generator, by name.
     Generated(&'static str),
+    /// The generated scene of any size, by its triangles.
+    Scalable(usize),
 }
+
+/// Seed of the scenes of any size: one of a size, so that its name says which.
+const SCALABLE_SEED: u64 = 1;
 
 /// A scene to be run.
 #[derive(Clone, Debug)]
@@ -81,6 +86,10 @@ impl PlannedScene {
         let path = Path::new(name);
         if let Some(generator) = scene::generator(name).filter(|_| !path.is_file()) {
             return Ok(Self::generated(generator));
+        }
+        if let Some(triangles) = scene::scalable_triangles(name).filter(|_| !path.is_file()) {
+            let name = scene::scalable_name(triangles);
+            return Ok(Self { name, source: Source::Scalable(triangles), triangles });
         }
         if path.is_dir() {
             return Err(PlanError::Directory(path.to_owned()));
@@ -111,6 +120,7 @@ impl PlannedScene {
         match &self.source {
             Source::File(path) => format!("file {}", path.file_name().unwrap_or_default().to_string_lossy()),
             Source::Generated(name) => format!("generated: {name}"),
+            Source::Scalable(_) => format!("generated: {}", self.name),
         }
     }
 
@@ -125,6 +135,7 @@ impl PlannedScene {
                 || unreachable!("{name} was found when the plan was made"),
                 scene::Generator::generate,
             )),
+            Source::Scalable(triangles) => Ok(scene::scalable(*triangles, SCALABLE_SEED)),
         }
     }
 }
@@ -345,6 +356,16 @@ mod tests {
         let of_one = format!("^{} .*phr-fast 4 phr", names[1]);
         assert_eq!(lines(Some(&of_one)).len(), 1);
         assert!(lines(Some("nothing")).is_empty());
+    }
+
+    #[test]
+    fn scenes_of_any_size_are_found_by_name_once() {
+        let scene = PlannedScene::find("scalable-2k").unwrap();
+        assert_eq!((scene.triangles, scene.load().unwrap().mesh.len()), (2000, 2000));
+        assert_eq!(scene.load().unwrap().name, scene.name);
+        let twice = Plan::new(&request(&["scalable-1M", "scalable-1000k"], None));
+        assert!(matches!(twice, Err(PlanError::SameName(name)) if name == "scalable-1M"));
+        assert!(matches!(PlannedScene::find("scalable-2G"), Err(PlanError::NoSuchScene(_))));
     }
 
     #[test]

@@ -1,12 +1,15 @@
 //! The command line: one file per verb. Bad input ends in one line on stderr and exit code 2, wrong hits and
 //! failed checks in exit code 1, an undecided comparison in 3, Ctrl-C in 130.
 
+mod ablation;
+mod bars;
 mod bench;
 mod build;
 mod compare;
 mod plot;
 mod progress;
 mod readme;
+mod reduce;
 mod render;
 mod scenes;
 mod table;
@@ -35,7 +38,10 @@ enum Verb {
     Scenes(scenes::Arguments),
     Table(table::Arguments),
     Plot(plot::Arguments),
+    Bars(bars::Arguments),
+    Ablation(ablation::Arguments),
     Compare(compare::Arguments),
+    Reduce(reduce::Arguments),
     Readme(readme::Arguments),
 }
 
@@ -81,6 +87,9 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Scenes(arguments) => scenes::run(arguments),
         Verb::Table(arguments) => table::run(arguments),
         Verb::Plot(arguments) => plot::run(arguments),
+        Verb::Bars(arguments) => bars::run(arguments),
+        Verb::Ablation(arguments) => ablation::run(arguments),
+        Verb::Reduce(arguments) => reduce::run(arguments),
         Verb::Compare(arguments) => compare::run(arguments),
         Verb::Readme(arguments) => readme::run(arguments),
     };

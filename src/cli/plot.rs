@@ -9,7 +9,8 @@ use std::path::PathBuf;
 /// Pixels of a PNG for each of the drawing's.
 const SCALE: f32 = 2.0;
 
-/// Draw Figure 6 of a results folder, build time against trace time, as SVG and PNG: averaged and by scene
+/// Draw the figures of a results folder as SVG and PNG: Figure 6, build time against trace time, averaged and by
+/// scene; growth, where it has scalable scenes
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Results folder, or a rows.csv
@@ -34,7 +35,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if drawings.is_empty() {
         let results = arguments.results.display();
         return Err(Failure::Bad(format!(
-            "{results}: no tree was traced beside Embree SAH under {}; run `phr bench` with embree-sah",
+            "{results}: no tree was traced beside Embree SAH under {}, nor built in two scalable scenes; run `phr bench` \
+             with embree-sah, or scalable-1M scalable-2M",
             under.name()
         )));
     }

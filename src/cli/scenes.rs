@@ -4,7 +4,7 @@ use super::{Failure, say};
 use crate::report::grid::Grid;
 use crate::scene;
 
-/// List the generated scenes: the built-in set and the stand-ins for the paper's nine
+/// List the generated scenes: the built-in set, the stand-ins for the paper's nine, and those of any size
 #[derive(Debug, clap::Args)]
 pub struct Arguments {}
 
@@ -28,5 +28,9 @@ pub fn run(_: &Arguments) -> Result<(), Failure> {
             ]);
         }
     }
-    say(&paper.markdown())
+    say(&(paper.markdown() + "\n"))?;
+    let mut scalable = Grid::new(["of any size", "triangles", "what it is"]);
+    let about = "statues, hair, trees, furniture, pipes and houses; more triangles are more of them";
+    scalable.push(vec!["scalable-N, as in scalable-500k, scalable-32M".into(), "N".into(), about.into()]);
+    say(&scalable.markdown())
 }

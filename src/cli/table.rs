@@ -1,9 +1,8 @@
 //! `phr table`: the table of a run, from its CSV.
 
 use super::{Failure, say};
-use crate::bench::environment::{ENVIRONMENT, Environment, State};
+use crate::bench::folder;
 use crate::bench::records::{self, Row};
-use crate::bench::samples::read_json;
 use crate::report::figures::Under;
 use crate::report::table;
 use std::path::PathBuf;
@@ -23,10 +22,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let rows = records::read(&arguments.results)?;
     let under = under(arguments.kernel.as_deref(), &rows)?;
-    // A lone CSV tells of unfinished cells by its warnings; the environment tells of missing ones too.
-    let environment = arguments.results.join(ENVIRONMENT);
-    let complete = !environment.is_file()
-        || read_json::<Environment>(&environment).map_or(true, |found| found.state == State::Complete);
+    let complete = folder::is_complete(folder::environment(&arguments.results)?.as_ref());
     say(&table::document_under(&rows, complete, &under))
 }
 

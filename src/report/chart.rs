@@ -16,6 +16,19 @@ const FRAME: &str = "#b3b3b3";
 /// Keeps lines from running through a text.
 const HALO: &str = " stroke=\"#ffffff\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
 
+/// Size of the texts below a title.
+pub const SMALL: f64 = 13.0;
+
+/// A sheet with a title and lines that say what was measured and how.
+pub fn sheet((width, height): (f64, f64), title: &str, about: &[&str]) -> Svg {
+    let mut svg = Svg::new(width, height, title);
+    svg.text((20.0, 30.0), Anchor::Start, 17.0, INK, title, " font-weight=\"bold\"");
+    for (line, text) in about.iter().enumerate() {
+        svg.text((20.0, 51.0 + 18.0 * line as f64), Anchor::Start, SMALL, INK, text, "");
+    }
+    svg
+}
+
 /// A point of a panel.
 #[derive(Clone, Debug)]
 pub struct Point {
@@ -52,9 +65,14 @@ pub struct Range {
 }
 
 impl Range {
-    /// The range of some points, with a margin.
+    /// The range of some points and of 1, which ratios are compared with, with a margin.
     pub fn of<'a>(points: impl IntoIterator<Item = &'a Point>) -> Self {
-        let mut range = Self { x: (1.0, 1.0), y: (1.0, 1.0) };
+        Self::from((1.0, 1.0), points)
+    }
+
+    /// The range of `first` and some points, with a margin.
+    pub fn from<'a>((x, y): (f64, f64), points: impl IntoIterator<Item = &'a Point>) -> Self {
+        let mut range = Self { x: (x, x), y: (y, y) };
         for Point { at: (x, y), .. } in points {
             range.x = (range.x.0.min(*x), range.x.1.max(*x));
             range.y = (range.y.0.min(*y), range.y.1.max(*y));

@@ -1,33 +1,21 @@
 //! Figure 6 of the paper from a run: build time against trace time, relative to Embree SAH, with the Pareto
 //! front; averaged over the scenes, and a panel per scene. The paper's points stand beside ours.
 
-use super::chart::{DASHES, Front, GREY, INK, Panel, Point, Range};
+use super::chart::{DASHES, Front, GREY, INK, Panel, Point, Range, SMALL, sheet};
+use super::family::style;
 use super::figures::{BASELINE, Figure, SceneFigures, Under, WIDTH, scenes, trees};
 use super::labels::Rect;
 use super::means::Ratios;
 use super::paper;
 use super::pareto::front;
 use super::raster::text_width;
-use super::svg::{Anchor, Shape, Svg};
+use super::svg::{Anchor, Svg};
 use crate::bench::records::Row;
 
 /// Panels side by side.
 const ABREAST: usize = 3;
 const OUR_FRONT: &str = "#4d4d4d";
 const PAPER_FRONT: &str = "#c4c4c4";
-/// Size of the texts below the title.
-const SMALL: f64 = 13.0;
-
-/// Shape and colour by family; colours after Okabe and Ito, told apart by colour-blind readers too.
-fn style(builder: &str) -> (Shape, &'static str) {
-    match builder {
-        name if name.starts_with("embree") => (Shape::Circle, "#0072b2"),
-        name if name.starts_with("phr") => (Shape::Up, "#d55e00"),
-        name if name.starts_with("hunt") => (Shape::Square, "#009e73"),
-        name if name.starts_with("aac") => (Shape::Diamond, "#cc79a7"),
-        _ => (Shape::Down, "#000000"),
-    }
-}
 
 fn our_point(builder: &str, at: (f64, f64), label: String) -> Point {
     let (shape, colour) = style(builder);
@@ -89,7 +77,7 @@ pub fn averaged(rows: &[Row], under: &Under) -> Option<String> {
     let panel = Panel { axes: axes(), ..panel(String::new(), ours, papers, 13.0) };
     let noun = if count == 1 { "scene" } else { "scenes" };
     let means = format!("arithmetic means of {count} {noun}");
-    let mut svg = sheet((820.0, 660.0), rows, under, &means, true);
+    let mut svg = with_key((820.0, 660.0), rows, under, &means, true);
     panel.draw(&mut svg, Rect { x: 78.0, y: 114.0, width: 716.0, height: 476.0 });
     Some(svg.finish())
 }
@@ -106,7 +94,7 @@ pub fn by_scene(rows: &[Row], under: &Under) -> Option<String> {
     let (inside, pitch, left, top) = ((330.0, 250.0), (372.0, 312.0), 70.0, 130.0);
     let size = (left + abreast.max(2) as f64 * pitch.0, top + lines as f64 * pitch.1 + 16.0);
     let has_papers = panels.iter().any(|panel| panel.points.iter().any(|point| point.is_hollow));
-    let mut svg = sheet(size, rows, under, "each scene by itself", has_papers);
+    let mut svg = with_key(size, rows, under, "each scene by itself", has_papers);
     let count = panels.len();
     for (index, panel) in panels.iter_mut().enumerate() {
         let (column, line) = (index % ABREAST, index / ABREAST);
@@ -146,14 +134,11 @@ fn of_scene(rows: &[Row], name: &str, under: &Under) -> Option<Panel> {
 }
 
 /// A sheet with title, what was measured and how, and the key; `has_papers` if it shows points of the paper.
-fn sheet((width, height): (f64, f64), rows: &[Row], under: &Under, means: &str, has_papers: bool) -> Svg {
+fn with_key(size: (f64, f64), rows: &[Row], under: &Under, means: &str, has_papers: bool) -> Svg {
     let title = "Build time against trace time, relative to Embree SAH at width 4";
-    let mut svg = Svg::new(width, height, title);
-    svg.text((20.0, 30.0), Anchor::Start, 17.0, INK, title, " font-weight=\"bold\"");
     let threads = rows.first().map_or(0, |row| row.threads);
     let about = format!("{means}, {threads} threads, both axes logarithmic");
-    svg.text((20.0, 51.0), Anchor::Start, SMALL, INK, &about, "");
-    svg.text((20.0, 69.0), Anchor::Start, SMALL, INK, &format!("traces: {}", under.about()), "");
+    let mut svg = sheet(size, title, &[&about, &format!("traces: {}", under.about())]);
     let end = key(&mut svg, 26.0, false, "this run and its front");
     if has_papers {
         key(&mut svg, end + 30.0, true, "the paper (16 threads, Embree 2.11, frame times) and its front");

@@ -111,6 +111,11 @@ pub fn scenes(rows: &[Row]) -> Vec<String> {
     names
 }
 
+/// A copy of those rows that `keep` picks, for figures of a part of what was measured.
+pub fn only(rows: &[Row], keep: impl Fn(&Row) -> bool) -> Vec<Row> {
+    rows.iter().filter(|row| keep(row)).cloned().collect()
+}
+
 /// The trees of `rows`, in the table's order.
 pub fn trees<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Vec<Tree<'a>> {
     let mut trees: Vec<Tree<'a>> = rows.into_iter().map(|row| (row.builder.as_str(), row.width)).collect();
@@ -131,6 +136,8 @@ pub enum Figure {
     Build,
     /// SAH cost.
     Cost,
+    /// End-point overlap.
+    Overlap,
     /// Time of the whole path-traced frame.
     Frame,
     /// Time for the recorded rays alone.
@@ -179,8 +186,8 @@ impl<T> Place<T> {
 /// The figures of one scene.
 pub struct SceneFigures<'a> {
     totals: Vec<&'a Row>,
-    /// Views behind a figure that sums over all of them, at least 1.
-    pub views: usize,
+    /// Views behind a figure that sums over all of them; `None` where the rows hold the sums alone.
+    pub views: Option<usize>,
 }
 
 impl<'a> SceneFigures<'a> {
@@ -191,7 +198,8 @@ impl<'a> SceneFigures<'a> {
             of_scene().map(|row| row.view.as_str()).filter(|&view| view != ALL).collect();
         views.sort_unstable();
         views.dedup();
-        Self { totals: of_scene().filter(|row| row.is_total()).collect(), views: views.len().max(1) }
+        let views = Some(views.len()).filter(|&views| views > 0);
+        Self { totals: of_scene().filter(|row| row.is_total()).collect(), views }
     }
 
     /// Rows that sum over views and kinds of rays.
@@ -241,22 +249,24 @@ impl<'a> SceneFigures<'a> {
         let traced = || self.trace(tree, under.kernel_of(tree.0));
         match figure {
             Figure::Build => self.build(tree).and_then(Row::build_ms),
-            Figure::Cost => self.build(tree).and_then(|row| row.sah).and_then(|cost| Some(exact(cost))),
+            Figure::Cost => self.build(tree).and_then(|row| row.sah.map(exact)),
+            Figure::Overlap => self.build(tree).and_then(|row| row.epo.map(exact)),
             Figure::Frame => traced().and_then(Row::frame_ms),
             Figure::Trace => traced().and_then(Row::trace_ms),
         }
     }
 
-    /// A figure of a tree relative to Embree SAH, which is taken under the same choice of kernel. `None` too
-    /// where that has none: a ratio to nothing is no figure.
+    /// A figure of a tree relative to Embree SAH, see [`SceneFigures::ratio_to`].
     pub fn ratio(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Option<Ratio> {
-        let (a, b) =
-            (self.figure(tree, figure, under).value()?, self.figure(BASELINE, figure, under).value()?);
-        Some(if tree == BASELINE {
-            Ratio { value: 1.0, low: 1.0, high: 1.0 }
-        } else {
-            Ratio::propagated(&a, &b)
-        })
+        self.ratio_to(BASELINE, tree, figure, under)
+    }
+
+    /// A figure of a tree relative to that of `base`, which is taken under the same choice of kernel. `None`
+    /// too where that has none: a ratio to nothing is no figure.
+    pub fn ratio_to(&self, base: Tree<'_>, tree: Tree<'_>, figure: Figure, under: &Under) -> Option<Ratio> {
+        let of = |tree| self.figure(tree, figure, under).value();
+        let (a, b) = (of(tree)?, of(base).filter(|b| b.median > 0.0)?);
+        Some(if tree == base { Ratio { value: 1.0, low: 1.0, high: 1.0 } } else { Ratio::propagated(&a, &b) })
     }
 }
 

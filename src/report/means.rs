@@ -1,7 +1,9 @@
 //! Means over scenes of the figures relative to Embree SAH, beside the paper's: arithmetic as in its
 //! Figure 6, and geometric, which is the right one for ratios. The worst scene is named.
 
-use super::figures::{Figure, NATIVE, OWN, SceneFigures, Tree, Under, kernels, scenes, tree_name, trees};
+use super::figures::{
+    BASELINE, Figure, NATIVE, OWN, SceneFigures, Tree, Under, kernels, scenes, tree_name, trees,
+};
 use super::grid::Grid;
 use super::paper;
 use crate::bench::records::Row;
@@ -12,9 +14,15 @@ use crate::bench::statistics::{arithmetic_mean, geometric_mean};
 pub struct Ratios(pub Vec<(String, f64)>);
 
 impl Ratios {
-    /// Those of a run; scenes without the figure, for the tree or for Embree SAH, are left out.
+    /// Those of a run to Embree SAH, see [`Ratios::to`].
     pub fn of(rows: &[Row], tree: Tree<'_>, figure: Figure, under: &Under) -> Self {
-        let ratio = |name: &str| Some(SceneFigures::of(rows, name).ratio(tree, figure, under)?.value);
+        Self::to(BASELINE, rows, tree, figure, under)
+    }
+
+    /// Those of a run to `base`; scenes without the figure, for the tree or for `base`, are left out.
+    pub fn to(base: Tree<'_>, rows: &[Row], tree: Tree<'_>, figure: Figure, under: &Under) -> Self {
+        let ratio =
+            |name: &str| Some(SceneFigures::of(rows, name).ratio_to(base, tree, figure, under)?.value);
         Self(scenes(rows).into_iter().filter_map(|name| ratio(&name).map(|value| (name, value))).collect())
     }
 
@@ -35,6 +43,11 @@ impl Ratios {
     /// The mean for ratios.
     pub fn geometric(&self) -> Option<f64> {
         geometric_mean(&self.values())
+    }
+
+    /// The least, with its scene.
+    pub fn least(&self) -> Option<&(String, f64)> {
+        self.0.iter().reduce(|least, other| if other.1 < least.1 { other } else { least })
     }
 
     /// The greatest, with its scene.

@@ -1,11 +1,15 @@
 //! Reports made from the records of a run: tables and figures.
 
+pub mod ablation;
+pub mod bars;
 pub mod chart;
 pub mod compare;
 pub mod details;
+pub mod family;
 pub mod figure6;
 pub mod figures;
 pub mod grid;
+pub mod growth_plot;
 pub mod labels;
 pub mod means;
 pub mod paper;

@@ -24,12 +24,13 @@ pub struct PaperRow {
 }
 
 impl PaperRow {
-    /// A figure. The paper's only trace time is that of frames.
-    fn figure(&self, figure: Figure) -> f64 {
+    /// A figure, if the table has it. Its only trace time is that of frames.
+    fn figure(&self, figure: Figure) -> Option<f64> {
         match figure {
-            Figure::Build => self.build_ms,
-            Figure::Cost => self.sah_cost,
-            Figure::Frame | Figure::Trace => self.frame_ms,
+            Figure::Build => Some(self.build_ms),
+            Figure::Cost => Some(self.sah_cost),
+            Figure::Frame | Figure::Trace => Some(self.frame_ms),
+            Figure::Overlap => None,
         }
     }
 }
@@ -65,7 +66,7 @@ pub fn ratios(builder: &str, figure: Figure) -> Vec<(String, f64)> {
     let own = rows.iter().filter(|row| row.builder == *name);
     own.filter_map(|row| {
         let baseline = of("Embree SAH", &row.scene)?;
-        Some((row.scene.clone(), row.figure(figure) / baseline.figure(figure)))
+        Some((row.scene.clone(), row.figure(figure)? / baseline.figure(figure)?))
     })
     .collect()
 }

@@ -1,8 +1,8 @@
 //! All figures that are drawn from the rows of a run. A figure is a function from rows to SVG; a new one is
 //! a module of its own and a line here.
 
-use super::figure6;
 use super::figures::Under;
+use super::{figure6, growth_plot};
 use crate::bench::records::Row;
 
 /// A drawn figure.
@@ -16,7 +16,10 @@ pub struct Drawing {
 
 /// The figures for which `rows` have points.
 pub fn figures(rows: &[Row], under: &Under) -> Vec<Drawing> {
-    let all =
-        [("figure6", figure6::averaged(rows, under)), ("figure6-scenes", figure6::by_scene(rows, under))];
+    let all = [
+        ("figure6", figure6::averaged(rows, under)),
+        ("figure6-scenes", figure6::by_scene(rows, under)),
+        ("growth", growth_plot::growth(rows)),
+    ];
     all.into_iter().filter_map(|(name, svg)| Some(Drawing { name, svg: svg? })).collect()
 }

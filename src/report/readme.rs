@@ -1,18 +1,31 @@
 //! Figures within Markdown files, made from committed rows: what stands between two markers is generated, so
 //! that a check can tell whether a text still says what the rows say. `results/README.md` has the markers.
 
-use super::details;
 use super::figures::{Figure, Under, WIDTH, scenes};
 use super::means::{Ratios, means};
 use super::table::{document_under, heading, remarks};
 use super::table1::table1;
-use crate::bench::environment::{ENVIRONMENT, Environment, State};
+use super::{ablation, bars, details};
+use crate::bench::environment::{Environment, State};
+use crate::bench::folder;
 use crate::bench::records::{self, RecordsError, Row};
-use crate::bench::samples::read_json;
 use std::path::Path;
 
 const END: &str = "<!-- end -->";
-const KINDS: [&str; 6] = ["table", "table1", "means", "scenes", "run", "value"];
+/// What markers ask for, each with the words that follow; `...` stands for more of the last.
+const KINDS: [(&str, &str); 9] = [
+    ("table", "RESULTS"),
+    ("table1", "RESULTS"),
+    ("means", "RESULTS"),
+    ("scenes", "RESULTS"),
+    ("run", "RESULTS"),
+    ("value", "RESULTS MEAN FIGURE BUILDER"),
+    ("bars", "RESULTS..."),
+    ("growth", "RESULTS"),
+    ("ablation", "RESULTS BASE BUILDER..."),
+];
+/// Kinds that say themselves which kernels they are of.
+const OF_FIXED_KERNELS: [&str; 3] = ["bars", "growth", "ablation"];
 
 /// Why a text cannot be regenerated.
 #[derive(Debug, thiserror::Error)]
@@ -79,7 +92,8 @@ fn inline(mut rest: &str, line: usize, folder: &Path) -> Result<(String, usize),
         rest = &rest[after..];
         let Some(marker) = Marker::of(comment, line)? else {
             if comment == END {
-                let reason = format!("{END} without a beginning; there are {}", KINDS.join(", "));
+                let kinds = KINDS.map(|kind| kind.0).join(", ");
+                let reason = format!("{END} without a beginning; there are {kinds}");
                 return Err(ReadmeError::Marker { line, reason });
             }
             continue;
@@ -110,9 +124,9 @@ impl<'a> Marker<'a> {
         let inside = comment.strip_prefix("<!--").and_then(|rest| rest.strip_suffix("-->"));
         let Some((kind, words)) = inside.and_then(|inside| inside.split_once(':')) else { return Ok(None) };
         let kind = kind.trim();
-        if !KINDS.contains(&kind) || words.contains("<!--") {
+        let Some((_, usage)) = KINDS.iter().find(|known| known.0 == kind && !words.contains("<!--")) else {
             return Ok(None);
-        }
+        };
         let mut words: Vec<&str> = words.split_whitespace().collect();
         let kernel = words.iter().position(|word| *word == "--kernel").map(|at| {
             let kernel = words.get(at + 1).copied();
@@ -120,10 +134,12 @@ impl<'a> Marker<'a> {
             kernel
         });
         let marker = Self { kind, words, kernel: kernel.flatten(), line };
-        let needs_words = if kind == "value" { 4 } else { 1 };
-        if marker.words.len() != needs_words || kernel == Some(None) {
-            let usage = if kind == "value" { "RESULTS MEAN FIGURE BUILDER" } else { "RESULTS" };
-            return Err(marker.wrong(format!("write <!-- {kind}: {usage} [--kernel KERNEL] -->")));
+        let needed = usage.split(' ').count();
+        let has_words = marker.words.len() == needed || usage.ends_with("...") && marker.words.len() > needed;
+        let takes_kernel = !OF_FIXED_KERNELS.contains(&kind);
+        if !has_words || kernel.is_some_and(|name| name.is_none() || !takes_kernel) {
+            let option = if takes_kernel { " [--kernel KERNEL]" } else { "" };
+            return Err(marker.wrong(format!("write <!-- {kind}: {usage}{option} -->")));
         }
         Ok(Some(marker))
     }
@@ -133,6 +149,31 @@ impl<'a> Marker<'a> {
     }
 
     fn content(&self, folder: &Path) -> Result<String, ReadmeError> {
+        match self.kind {
+            "bars" => {
+                let (rows, is_complete) = self.read_all(&self.words, folder)?;
+                Ok(bars::bars(&rows, is_complete))
+            }
+            "growth" => {
+                let growth = bars::growth::growth(&self.read_all(&self.words, folder)?.0);
+                if growth.is_empty() {
+                    return Err(
+                        self.wrong("the rows have no scalable scene; run `phr bench scalable-1M ...`".into())
+                    );
+                }
+                Ok(growth)
+            }
+            _ => self.of_one_run(folder),
+        }
+    }
+
+    /// The rows of some results folders and their subfolders, and whether all runs were finished.
+    fn read_all(&self, results: &[&str], folder: &Path) -> Result<(Vec<Row>, bool), ReadmeError> {
+        let paths: Vec<_> = results.iter().map(|results| folder.join(results)).collect();
+        folder::read_all(&paths).map_err(|source| ReadmeError::Records { line: self.line, source })
+    }
+
+    fn of_one_run(&self, folder: &Path) -> Result<String, ReadmeError> {
         let results = folder.join(self.words[0]);
         let records = |source| ReadmeError::Records { line: self.line, source };
         let rows = records::read(&results).map_err(records)?;
@@ -140,10 +181,12 @@ impl<'a> Marker<'a> {
             Some(name) => Under::by_name(name, &rows).map_err(|reason| self.wrong(reason))?,
             None => Under::best(&rows),
         };
-        let environment = results.join(ENVIRONMENT);
-        let environment = environment.is_file().then(|| read_json::<Environment>(&environment));
-        let environment = environment.transpose().map_err(records)?;
-        let is_complete = environment.as_ref().is_none_or(|found| found.state == State::Complete);
+        if self.kind == "ablation" {
+            let told = |reason| self.wrong(reason);
+            return ablation::ablation(&rows, self.words[1], &self.words[2..]).map_err(told);
+        }
+        let environment = folder::environment(&results).map_err(records)?;
+        let is_complete = folder::is_complete(environment.as_ref());
         Ok(match self.kind {
             // Headings are those of the text around.
             "table1" => without_title(&table1(&rows, &under)) + &remarks(&rows),

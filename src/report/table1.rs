@@ -15,15 +15,19 @@ pub fn table1(rows: &[Row], under: &Under) -> String {
     let of_scenes: Vec<(&str, SceneFigures<'_>)> =
         names.iter().map(|name| (name.as_str(), SceneFigures::of(rows, name))).collect();
     let time = time_shown(&of_scenes, &trees, under);
+    // A column means one thing: reduced rows do not tell of how many views they are the sums.
+    let is_traced = |scene: &SceneFigures<'_>| scene.totals().iter().any(|row| row.trace_ms_median.is_some());
+    let is_per_view = of_scenes.iter().all(|(_, scene)| scene.views.is_some() || !is_traced(scene));
     let mut text = format!("## Table 1: trees of width {WIDTH}\n\n");
     for block in of_scenes.chunks(ABREAST) {
-        text += &(self::block(block, &trees, time, under) + "\n");
+        text += &(self::block(block, &trees, (time, is_per_view), under) + "\n");
     }
     let shown = match time {
-        Figure::Frame => "frame ms: a view's whole path-traced frame",
-        _ => "trace ms: the recorded rays of one view alone, without shading (run with --frames for frames)",
+        Figure::Frame => "frame ms: the whole path-traced frame",
+        _ => "trace ms: the recorded rays alone, without shading (run with --frames for frames)",
     };
-    text += &format!("{shown}; mean of the views, medians of rounds. Traces: {}.\n", under.about());
+    let of = if is_per_view { "of one view, mean of the views" } else { "of all views together" };
+    text += &format!("{shown} {of}; medians of rounds. Traces: {}.\n", under.about());
     text + &missing(&of_scenes, &trees, under)
 }
 
@@ -38,7 +42,12 @@ fn time_shown(of_scenes: &[(&str, SceneFigures<'_>)], trees: &[Tree<'_>], under:
     if all_have_frames { Figure::Frame } else { Figure::Trace }
 }
 
-fn block(block: &[(&str, SceneFigures<'_>)], trees: &[Tree<'_>], time: Figure, under: &Under) -> String {
+fn block(
+    block: &[(&str, SceneFigures<'_>)],
+    trees: &[Tree<'_>],
+    (time, is_per_view): (Figure, bool),
+    under: &Under,
+) -> String {
     let mut header = vec!["method".to_owned(), "kernel".into()];
     let mut units = vec![String::new(), String::new()];
     for (name, scene) in block {
@@ -56,7 +65,8 @@ fn block(block: &[(&str, SceneFigures<'_>)], trees: &[Tree<'_>], time: Figure, u
             let figure = |figure| scene.figure(tree, figure, under);
             cells.push(figure(Figure::Build).cell(|build| short(build.median)));
             cells.push(figure(Figure::Cost).cell(|cost| short(cost.median)));
-            cells.push(figure(time).cell(|time| short(time.median / scene.views as f64)));
+            let views = if is_per_view { scene.views.unwrap_or(1) } else { 1 };
+            cells.push(figure(time).cell(|time| short(time.median / views as f64)));
             cells.push(scene.trace(tree, kernel).and_then(|row| row.mrays_s).cell(short));
         }
         grid.push(cells);

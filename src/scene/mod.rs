@@ -21,7 +21,7 @@ mod views;
 pub use catalog::{PaperScene, paper, paper_scene_in};
 #[cfg(feature = "files")]
 pub use error::SceneError;
-pub use generate::{Generator, builtin, generator, generators, scalable};
+pub use generate::{Generator, builtin, generator, generators, scalable, scalable_name, scalable_triangles};
 #[cfg(feature = "files")]
 pub use load::load;
 pub use views::{InvalidView, View, views_around};

@@ -13,6 +13,28 @@ use glam::Vec3;
 const FIELD: f32 = 12.0;
 const PER_FIELD: usize = 60_000;
 
+/// What the names of these scenes begin with; triangles follow, as in `scalable-500k` or `scalable-32M`.
+const PREFIX: &str = "scalable-";
+/// Thousands and millions of triangles in names.
+const UNITS: [(&str, usize); 2] = [("M", 1_000_000), ("k", 1000)];
+
+/// The name of the scene of `triangles`, in the largest unit that needs no fraction.
+pub fn scalable_name(triangles: usize) -> String {
+    let unit = UNITS.into_iter().find(|(_, unit)| triangles > 0 && triangles.is_multiple_of(*unit));
+    let (letter, unit) = unit.unwrap_or(("", 1));
+    format!("{PREFIX}{}{letter}", triangles / unit)
+}
+
+/// How many triangles the scene called `name` has; `None` if none is called so or it would have too many.
+pub fn scalable_triangles(name: &str) -> Option<usize> {
+    let number = name.strip_prefix(PREFIX)?;
+    let in_unit = |(letter, unit)| number.strip_suffix(letter).map(|digits| (digits, unit));
+    let (digits, unit) = UNITS.into_iter().find_map(in_unit).unwrap_or((number, 1));
+    let is_number = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
+    let triangles = digits.parse::<usize>().ok().filter(|_| is_number)?.checked_mul(unit)?;
+    (triangles > 0 && triangles <= Mesh::MAX_TRIANGLES).then_some(triangles)
+}
+
 /// A scene of exactly `triangles` (at most [`Mesh::MAX_TRIANGLES`]); more triangles are more fields of the
 /// same kinds, as in a larger part of the same world.
 pub fn scalable(triangles: usize, seed: u64) -> Scene {
@@ -33,7 +55,7 @@ pub fn scalable(triangles: usize, seed: u64) -> Scene {
         view([0.5 * size, 3.0, -8.0], [0.5 * size, 2.0, 20.0], 60.0),
         view([size + 6.0, 7.0, 0.4 * size], [0.0, 0.0, 0.5 * size], 55.0),
     ];
-    Scene::new(format!("mixed-{triangles}"), mesh, dropped, views, format!("generated, seed {seed}"))
+    Scene::new(scalable_name(triangles), mesh, dropped, views, format!("generated, seed {seed}"))
 }
 
 fn world(layout: &mut Layout, fields: usize) {

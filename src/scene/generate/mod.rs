@@ -16,7 +16,7 @@ mod plant;
 mod random;
 mod statue;
 
-pub use mixed::scalable;
+pub use mixed::{scalable, scalable_name, scalable_triangles};
 
 use super::{Scene, View};
 use crate::geometry::Mesh;
@@ -139,7 +139,33 @@ mod tests {
             assert_eq!(scene.mesh.len(), triangles);
             assert!(scene.views.iter().all(|view| view.check().is_ok()));
         }
+        assert_eq!(scalable(5_000, 7).name, "scalable-5k");
         assert_ne!(scalable(10_000, 1).sha, scalable(10_000, 2).sha);
         assert_eq!(scalable(10_000, 1).sha, scalable(10_000, 1).sha);
+    }
+
+    #[test]
+    fn scenes_of_any_size_go_by_their_size() {
+        for (triangles, name) in [
+            (1, "scalable-1"),
+            (1500, "scalable-1500"),
+            (64_000, "scalable-64k"),
+            (32_000_000, "scalable-32M"),
+        ] {
+            assert_eq!(scalable_name(triangles), name);
+            assert_eq!(scalable_triangles(name), Some(triangles));
+        }
+        assert_eq!(scalable_triangles("scalable-1000k"), Some(1_000_000));
+        let wrong = [
+            "scalable-",
+            "scalable-0",
+            "scalable-M",
+            "scalable-1.5M",
+            "scalable-+1M",
+            "scalable-1m",
+            "rooms",
+        ];
+        assert!(wrong.iter().all(|name| scalable_triangles(name).is_none()));
+        assert_eq!(scalable_triangles("scalable-269M"), None, "more than a mesh may have");
     }
 }

@@ -1,0 +1,28 @@
+//! `phr ablation`: builders relative to one of them.
+
+use super::{Failure, say};
+use crate::bench::records;
+use crate::report::ablation::ablation;
+use std::path::PathBuf;
+
+/// Print build time, SAH cost, EPO and trace time of builders relative to one of them, in the mean and by scene
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Results folder, or a rows.csv
+    results: PathBuf,
+    /// The builder that the others are compared with
+    #[arg(long, value_name = "NAME")]
+    base: String,
+    /// The others
+    #[arg(required = true, value_name = "NAME")]
+    builders: Vec<String>,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let rows = records::read(&arguments.results)?;
+    let names: Vec<&str> = arguments.builders.iter().map(String::as_str).collect();
+    let results = arguments.results.display();
+    let told = |reason| Failure::Bad(format!("{results}: {reason}"));
+    say(&ablation(&rows, &arguments.base, &names).map_err(told)?)
+}

@@ -1,0 +1,22 @@
+//! `phr reduce`: what a repository keeps of a run.
+
+use super::{Failure, say};
+use crate::bench::folder;
+use std::path::PathBuf;
+
+/// Write the sums over views and kinds of rays of a results folder and its subfolders to another: small enough to
+/// be committed
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Results folder
+    results: PathBuf,
+    /// Folder to write rows.csv and environment.json to
+    out: PathBuf,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let written = folder::reduce(&arguments.results, &arguments.out)?;
+    let lines: Vec<String> = written.iter().map(|folder| folder.display().to_string()).collect();
+    say(&lines.join("\n"))
+}

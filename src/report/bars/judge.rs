@@ -1,0 +1,184 @@
+//! From rows to verdicts: what each bar's builder reaches in every scene, and whether that is enough.
+
+use super::list::{Bar, MORE_THAN, MORE_THAN_FOR_PEAK, Measure};
+use crate::bench::records::Row;
+use crate::report::figures::{Figure, GRAFTED, PHR, Place, SceneFigures, Under, WIDTH, only, scenes};
+use crate::report::means::Ratios;
+use crate::scene::scalable_triangles;
+
+/// Whether a bar is reached.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Mean and worst scene are within their limits.
+    Met,
+    /// One of them is not.
+    NotMet,
+    /// The builder failed in this scene.
+    Failed(String),
+    /// The rows do not have it.
+    NotMeasured,
+    /// There is no limit.
+    NoBar,
+}
+
+impl Verdict {
+    /// As a cell.
+    pub fn cell(&self) -> String {
+        match self {
+            Self::Met => "met".into(),
+            Self::NotMet => "not met".into(),
+            Self::Failed(scene) => format!("not met: failed in {scene}"),
+            Self::NotMeasured => "not measured".into(),
+            Self::NoBar => "-".into(),
+        }
+    }
+
+    /// [`Verdict::Met`] or [`Verdict::NotMet`].
+    pub fn of(is_met: bool) -> Self {
+        if is_met { Self::Met } else { Self::NotMet }
+    }
+}
+
+/// A bar with what was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judged {
+    /// The bar.
+    pub bar: Bar,
+    /// Mean over scenes: geometric of ratios, arithmetic of bytes.
+    pub mean: Option<f64>,
+    /// The same mean under our kernel, of traces.
+    pub under_phr: Option<f64>,
+    /// The worst scene and its value.
+    pub worst: Option<(String, f64)>,
+    /// Scenes behind the figures.
+    pub scenes: usize,
+    /// Scenes that could be.
+    pub of_scenes: usize,
+    /// Whether it is reached.
+    pub verdict: Verdict,
+}
+
+/// The rows that bars are judged by.
+pub struct Judge {
+    /// Those of most threads: all but the comparison of threads.
+    main: Vec<Row>,
+    one_thread: Vec<Row>,
+    two_threads: Vec<Row>,
+}
+
+impl Judge {
+    /// Parts the rows of a run: large scenes only, without those that are there to see growth.
+    pub fn new(rows: &[Row]) -> Self {
+        let rows = only(rows, |row| row.triangles > MORE_THAN && scalable_triangles(&row.scene).is_none());
+        let most = rows.iter().map(|row| row.threads).max();
+        let with = |threads| only(&rows, |row| row.is_total() && Some(row.threads) == threads);
+        Self { main: with(most), one_thread: with(Some(1)), two_threads: with(Some(2)) }
+    }
+
+    /// What was measured of `bar`, and the verdict.
+    pub fn judge(&self, bar: &Bar) -> Judged {
+        let names = self.scenes(bar.measure);
+        let (mut values, mut failed) = (Ratios::default(), None);
+        for name in &names {
+            match self.value(bar, name, GRAFTED) {
+                Place::Value(value) => values.0.push((name.clone(), value)),
+                Place::Failed => failed = failed.or(Some(name.clone())),
+                Place::Missing => {}
+            }
+        }
+        let mean = mean(bar.measure, &values);
+        let worst = if is_at_least(bar.measure) { values.least() } else { values.worst() }.cloned();
+        let verdict = match (failed, mean, &worst) {
+            _ if bar.mean.is_none() && bar.worst.is_none() => Verdict::NoBar,
+            (Some(scene), ..) => Verdict::Failed(scene),
+            (None, Some(mean), Some((_, worst))) => {
+                Verdict::of(reaches(bar, mean, bar.mean) && reaches(bar, *worst, bar.worst))
+            }
+            _ => Verdict::NotMeasured,
+        };
+        let scenes = values.0.len();
+        Judged {
+            bar: *bar,
+            mean,
+            under_phr: self.under_phr(bar, &names),
+            worst,
+            scenes,
+            of_scenes: names.len(),
+            verdict,
+        }
+    }
+
+    fn under_phr(&self, bar: &Bar, names: &[String]) -> Option<f64> {
+        let Measure::Trace(_) = bar.measure else { return None };
+        let value = |name: &String| Some((name.clone(), self.value(bar, name, PHR).value()?));
+        Ratios(names.iter().filter_map(value).collect()).geometric()
+    }
+
+    /// Scenes that a measure is of.
+    fn scenes(&self, measure: Measure) -> Vec<String> {
+        match measure {
+            Measure::Peak => scenes(&only(&self.main, |row| row.triangles > MORE_THAN_FOR_PEAK)),
+            Measure::Threads => {
+                let both = scenes(&self.one_thread);
+                scenes(&self.two_threads).into_iter().filter(|name| both.contains(name)).collect()
+            }
+            Measure::Build(_) | Measure::Trace(_) | Measure::Tree => scenes(&self.main),
+        }
+    }
+
+    /// What is measured of the bar's builder in `scene`, traces under `kernel`.
+    fn value(&self, bar: &Bar, scene: &str, kernel: &str) -> Place<f64> {
+        let tree = (bar.builder, WIDTH);
+        let main = SceneFigures::of(&self.main, scene);
+        let under = Under::One(kernel.into());
+        let ratio = |base, figure| {
+            let own = main.figure(tree, figure, &under);
+            own.and_then(|_| Some(main.ratio_to((base, WIDTH), tree, figure, &under)?.value))
+        };
+        let per_triangle = |bytes: fn(&Row) -> Option<u64>| {
+            main.build(tree).and_then(|row| Some(bytes(row)? as f64 / row.triangles as f64))
+        };
+        match bar.measure {
+            Measure::Build(base) => ratio(base, Figure::Build),
+            Measure::Trace(base) => ratio(base, Figure::Trace),
+            Measure::Peak => per_triangle(|row| row.peak_bytes),
+            Measure::Tree => per_triangle(|row| row.bytes),
+            Measure::Threads => {
+                let one = SceneFigures::of(&self.one_thread, scene).build(tree).value();
+                SceneFigures::of(&self.two_threads, scene).build(tree).and_then(|two| {
+                    // Two geometries of one name are two scenes.
+                    let one = one.filter(|one| one.scene_sha == two.scene_sha)?;
+                    Some(one.build_ms_median? / two.build_ms_median?)
+                })
+            }
+        }
+    }
+}
+
+fn mean(measure: Measure, values: &Ratios) -> Option<f64> {
+    if is_of_bytes(measure) { values.arithmetic() } else { values.geometric() }
+}
+
+/// True of bytes per triangle, false of ratios.
+pub fn is_of_bytes(measure: Measure) -> bool {
+    matches!(measure, Measure::Peak | Measure::Tree)
+}
+
+/// True if more is better.
+pub fn is_at_least(measure: Measure) -> bool {
+    measure == Measure::Threads
+}
+
+/// True up to the limit and at it, whatever the last bit of a mean.
+pub fn within(value: f64, limit: f64) -> bool {
+    const ROUNDING: f64 = 1e-9;
+    value <= limit * (1.0 + ROUNDING)
+}
+
+fn reaches(bar: &Bar, value: f64, limit: Option<f64>) -> bool {
+    limit.is_none_or(
+        |limit| {
+            if is_at_least(bar.measure) { within(limit, value) } else { within(value, limit) }
+        },
+    )
+}
