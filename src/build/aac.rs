@@ -60,10 +60,11 @@ impl Builder for Aac {
 
     fn build(&mut self, mesh: &Mesh) -> Build {
         let mut watch = Stopwatch::start();
-        let references = References::whole(mesh);
-        self.order.sort(&references, &mut watch);
+        self.order.sort(mesh, None, &mut watch);
+        let mut all_keys = std::mem::take(&mut self.order.keys);
+        let references = self.order.references(mesh);
         pages::resize(&mut self.tree.pairs, mesh.len().saturating_sub(1), [Node::ZERO; 2]);
-        let keys = &mut self.order.keys;
+        let keys = &mut all_keys[..];
         self.tree.root = if keys.is_empty() {
             None
         } else {
@@ -73,6 +74,8 @@ impl Builder for Aac {
             combine(&mut forest, 0, 1, 0, &mut self.tree.pairs);
             forest.clusters.pop()
         };
+        self.order.keys = all_keys;
+        let references = self.order.references(mesh);
         watch.lap("clusters");
         let collapse = Collapse { tree: &self.tree, keys: &self.order.keys, references };
         let tree = top_down::build(&collapse, collapse.root(), &references, &mut self.memory);

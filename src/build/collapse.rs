@@ -164,8 +164,8 @@ impl Builder for Lbvh {
     }
 
     fn build(&mut self, mesh: &Mesh) -> Build {
-        let references = References::whole(mesh);
-        let mut phases = self.auxiliary.build(&references, QUARTET);
+        let mut phases = self.auxiliary.build(mesh, None, QUARTET);
+        let references = self.auxiliary.order.references(mesh);
         let mut watch = Stopwatch::start();
         let collapse = Collapse { tree: &self.auxiliary.tree, keys: &self.auxiliary.order.keys, references };
         let tree = top_down::build(&collapse, collapse.root(), &references, &mut self.memory);

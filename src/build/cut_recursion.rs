@@ -4,6 +4,7 @@
 use super::binary::{BinaryTree, Node};
 use super::cut::{Cut, Order, OwnCut, SPACE, open};
 use super::prefetch::warm;
+use super::reference_split::split_reference;
 use super::object_split::{ObjectSplit, Sweep};
 use super::spatial_split::{SpatialSplit, SpatialSweep};
 use super::split_cost::Weight;
@@ -38,6 +39,8 @@ pub(super) struct Rules<R> {
     pub max_leaf: u32,
     /// Cuts of at most so many references are opened down to them, and their splits count quartets.
     pub leaf_sweep: u32,
+    /// Where a spatial split cuts a node of a single reference, its triangle is clipped and not only its box.
+    pub clip_triangles: bool,
 }
 
 /// The recursion over cuts.
@@ -139,6 +142,21 @@ impl<R: Refine> CutRecursion<'_, R> {
         (references <= u64::from(cut.capacity)).then_some(split)
     }
 
+    /// The parts of a node on both sides of a spatial split.
+    fn parts(&self, node: &Node, split: &SpatialSplit) -> [Option<Node>; 2] {
+        let bounds = node.bounds();
+        let sides = [split.on_left(bounds), split.on_right(bounds)];
+        let parts = if self.rules.clip_triangles && node.is_leaf() && node.count == 1 && sides == [true; 2] {
+            let prim = self.order.prim(node.run().start);
+            let corners = self.order.references.mesh.corners(prim);
+            split_reference(&corners, bounds, split.axis, split.plane)
+        } else {
+            [split.left_of(bounds), split.right_of(bounds)]
+        };
+        // The triangle may be on one side only of a plane through its box.
+        [0, 1].map(|side| (sides[side] && !parts[side].is_empty()).then(|| node.with_bounds(parts[side])))
+    }
+
     /// Refines one side of a split into a cut of its own.
     fn side(
         &self,
@@ -222,13 +240,9 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         if let Some(split) = spatial {
             counts.spatial_splits += 1;
             for node in nodes {
-                let bounds = node.bounds();
-                if split.on_left(bounds) {
-                    left.push(node.with_bounds(split.left_of(bounds)));
-                }
-                if split.on_right(bounds) {
-                    right.push(node.with_bounds(split.right_of(bounds)));
-                }
+                let [on_left, on_right] = self.parts(node, &split);
+                left.extend(on_left);
+                right.extend(on_right);
             }
             clips = [split.left_of(cut.clip), split.right_of(cut.clip)];
         } else if object.left > 0 {

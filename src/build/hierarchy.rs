@@ -3,7 +3,7 @@
 use super::cut::Order;
 use super::cut_recursion::{CutRecursion, Refine, Rules, Scratch};
 use super::lbvh::Auxiliary;
-use super::references::References;
+use super::presplit::PresplitConfig;
 use super::top_down::{self, Memory};
 use super::{Build, Counts, Stopwatch};
 use crate::bvh::Bvh4;
@@ -17,16 +17,17 @@ pub(super) struct Hierarchy {
 }
 
 impl Hierarchy {
-    /// Builds over `mesh` by the rules made for the scene's box; leaves of the auxiliary BVH hold at most
-    /// `auxiliary_leaf` references.
+    /// Builds over `mesh` by the rules made for the scene's box; triangles are
+    /// presplit or not, and leaves of the auxiliary BVH hold at most `auxiliary_leaf` references.
     pub fn build<R: Refine>(
         &mut self,
         mesh: &Mesh,
+        presplit: Option<&PresplitConfig>,
         auxiliary_leaf: u32,
         rules: impl FnOnce(Aabb) -> Rules<R>,
     ) -> Build {
-        let references = References::whole(mesh);
-        let mut phases = self.auxiliary.build(&references, auxiliary_leaf);
+        let mut phases = self.auxiliary.build(mesh, presplit, auxiliary_leaf);
+        let references = self.auxiliary.order.references(mesh);
         let mut watch = Stopwatch::start();
         let recursion = CutRecursion {
             tree: &self.auxiliary.tree,

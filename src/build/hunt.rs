@@ -77,7 +77,7 @@ impl Builder for Hunt {
 
     fn build(&mut self, mesh: &Mesh) -> Build {
         let HuntConfig { cut_length, max_leaf } = self.config;
-        self.hierarchy.build(mesh, 1, |_| Rules {
+        self.hierarchy.build(mesh, None, 1, |_| Rules {
             refine: ConstantLength(cut_length),
             initial_threshold: 0.0,
             initial_len: cut_length,
@@ -85,6 +85,7 @@ impl Builder for Hunt {
             max_references: 1.0,
             max_leaf,
             leaf_sweep: 0,
+            clip_triangles: false,
         })
     }
 

@@ -10,9 +10,10 @@
 use super::binary::{BinaryTree, Node};
 use super::in_order::{self, Batch, Place, Spare};
 use super::morton_order::{Key, MortonOrder, code, part, part_boxed, reference};
+use super::presplit::PresplitConfig;
 use super::references::References;
 use super::{Phase, Stopwatch, pages};
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Mesh};
 
 /// References of a run that is built by one task, at most.
 const RUN: usize = 1 << 12;
@@ -28,11 +29,14 @@ pub(super) struct Auxiliary {
 }
 
 impl Auxiliary {
-    /// Builds the LBVH over `references`; subtrees of at most `leaf` of them become leaves.
-    pub fn build(&mut self, references: &References<'_>, leaf: u32) -> Vec<Phase> {
+    /// Builds the LBVH of `mesh`, presplit or not; subtrees of at most `leaf` references become leaves.
+    pub fn build(&mut self, mesh: &Mesh, presplit: Option<&PresplitConfig>, leaf: u32) -> Vec<Phase> {
         let mut watch = Stopwatch::start();
-        self.order.sort(references, &mut watch);
-        let keys = &mut self.order.keys[..];
+        self.order.sort(mesh, presplit, &mut watch);
+        // Parting equal codes reorders keys.
+        let mut all_keys = std::mem::take(&mut self.order.keys);
+        let keys = &mut all_keys[..];
+        let references = &self.order.references(mesh);
         self.tree.pairs.clear();
         self.tree.root = None;
         if !keys.is_empty() {
@@ -42,6 +46,7 @@ impl Auxiliary {
             let top = upper.part(references, keys, 0, 0);
             self.tree.root = Some(upper.finish(references, keys, leaf, top, &mut self.tree, &self.spare));
         }
+        self.order.keys = all_keys;
         watch.lap("auxiliary tree");
         watch.phases
     }
@@ -249,7 +254,6 @@ impl Batch for Run {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Mesh;
 
     fn triangles(n: usize, place: impl Fn(usize) -> [f32; 3]) -> Mesh {
         let vertices = (0..n).flat_map(|i| {
@@ -289,9 +293,9 @@ mod tests {
         for (name, place) in placements {
             for (n, leaf) in [(1, 1), (2, 1), (3, 1), (100, 1), (5000, 1), (20_000, 1), (20_000, 4), (9, 4), (3, 4)] {
                 let mesh = triangles(n, place);
-                let references = References::whole(&mesh);
                 let mut auxiliary = Auxiliary::default();
-                auxiliary.build(&references, leaf);
+                auxiliary.build(&mesh, None, leaf);
+                let references = auxiliary.order.references(&mesh);
                 let root = auxiliary.tree.root.unwrap();
                 let mut seen = Vec::new();
                 let depth = walk(&auxiliary, &references, &root, &mut seen, leaf);
@@ -309,9 +313,9 @@ mod tests {
     fn runs_part_where_bisection_parts_them() {
         // Few distinct codes per axis: many equal ones, and neighbours that differ in any bit.
         let mesh = triangles(3000, |i| [(i * i % 61) as f32, (i * 13 % 17) as f32, (i % 5) as f32 * 0.1]);
-        let references = References::whole(&mesh);
         let mut auxiliary = Auxiliary::default();
-        auxiliary.build(&references, 1);
+        auxiliary.build(&mesh, None, 1);
+        let references = auxiliary.order.references(&mesh);
         let mut checked = 0;
         let mut stack = vec![(auxiliary.tree.root.unwrap(), 0)];
         while let Some((node, first)) = stack.pop() {
@@ -335,7 +339,7 @@ mod tests {
         let mut auxiliary = Auxiliary::default();
         for n in [1000, 10, 0] {
             let mesh = triangles(n, |i| [i as f32, 0.0, 0.0]);
-            auxiliary.build(&References::whole(&mesh), 1);
+            auxiliary.build(&mesh, None, 1);
             assert_eq!(auxiliary.tree.root.map_or(0, |root| root.count), n as u32);
         }
     }

@@ -18,7 +18,9 @@ mod pages;
 mod phr;
 mod piece;
 mod prefetch;
+mod presplit;
 mod radix_sort;
+mod reference_split;
 mod references;
 mod small_sweep;
 mod spatial_bound;
@@ -30,6 +32,7 @@ pub use aac::{Aac, AacConfig};
 pub use collapse::Lbvh;
 pub use hunt::{Hunt, HuntConfig};
 pub use phr::{Phr, PhrConfig};
+pub use presplit::PresplitConfig;
 
 use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
@@ -133,7 +136,7 @@ pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
         n if n.starts_with("x:") => {
             // x:alpha:delta:max_leaf:leaf_sweep:spatial:auxleaf
             let f: Vec<f32> = n[2..].split(':').map(|x| x.parse().unwrap()).collect();
-            Box::new(Phr::new("x", PhrConfig { alpha: f[0], delta: f[1], max_leaf: f[2] as u32, leaf_sweep: f[3] as u32, spatial_threshold: f[4], auxiliary_leaf: f[5] as u32, ..PhrConfig::FAST }))
+            Box::new(Phr::new("x", PhrConfig { alpha: f[0], delta: f[1], max_leaf: f[2] as u32, leaf_sweep: f[3] as u32, spatial_threshold: f[4], auxiliary_leaf: f[5] as u32, presplit: (f[6] > 0.0).then_some(PresplitConfig::NEEDLES), clip_triangles: f[7] > 0.0, ..PhrConfig::FAST }))
         }
         "phr-hq" => Box::new(Phr::new("phr-hq", PhrConfig::HQ)),
         _ => return None,

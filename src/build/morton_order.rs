@@ -1,9 +1,10 @@
 //! References in the order of their Morton codes, and how a run of them parts in two (paper 4.7).
 
 use super::morton::Quantizer;
-use super::references::{Extent, GRAIN, References};
+use super::presplit::{self, PresplitConfig};
+use super::references::{Extent, Fragment, GRAIN, References};
 use super::{Stopwatch, pages, radix_sort};
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Mesh};
 use rayon::prelude::*;
 
 /// Splits of a run by further bits than codes have, before it is halved by count: with the bits of a code they
@@ -17,11 +18,18 @@ pub(super) struct MortonOrder {
     pub keys: Vec<Key>,
     /// What bounds the triangles.
     pub extent: Option<Extent>,
+    fragments: Vec<Fragment>,
     scratch: Vec<Key>,
 }
 
 /// (code << 32 | reference).
 pub(super) type Key = u64;
+
+/// The key of a reference with the given box.
+#[inline]
+fn key_of(quantizer: &Quantizer, bounds: Aabb, reference: usize) -> Key {
+    u64::from(quantizer.code(bounds.center2())) << 32 | reference as u64
+}
 
 /// The reference of a key.
 #[inline]
@@ -36,24 +44,44 @@ pub(super) fn code(key: Key) -> u32 {
 }
 
 impl MortonOrder {
-    /// Sorts the triangles of a mesh.
-    pub fn sort(&mut self, references: &References<'_>, watch: &mut Stopwatch) {
-        let extent = Extent::of(references.mesh);
-        self.extent = Some(extent);
+    /// Sorts the triangles of a mesh, those of them in pieces that `presplit` says.
+    pub fn sort(&mut self, mesh: &Mesh, presplit: Option<&PresplitConfig>, watch: &mut Stopwatch) {
+        let mut extent = Extent::of(mesh);
         watch.lap("bounds");
+        self.fragments.clear();
+        if let Some(config) = presplit {
+            self.fragments = presplit::presplit(mesh, extent.bounds, config);
+            extent = self.fragments.iter().fold(extent, |extent, fragment| extent.grow(fragment.bounds));
+            watch.lap("presplit");
+        }
+        self.extent = Some(extent);
         let quantizer = Quantizer::new(extent.centers);
-        let n = references.mesh.len();
+        let n = mesh.len();
         pages::resize(&mut self.keys, n, 0);
-        pages::resize(&mut self.scratch, n, 0);
         self.keys.par_chunks_mut(GRAIN).enumerate().for_each(|(chunk, keys)| {
             for (prim, key) in (chunk * GRAIN..).zip(keys) {
-                let center = references.bounds(prim as u32).center2();
-                *key = u64::from(quantizer.code(center)) << 32 | prim as u64;
+                *key = key_of(&quantizer, mesh.bounds_of(prim as u32), prim);
             }
         });
+        let mut last = None;
+        for (i, fragment) in self.fragments.iter().enumerate() {
+            let key = key_of(&quantizer, fragment.bounds, n + i);
+            // The first piece of a triangle takes its place.
+            if last.replace(fragment.prim) == Some(fragment.prim) {
+                self.keys.push(key);
+            } else {
+                self.keys[fragment.prim as usize] = key;
+            }
+        }
         watch.lap("codes");
+        pages::resize(&mut self.scratch, self.keys.len(), 0);
         radix_sort::sort(&mut self.keys, &mut self.scratch);
         watch.lap("sort");
+    }
+
+    /// What the keys refer to.
+    pub fn references<'a>(&'a self, mesh: &'a Mesh) -> References<'a> {
+        References { mesh, fragments: &self.fragments }
     }
 
     /// Box of the scene.
@@ -64,6 +92,7 @@ impl MortonOrder {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         (self.keys.capacity() + self.scratch.capacity()) * size_of::<Key>()
+            + self.fragments.capacity() * size_of::<Fragment>()
     }
 }
 

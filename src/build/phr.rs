@@ -4,6 +4,7 @@ use super::binary::{BinaryTree, Node};
 use super::cut::open;
 use super::cut_recursion::{Refine, Rules};
 use super::hierarchy::Hierarchy;
+use super::presplit::PresplitConfig;
 use super::{Build, Builder};
 use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};
@@ -29,6 +30,10 @@ pub struct PhrConfig {
     /// Cuts of at most so many references are opened down to them, and their splits count the quartets that
     /// leaves cost: 0 in the paper.
     pub leaf_sweep: u32,
+    /// Which triangles are split before the Morton sort (paper 5.3); `None` for none.
+    pub presplit: Option<PresplitConfig>,
+    /// Where a spatial split cuts a node of a single triangle, the triangle is clipped and not only its box.
+    pub clip_triangles: bool,
 }
 
 impl PhrConfig {
@@ -42,6 +47,8 @@ impl PhrConfig {
         max_leaf: 8,
         auxiliary_leaf: 1,
         leaf_sweep: 0,
+        presplit: None,
+        clip_triangles: false,
     };
     /// PHR-HQ (paper 4.3).
     pub const HQ: Self = Self { alpha: 0.55, delta: 9.0, ..Self::FAST };
@@ -113,7 +120,8 @@ impl Builder for Phr {
 
     fn build(&mut self, mesh: &Mesh) -> Build {
         let PhrConfig { max_cut, spatial_threshold, max_references, max_leaf, leaf_sweep, .. } = self.config;
-        self.hierarchy.build(mesh, self.config.auxiliary_leaf, |scene| {
+        let PhrConfig { presplit, auxiliary_leaf, clip_triangles, .. } = &self.config;
+        self.hierarchy.build(mesh, presplit.as_ref(), *auxiliary_leaf, |scene| {
             let refine = Threshold::new(scene, &self.config);
             Rules {
                 initial_threshold: refine.at(0),
@@ -123,6 +131,7 @@ impl Builder for Phr {
                 max_references,
                 max_leaf,
                 leaf_sweep,
+                clip_triangles: *clip_triangles,
             }
         })
     }

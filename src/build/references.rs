@@ -27,12 +27,7 @@ pub(super) struct References<'a> {
     pub fragments: &'a [Fragment],
 }
 
-impl<'a> References<'a> {
-    /// One reference per triangle.
-    pub fn whole(mesh: &'a Mesh) -> Self {
-        Self { mesh, fragments: &[] }
-    }
-
+impl References<'_> {
     /// The box of a reference.
     #[inline]
     pub fn bounds(&self, reference: u32) -> Aabb {
