@@ -81,10 +81,10 @@ impl Node {
         first..first + self.count as usize
     }
 
+    /// The index of an inner node's pair of children.
     #[inline]
-    fn pair(&self) -> usize {
-        debug_assert!(!self.is_leaf());
-        self.link as usize
+    pub fn pair(&self) -> Option<usize> {
+        (!self.is_leaf()).then_some(self.link as usize)
     }
 }
 
@@ -106,7 +106,8 @@ impl BinaryTree {
     /// The children of an inner node.
     #[inline]
     pub fn children(&self, node: &Node) -> &[Node; 2] {
-        &self.pairs[node.pair()]
+        debug_assert!(!node.is_leaf());
+        &self.pairs[node.link as usize]
     }
 
     /// The positions of the references below a node of an LBVH, where they are a run.
@@ -123,8 +124,8 @@ impl BinaryTree {
     /// Asks for the children of a node to be brought near: they are likely to be opened soon.
     #[inline]
     pub fn prefetch(&self, node: &Node) {
-        if !node.is_leaf() {
-            super::prefetch::line(&self.pairs, node.pair());
+        if let Some(pair) = node.pair() {
+            super::prefetch::line(&self.pairs, pair);
         }
     }
 }

@@ -1,15 +1,11 @@
-//! From a binary tree to a wide one, by opening the largest child first (paper 4.5), and the builder that does
-//! nothing more: the auxiliary LBVH itself.
+//! From a binary tree to a wide one, by opening the largest child first (paper 4.5).
 
 use super::binary::{BinaryTree, Node};
-use super::lbvh::Auxiliary;
 use super::morton_order::{Key, reference};
 use super::prefetch::warm;
 use super::references::References;
-use super::top_down::{self, Kind, Memory, QUARTET, TopDown};
-use super::{Build, Builder, Counts, Stopwatch};
-use crate::bvh::Bvh4;
-use crate::geometry::{Aabb, Mesh};
+use super::top_down::{Kind, QUARTET, TopDown};
+use crate::geometry::Aabb;
 
 /// From this depth of the binary tree on, references are halved by count: a chain of clusters must not make the
 /// tree deeper than traversal stacks allow.
@@ -144,39 +140,5 @@ impl TopDown for Collapse<'_> {
 
     fn release(&self, scratch: &mut Vec<u32>, mark: usize) {
         scratch.truncate(mark);
-    }
-}
-
-/// Builds the auxiliary LBVH and nothing better.
-#[derive(Default)]
-pub struct Lbvh {
-    auxiliary: Auxiliary,
-    memory: Memory<Vec<u32>>,
-}
-
-impl Builder for Lbvh {
-    fn name(&self) -> &'static str {
-        "lbvh"
-    }
-
-    fn config(&self) -> serde_json::Value {
-        serde_json::json!({ "code_bits": super::morton::BITS })
-    }
-
-    fn build(&mut self, mesh: &Mesh) -> Build {
-        let mut phases = self.auxiliary.build(mesh, None, QUARTET);
-        let references = self.auxiliary.order.references(mesh);
-        let mut watch = Stopwatch::start();
-        let collapse = Collapse { tree: &self.auxiliary.tree, keys: &self.auxiliary.order.keys, references };
-        let tree = top_down::build(&collapse, collapse.root(), &references, &mut self.memory);
-        watch.lap("nodes");
-        phases.extend(watch.phases);
-        let auxiliary_nodes = 2 * self.auxiliary.tree.pairs.len() as u64 + 1;
-        let counts = Counts { auxiliary_nodes, ..Counts::default() };
-        Build::finish(tree, phases, counts, self.auxiliary.bytes() + self.memory.bytes())
-    }
-
-    fn recycle(&mut self, tree: Bvh4) {
-        self.memory.recycle(tree);
     }
 }

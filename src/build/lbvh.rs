@@ -2,21 +2,16 @@
 //! parts each run of codes where their highest bit changes. Three changes: the sort is a radix sort; boxes are
 //! united on the way up instead of by atomic counters; and references that share a code are parted by the
 //! middle of their own centroids' bounds, so that 32 bits suffice for any scene.
-//!
-//! The upper part of the tree is found by bisection down to runs that fit the cache. Within such a run the tree
-//! needs no search: it is the Cartesian tree of the bits in which neighbouring codes differ, made in one pass
-//! with a stack (cf. Apetrei 2014).
 
 use super::binary::{BinaryTree, Node};
-use super::in_order::{self, Batch, Place, Spare};
-use super::morton_order::{Key, MortonOrder, code, part, part_boxed, reference};
+use super::in_order::{self, Spare};
+use super::morton_order::MortonOrder;
 use super::presplit::PresplitConfig;
-use super::references::References;
+use super::run::Run;
+use super::upper::{self, Upper};
 use super::{Phase, Stopwatch, pages};
-use crate::geometry::{Aabb, Mesh};
-
-/// References of a run that is built by one task, at most.
-const RUN: usize = 1 << 12;
+use crate::geometry::Mesh;
+use std::sync::OnceLock;
 
 /// The auxiliary BVH with all it is made from; its memory is reused from build to build.
 #[derive(Default)]
@@ -40,11 +35,31 @@ impl Auxiliary {
         self.tree.pairs.clear();
         self.tree.root = None;
         if !keys.is_empty() {
+            // Of leaves of several references about half are full.
             let pairs = keys.len().div_ceil(leaf as usize) * if leaf == 1 { 1 } else { 2 };
-            pages::reserve(&mut self.tree.pairs, pairs + keys.len() / RUN * 4);
-            let mut upper = Upper { runs: Vec::new(), pairs: Vec::new() };
-            let top = upper.part(references, keys, 0, 0);
-            self.tree.root = Some(upper.finish(references, keys, leaf, top, &mut self.tree, &self.spare));
+            pages::reserve(&mut self.tree.pairs, pairs + pairs / 1000 + 64);
+            let upper = Upper::part(references, keys);
+            let built: Vec<OnceLock<(Node, usize)>> = (0..upper.len()).map(|_| OnceLock::new()).collect();
+            let all_pairs = &mut self.tree.pairs;
+            in_order::append(upper.len(), &self.spare, all_pairs, &mut Vec::new(), |i, run: &mut Run| {
+                let (first, depth, mut keys) = upper.run(i);
+                let root = run.build(references, &mut keys, first, depth, leaf);
+                built[i].set((root, run.tree.pairs.len())).expect("each task runs once");
+            });
+            let mut begin = 0;
+            let runs: Vec<Node> = built
+                .into_iter()
+                .map(|built| {
+                    let (root, pairs) = built.into_inner().expect("all tasks have run");
+                    begin += pairs;
+                    root.moved((begin - pairs) as u32)
+                })
+                .collect();
+            let pairs = upper.fold(&runs, |children| {
+                all_pairs.push(children);
+                Node::inner(&children, all_pairs.len() - 1)
+            });
+            self.tree.root = Some(*upper::of(upper.top(), &runs, &pairs));
         }
         self.order.keys = all_keys;
         watch.lap("auxiliary tree");
@@ -59,201 +74,12 @@ impl Auxiliary {
     }
 }
 
-/// A subtree of the upper part.
-#[derive(Clone, Copy)]
-enum Top {
-    /// Index of a run.
-    Run(usize),
-    /// Index of a pair of the upper part.
-    Pair(usize),
-}
-
-/// The upper part of the tree.
-struct Upper {
-    /// First position, length, and splits by the middle so far.
-    runs: Vec<(usize, usize, u32)>,
-    /// Children before parents.
-    pairs: Vec<[Top; 2]>,
-}
-
-impl Upper {
-    /// Parts a run that begins at `first` down to runs of at most [`RUN`].
-    fn part(&mut self, references: &References<'_>, keys: &mut [Key], first: usize, depth: u32) -> Top {
-        if keys.len() <= RUN {
-            self.runs.push((first, keys.len(), depth));
-            return Top::Run(self.runs.len() - 1);
-        }
-        let mut below = depth;
-        let split = part(keys, references, &mut below);
-        let (left, right) = keys.split_at_mut(split);
-        let pair = [self.part(references, left, first, below), self.part(references, right, first + split, below)];
-        self.pairs.push(pair);
-        Top::Pair(self.pairs.len() - 1)
-    }
-
-    /// Builds the runs in parallel, then the upper part over them.
-    fn finish(
-        &self,
-        references: &References<'_>,
-        keys: &mut [Key],
-        leaf: u32,
-        top: Top,
-        tree: &mut BinaryTree,
-        spare: &Spare<Run>,
-    ) -> Node {
-        let roots: Vec<std::sync::OnceLock<(Node, usize)>> = self.runs.iter().map(|_| Default::default()).collect();
-        let slices = split_runs(keys, &self.runs);
-        in_order::append(self.runs.len(), spare, &mut tree.pairs, &mut Vec::new(), |task, run: &mut Run| {
-            let (first, _, depth) = self.runs[task];
-            let keys = &mut *slices[task].lock().expect("no task panics");
-            let root = run.build(references, keys, first, depth, leaf);
-            roots[task].set((root, run.pairs.len())).expect("each task runs once");
-        });
-        let mut begin = 0;
-        let runs: Vec<Node> = roots
-            .into_iter()
-            .map(|root| {
-                let (root, pairs) = root.into_inner().expect("all tasks have run");
-                begin += pairs;
-                root.moved((begin - pairs) as u32)
-            })
-            .collect();
-        let mut uppers: Vec<Node> = Vec::with_capacity(self.pairs.len());
-        let node = |top: Top, uppers: &[Node]| match top {
-            Top::Run(run) => runs[run],
-            Top::Pair(pair) => uppers[pair],
-        };
-        for pair in &self.pairs {
-            let children = pair.map(|child| node(child, &uppers));
-            uppers.push(Node::inner(&children, tree.pairs.len()));
-            tree.pairs.push(children);
-        }
-        node(top, &uppers)
-    }
-}
-
-/// The keys of each run.
-fn split_runs<'a>(mut keys: &'a mut [Key], runs: &[(usize, usize, u32)]) -> Vec<std::sync::Mutex<&'a mut [Key]>> {
-    runs.iter()
-        .map(|&(_, len, _)| {
-            let (run, rest) = std::mem::take(&mut keys).split_at_mut(len);
-            keys = rest;
-            std::sync::Mutex::new(run)
-        })
-        .collect()
-}
-
-/// A subtree on the stack, and in which bits its first code differs from the one before.
-#[derive(Clone, Copy)]
-struct Pending {
-    node: Node,
-    difference: u64,
-}
-
-/// The subtree over one run, built by one task; links are relative to its own pairs.
-#[derive(Default)]
-struct Run {
-    items: Vec<(Key, Aabb)>,
-    pairs: Vec<[Node; 2]>,
-    stack: Vec<Pending>,
-}
-
-impl Run {
-    fn bytes(&self) -> usize {
-        self.items.capacity() * size_of::<(Key, Aabb)>() + self.pairs.capacity() * size_of::<[Node; 2]>()
-    }
-
-    /// Builds the subtree over `keys`, which begin at position `first`.
-    fn build(&mut self, references: &References<'_>, keys: &mut [Key], first: usize, depth: u32, leaf: u32) -> Node {
-        // All boxes first: a plain loop has many loads from memory on their way at once.
-        self.items.clear();
-        self.items.extend(keys.iter().map(|&key| (key, references.bounds(reference(key)))));
-        self.stack.clear();
-        let mut items = std::mem::take(&mut self.items);
-        let mut at = 0;
-        let mut before = 0;
-        while at < items.len() {
-            let own = code(items[at].0);
-            let equal = 1 + items[at + 1..].iter().take_while(|(key, _)| code(*key) == own).count();
-            let node = if equal == 1 {
-                Node::leaf(items[at].1, first + at, 1)
-            } else {
-                self.same_code(&mut items[at..at + equal], first + at, depth, leaf)
-            };
-            let difference = if at == 0 { u64::MAX } else { u64::from(own ^ before) };
-            self.unite_below(difference, leaf);
-            self.stack.push(Pending { node, difference });
-            before = own;
-            at += equal;
-        }
-        self.unite_below(u64::MAX, leaf);
-        for (key, item) in keys.iter_mut().zip(&items) {
-            *key = item.0;
-        }
-        self.items = items;
-        debug_assert_eq!(self.stack.len(), 1);
-        self.stack[0].node
-    }
-
-    /// Unites the subtrees on the stack that differ in lower bits than `difference`.
-    #[inline]
-    fn unite_below(&mut self, difference: u64, leaf: u32) {
-        while let [.., left, right] = &self.stack[..]
-            && right.difference < difference
-        {
-            let (left, right) = (*left, right.node);
-            self.stack.pop();
-            let node = self.unite(left.node, right, leaf);
-            *self.stack.last_mut().expect("the left one") = Pending { node, difference: left.difference };
-        }
-    }
-
-    /// The parent of two subtrees, a leaf if they hold few references.
-    #[inline]
-    fn unite(&mut self, left: Node, right: Node, leaf: u32) -> Node {
-        let count = left.count + right.count;
-        if count <= leaf {
-            return Node::leaf(left.bounds().union(right.bounds()), left.run().start, count);
-        }
-        let children = [left, right];
-        self.pairs.push(children);
-        Node::inner(&children, self.pairs.len() - 1)
-    }
-
-    /// The subtree over references of one code.
-    fn same_code(&mut self, items: &mut [(Key, Aabb)], first: usize, depth: u32, leaf: u32) -> Node {
-        if items.len() <= leaf as usize {
-            let bounds = items.iter().map(|(_, bounds)| *bounds).collect();
-            return Node::leaf(bounds, first, items.len() as u32);
-        }
-        let split = part_boxed(items, depth + 1);
-        let (left, right) = items.split_at_mut(split);
-        let left = self.same_code(left, first, depth + 1, leaf);
-        let right = self.same_code(right, first + split, depth + 1, leaf);
-        self.unite(left, right, leaf)
-    }
-}
-
-impl Batch for Run {
-    type A = [Node; 2];
-    type B = ();
-
-    fn elements(&self) -> (&[[Node; 2]], &[()]) {
-        (&self.pairs, &[])
-    }
-
-    fn moved(pair: &[Node; 2], at: Place) -> [Node; 2] {
-        pair.map(|node| node.moved(at[0] as u32))
-    }
-
-    fn clear(&mut self) {
-        self.pairs.clear();
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::build::morton_order::{code, part, reference};
+    use crate::build::references::References;
+    use crate::geometry::Aabb;
 
     fn triangles(n: usize, place: impl Fn(usize) -> [f32; 3]) -> Mesh {
         let vertices = (0..n).flat_map(|i| {

@@ -1,9 +1,52 @@
 //! A part of the wide tree under construction: nodes and leaf blocks whose links are relative to its own arrays.
 
-use super::in_order::{Batch, Place};
+use super::in_order::{self, Batch, Place, Spare};
 use super::top_down::{QUARTET, WIDTH};
 use crate::bvh::{Link, MAX_LEAF_BLOCKS, TriangleBlock, WideNode};
 use crate::geometry::{Aabb, Mesh};
+use std::sync::OnceLock;
+
+/// A subtree: its box and link, or nothing if clipping left nothing of it.
+pub(super) type Subtree = Option<(Aabb, Link)>;
+
+/// Builds `tasks` pieces by `make` and appends them in order to `nodes` and `blocks`; returns their subtrees, as
+/// they lie there.
+pub(super) fn append(
+    tasks: usize,
+    spare: &Spare<Piece>,
+    nodes: &mut Vec<WideNode<WIDTH>>,
+    blocks: &mut Vec<TriangleBlock>,
+    make: impl Fn(usize, &mut Piece) -> Subtree + Sync,
+) -> Vec<Subtree> {
+    let built: Vec<OnceLock<(Subtree, Place)>> = (0..tasks).map(|_| OnceLock::new()).collect();
+    let mut at = [nodes.len(), blocks.len()];
+    in_order::append(tasks, spare, nodes, blocks, |i, piece: &mut Piece| {
+        let subtree = make(i, piece);
+        built[i].set((subtree, [piece.nodes.len(), piece.blocks.len()])).expect("each task runs once");
+    });
+    built
+        .into_iter()
+        .map(|built| {
+            let (subtree, len) = built.into_inner().expect("all tasks have run");
+            let moved = subtree.map(|(bounds, link)| (bounds, link.moved(at[0], at[1])));
+            at = [at[0] + len[0], at[1] + len[1]];
+            moved
+        })
+        .collect()
+}
+
+/// Appends a node over finished subtrees, of which there may be none or but one.
+pub(super) fn append_node(children: &[(Aabb, Link)], nodes: &mut Vec<WideNode<WIDTH>>) -> Subtree {
+    match children {
+        [] => None,
+        [only] => Some(*only),
+        _ => {
+            let bounds = children.iter().map(|(bounds, _)| *bounds).collect();
+            nodes.push(WideNode::of(children));
+            Some((bounds, Link::inner(nodes.len() - 1)))
+        }
+    }
+}
 
 /// Built by one task.
 #[derive(Default)]
@@ -19,11 +62,6 @@ impl Piece {
             + self.blocks.capacity() * size_of::<TriangleBlock>()
     }
 
-    /// Nodes and blocks.
-    pub fn lengths(&self) -> Place {
-        [self.nodes.len(), self.blocks.len()]
-    }
-
     /// A place for a node before those of its children.
     pub fn reserve_node(&mut self) -> usize {
         self.nodes.push(WideNode::EMPTY);
@@ -31,7 +69,7 @@ impl Piece {
     }
 
     /// Fills the node in place `index` with those of its children of which clipping left something.
-    pub fn finish_node(&mut self, index: usize, children: &[(Aabb, Link)]) -> Option<(Aabb, Link)> {
+    pub fn finish_node(&mut self, index: usize, children: &[(Aabb, Link)]) -> Subtree {
         if let [] | [_] = children {
             // A node left in place for a lone inner child would only cost a visit, and taking it out would move
             // the ones after it: it is rare, so it stays.

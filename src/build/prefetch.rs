@@ -12,6 +12,11 @@ pub(super) fn warm(tree: &BinaryTree, keys: &[Key], references: &References<'_>,
     // In Morton order a subtree is a run; in other trees nearly so.
     let run = tree.run(node);
     let keys = &keys[run.start..keys.len().min(run.end)];
+    // The pairs of a subtree lie in a row that ends with its root's.
+    if let Some(pair) = node.pair() {
+        let pairs = (keys.len() / 2).min(pair);
+        (pair - pairs..pair).for_each(|pair| line(&tree.pairs, pair));
+    }
     let (triangles, vertices) = (references.mesh.triangles(), references.mesh.padded_vertices());
     for key in keys {
         line(triangles, reference(*key) as usize);

@@ -5,15 +5,15 @@
 //! tasks down to pieces that fit a cache, and the pieces are then built and written in order
 //! ([`super::in_order`]), so that the tree is the same at any number of threads.
 
-use super::in_order::{self, Spare};
+use super::in_order::Spare;
 use super::pages;
-use super::piece::Piece;
+use super::piece::{self, Piece, Subtree};
 use super::references::References;
-use crate::bvh::{Bvh4, Link, WideNode};
-use crate::geometry::Aabb;
+use crate::bvh::{Bvh4, Link, TriangleBlock, WideNode};
+use crate::geometry::{Aabb, Mesh};
 use arrayvec::ArrayVec;
 use rayon::prelude::*;
-use std::sync::{Mutex, OnceLock};
+use std::sync::Mutex;
 
 /// Children of a wide node.
 pub(super) const WIDTH: usize = 4;
@@ -75,8 +75,10 @@ pub(super) trait TopDown: Sync {
 
 /// Memory of tasks and of trees no longer used, kept from build to build.
 pub(super) struct Memory<S> {
-    workers: Spare<Worker<S>>,
-    pieces: Spare<Piece>,
+    /// Of threads.
+    pub workers: Spare<Worker<S>>,
+    /// Of pieces.
+    pub pieces: Spare<Piece>,
     tree: Option<Bvh4>,
 }
 
@@ -97,6 +99,16 @@ impl<S: Default> Memory<S> {
         self.tree = Some(tree);
     }
 
+    /// The arrays of a tree over `n` triangles, empty, with room for what most trees need.
+    pub fn arrays(&mut self, n: usize) -> (Vec<WideNode<WIDTH>>, Vec<TriangleBlock>) {
+        let Bvh4 { mut nodes, mut blocks, .. } = self.tree.take().unwrap_or_default();
+        nodes.clear();
+        blocks.clear();
+        pages::reserve(&mut nodes, n / 4 + 64);
+        pages::reserve(&mut blocks, n / 2 + 64);
+        (nodes, blocks)
+    }
+
     /// Bytes held by pieces.
     pub fn bytes(&self) -> usize {
         let mut bytes = 0;
@@ -105,8 +117,9 @@ impl<S: Default> Memory<S> {
     }
 }
 
+/// The memory of a thread.
 #[derive(Default)]
-struct Worker<S> {
+pub(super) struct Worker<S> {
     scratch: S,
     prims: Vec<u32>,
 }
@@ -117,9 +130,6 @@ enum Upper<S> {
     Node(Vec<Self>),
 }
 
-/// A subtree: its box and link, or nothing if clipping left nothing of it.
-type Subtree = Option<(Aabb, Link)>;
-
 /// Builds the tree below `root` over `triangles` triangles.
 pub(super) fn build<T: TopDown>(
     builder: &T,
@@ -127,48 +137,26 @@ pub(super) fn build<T: TopDown>(
     references: &References<'_>,
     memory: &mut Memory<T::Scratch>,
 ) -> Bvh4 {
-    let Bvh4 { mut nodes, mut blocks, .. } = memory.tree.take().unwrap_or_default();
-    nodes.clear();
-    blocks.clear();
     let Some(root) = root else { return Bvh4::default() };
     let n = references.mesh.len();
-    // Room for what most trees need; more is added if that is exceeded.
-    pages::reserve(&mut nodes, n / 4 + 64);
-    pages::reserve(&mut blocks, n / 2 + 64);
-
+    let (mut nodes, mut blocks) = memory.arrays(n);
     // Pieces are small enough for caches and many enough for threads, and their number depends on the scene
     // alone.
     let grain = (n / 256).clamp(1 << 9, 1 << 12) as u32;
-    let task = Task { builder, references, workers: &memory.workers, grain };
+    let emitter = Emitter { builder, mesh: references.mesh };
     let mut seeds = Vec::new();
-    let upper = task.upper(root).number(&mut seeds);
-    let built: Vec<OnceLock<(Subtree, [usize; 2])>> = seeds.iter().map(|_| OnceLock::new()).collect();
+    let upper = emitter.upper(root, grain, &memory.workers).number(&mut seeds);
     let seeds: Vec<Mutex<Option<T::Seed>>> = seeds.into_iter().map(|seed| Mutex::new(Some(seed))).collect();
-    in_order::append(seeds.len(), &memory.pieces, &mut nodes, &mut blocks, |i, piece: &mut Piece| {
+    let subtrees = piece::append(seeds.len(), &memory.pieces, &mut nodes, &mut blocks, |i, piece| {
         let seed = seeds[i].lock().expect("no task panics").take().expect("each task runs once");
         let mut worker = memory.workers.take();
-        let mark = builder.mark(&worker.scratch);
-        let part = builder.plant(seed, &mut worker.scratch);
-        builder.approach(&part, &worker.scratch);
-        let subtree = task.serial(&part, piece, &mut worker);
-        builder.release(&mut worker.scratch, mark);
+        let subtree = emitter.piece(seed, piece, &mut worker);
         memory.workers.put(worker);
-        built[i].set((subtree, piece.lengths())).expect("each task runs once");
+        subtree
     });
-    let mut at = [0, 0];
-    let subtrees: Vec<Subtree> = built
-        .into_iter()
-        .map(|built| {
-            let (subtree, len) = built.into_inner().expect("all tasks have run");
-            let moved = subtree.map(|(bounds, link)| (bounds, link.moved(at[0], at[1])));
-            at = [at[0] + len[0], at[1] + len[1]];
-            moved
-        })
-        .collect();
-    let root = upper.finish(&subtrees, &mut nodes);
-    match root {
+    match upper.finish(&subtrees, &mut nodes) {
         None => Bvh4::default(),
-        Some((bounds, link)) => Bvh4 { root: link, bounds, nodes, blocks },
+        Some((bounds, root)) => Bvh4 { root, bounds, nodes, blocks },
     }
 }
 
@@ -196,50 +184,47 @@ impl Upper<usize> {
         };
         let children: ArrayVec<(Aabb, Link), WIDTH> =
             children.iter().filter_map(|child| child.finish(subtrees, nodes)).collect();
-        match children[..] {
-            [] => None,
-            [only] => Some(only),
-            _ => {
-                let bounds = children.iter().map(|(bounds, _)| *bounds).collect();
-                nodes.push(WideNode::of(&children));
-                Some((bounds, Link::inner(nodes.len() - 1)))
-            }
-        }
+        piece::append_node(&children, nodes)
     }
 }
 
-struct Task<'a, T: TopDown> {
-    builder: &'a T,
-    references: &'a References<'a>,
-    workers: &'a Spare<Worker<T::Scratch>>,
-    /// References below which a part is built by one thread.
-    grain: u32,
+/// Turns parts into nodes and leaves.
+pub(super) struct Emitter<'a, T> {
+    /// What splits the parts.
+    pub builder: &'a T,
+    /// The triangles.
+    pub mesh: &'a Mesh,
 }
 
-impl<T: TopDown> Task<'_, T> {
-    /// Splits a part into pieces, its children in parallel.
-    fn upper(&self, seed: T::Seed) -> Upper<T::Seed> {
-        let mut worker = self.workers.take();
+impl<T: TopDown> Emitter<'_, T> {
+    /// Splits a part into pieces of less than `grain` references, its children in parallel.
+    fn upper(&self, seed: T::Seed, grain: u32, workers: &Spare<Worker<T::Scratch>>) -> Upper<T::Seed> {
+        let mut worker = workers.take();
         let scratch = &mut worker.scratch;
         let mark = self.builder.mark(scratch);
         let part = self.builder.plant(seed, scratch);
-        let children = if self.builder.count(&part) < self.grain {
-            None
-        } else {
-            Some(self.children(&part, scratch))
-        };
-        let seeds: Vec<T::Seed> = children
-            .as_deref()
-            .unwrap_or(std::slice::from_ref(&part))
-            .iter()
-            .map(|part| self.builder.lift(part, scratch))
-            .collect();
+        let is_piece = self.builder.count(&part) < grain;
+        let parts = if is_piece { ArrayVec::from_iter([part]) } else { self.children(&part, scratch) };
+        let mut seeds: Vec<T::Seed> = parts.iter().map(|part| self.builder.lift(part, scratch)).collect();
         self.builder.release(scratch, mark);
-        self.workers.put(worker);
-        if children.is_none() {
-            return Upper::Piece(seeds.into_iter().next().expect("the part itself"));
+        workers.put(worker);
+        match seeds.pop() {
+            Some(seed) if is_piece => Upper::Piece(seed),
+            last => {
+                seeds.extend(last);
+                Upper::Node(seeds.into_par_iter().map(|seed| self.upper(seed, grain, workers)).collect())
+            }
         }
-        Upper::Node(seeds.into_par_iter().map(|seed| self.upper(seed)).collect())
+    }
+
+    /// Builds the subtree of a seed into `piece`.
+    pub fn piece(&self, seed: T::Seed, piece: &mut Piece, worker: &mut Worker<T::Scratch>) -> Subtree {
+        let mark = self.builder.mark(&worker.scratch);
+        let part = self.builder.plant(seed, &mut worker.scratch);
+        self.builder.approach(&part, &worker.scratch);
+        let subtree = self.serial(&part, piece, worker);
+        self.builder.release(&mut worker.scratch, mark);
+        subtree
     }
 
     /// Builds a part depth first into `piece`.
@@ -296,6 +281,6 @@ impl<T: TopDown> Task<'_, T> {
     fn leaf(&self, part: &T::Part, piece: &mut Piece, worker: &mut Worker<T::Scratch>) -> Subtree {
         worker.prims.clear();
         let bounds = self.builder.leaf(part, &mut worker.prims, &mut worker.scratch);
-        piece.leaf(self.references.mesh, &worker.prims).map(|link| (bounds, link))
+        piece.leaf(self.mesh, &worker.prims).map(|link| (bounds, link))
     }
 }

@@ -1,0 +1,112 @@
+//! The builder that makes the auxiliary LBVH wide and does nothing better. Runs are built, made wide and written
+//! while they are in the cache; the tree over them is made wide at the end.
+
+use super::collapse::Collapse;
+use super::in_order::Spare;
+use super::morton_order::MortonOrder;
+use super::piece::{self, Subtree};
+use super::run::Run;
+use super::top_down::{Emitter, Memory, QUARTET, WIDTH};
+use super::upper::{self, Top, Upper};
+use super::{Build, Builder, Counts, Stopwatch};
+use crate::bvh::{Bvh4, Link, WideNode};
+use crate::geometry::{Aabb, Mesh};
+use arrayvec::ArrayVec;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Builds the LBVH (see [`super::lbvh`]); memory is kept between builds.
+#[derive(Default)]
+pub struct Lbvh {
+    order: MortonOrder,
+    runs: Spare<Run>,
+    memory: Memory<Vec<u32>>,
+}
+
+impl Builder for Lbvh {
+    fn name(&self) -> &'static str {
+        "lbvh"
+    }
+
+    fn config(&self) -> serde_json::Value {
+        serde_json::json!({ "code_bits": super::morton::BITS })
+    }
+
+    fn build(&mut self, mesh: &Mesh) -> Build {
+        let mut watch = Stopwatch::start();
+        self.order.sort(mesh, None, &mut watch);
+        let mut keys = std::mem::take(&mut self.order.keys);
+        let pairs = AtomicUsize::new(0);
+        let tree = if keys.is_empty() { Bvh4::default() } else { self.tree(mesh, &mut keys, &pairs) };
+        self.order.keys = keys;
+        watch.lap("tree");
+        let auxiliary_nodes = 2 * pairs.into_inner() as u64 + 1;
+        let counts = Counts { auxiliary_nodes, ..Counts::default() };
+        let mut runs = 0;
+        self.runs.for_each(|run| runs += run.bytes());
+        Build::finish(tree, watch.phases, counts, self.order.bytes() + runs + self.memory.bytes())
+    }
+
+    fn recycle(&mut self, tree: Bvh4) {
+        self.memory.recycle(tree);
+    }
+}
+
+impl Lbvh {
+    /// The tree over sorted keys, of which there are some.
+    fn tree(&mut self, mesh: &Mesh, keys: &mut [u64], pairs: &AtomicUsize) -> Bvh4 {
+        let references = &self.order.references(mesh);
+        let (mut nodes, mut blocks) = self.memory.arrays(mesh.len());
+        let upper = Upper::part(references, keys);
+        let subtrees = piece::append(upper.len(), &self.memory.pieces, &mut nodes, &mut blocks, |i, piece| {
+            let mut run = self.runs.take();
+            let (_, depth, mut keys) = upper.run(i);
+            run.build(references, &mut keys, 0, depth, QUARTET);
+            pairs.fetch_add(run.tree.pairs.len() + 1, Ordering::Relaxed);
+            let collapse = Collapse { tree: &run.tree, keys: &keys, references: *references };
+            let mut worker = self.memory.workers.take();
+            let root = collapse.root().expect("runs are not empty");
+            let subtree = Emitter { builder: &collapse, mesh }.piece(root, piece, &mut worker);
+            self.memory.workers.put(worker);
+            self.runs.put(run);
+            subtree
+        });
+        let bounds: Vec<Aabb> = subtrees.iter().map(|subtree| subtree.map_or(Aabb::EMPTY, |(b, _)| b)).collect();
+        let pair_bounds = upper.fold(&bounds, |[left, right]| left.union(right));
+        let wide = Wide { upper: &upper, subtrees: &subtrees, bounds: &bounds, pair_bounds: &pair_bounds };
+        match wide.subtree(upper.top(), &mut nodes) {
+            None => Bvh4::default(),
+            Some((bounds, root)) => Bvh4 { root, bounds, nodes, blocks },
+        }
+    }
+}
+
+/// The upper part on its way to wide nodes.
+struct Wide<'a> {
+    upper: &'a Upper<'a>,
+    subtrees: &'a [Subtree],
+    bounds: &'a [Aabb],
+    pair_bounds: &'a [Aabb],
+}
+
+impl Wide<'_> {
+    /// Appends the wide nodes below `top`, opening the largest first (paper 4.5).
+    fn subtree(&self, top: Top, nodes: &mut Vec<WideNode<WIDTH>>) -> Subtree {
+        if let Top::Run(run) = top {
+            return self.subtrees[run];
+        }
+        let mut children = ArrayVec::<Top, WIDTH>::from_iter([top]);
+        while children.len() < WIDTH {
+            let area = |i: usize| upper::of(children[i], self.bounds, self.pair_bounds).half_area();
+            let pairs = (0..children.len()).filter(|&i| matches!(children[i], Top::Pair(_)));
+            let Some(largest) = pairs.reduce(|a, b| if area(b) > area(a) { b } else { a }) else { break };
+            if let Top::Pair(pair) = children[largest] {
+                let [left, right] = self.upper.children(pair);
+                children[largest] = left;
+                children.insert(largest + 1, right);
+            }
+        }
+        let built: ArrayVec<(Aabb, Link), WIDTH> =
+            children.into_iter().filter_map(|child| self.subtree(child, nodes)).collect();
+        piece::append_node(&built, nodes)
+    }
+}
