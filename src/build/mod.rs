@@ -1,6 +1,7 @@
 //! Builders: from an indexed mesh to a traversable [`Bvh4`].
 
 mod aac;
+mod best;
 mod binary;
 mod collapse;
 mod cut;
@@ -10,6 +11,7 @@ mod lbvh;
 mod morton;
 mod morton_order;
 mod object_split;
+mod optimise;
 mod pages;
 mod phr;
 mod primitives;
@@ -18,8 +20,10 @@ mod spatial_split;
 mod top_down;
 
 pub use aac::{Aac, AacConfig};
+pub use best::{Best, BestConfig};
 pub use collapse::Lbvh;
 pub use hunt::{Hunt, HuntConfig};
+pub use optimise::{Costs, OptimiseConfig};
 pub use phr::{Phr, PhrConfig};
 
 use crate::bvh::Bvh4;
@@ -107,7 +111,7 @@ impl Stopwatch {
 }
 
 /// Names of all builders, in the order of the table.
-pub const NAMES: &[&str] = &["lbvh", "hunt-50", "hunt-500", "aac", "phr-fast", "phr-hq"];
+pub const NAMES: &[&str] = &["lbvh", "hunt-50", "hunt-500", "aac", "phr-fast", "phr-hq", "phr-best"];
 
 /// The builder called `name`, or `None`; names are those of [`NAMES`].
 pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
@@ -118,6 +122,7 @@ pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
         "aac" => Box::new(Aac::new(AacConfig::FAST)),
         "phr-fast" => Box::new(Phr::new("phr-fast", PhrConfig::FAST)),
         "phr-hq" => Box::new(Phr::new("phr-hq", PhrConfig::HQ)),
+        "phr-best" => Box::new(Best::new("phr-best", BestConfig::DEFAULT)),
         _ => return None,
     })
 }

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::sync::Mutex;
 
 /// Children of a wide node.
-const WIDTH: usize = 4;
+pub(super) const WIDTH: usize = 4;
 /// Triangles of a leaf block: up to so many are always a leaf.
 pub(super) const QUARTET: u32 = 4;
 
@@ -39,6 +39,27 @@ pub(super) trait TopDown: Sync {
     /// Divides a part that is no leaf in two, either of which may turn out to be empty; or finds that it should
     /// be a leaf, and gives it back as one.
     fn split(&self, part: Self::Part, scratch: &mut Self::Scratch) -> [Option<Self::Part>; 2];
+
+    /// Splits a part that is no leaf into up to four: the largest that is no leaf first (paper 4.5).
+    fn children(&self, part: Self::Part, scratch: &mut Self::Scratch) -> ArrayVec<Self::Part, WIDTH> {
+        let mut children = ArrayVec::new();
+        children.push(part);
+        while (1..WIDTH).contains(&children.len()) {
+            let splittable = (0..children.len()).filter(|&i| !self.is_leaf(&children[i]));
+            let area = |i: usize| self.half_area(&children[i]);
+            let Some(largest) = splittable.reduce(|a, b| if area(b) > area(a) { b } else { a }) else {
+                break;
+            };
+            let [left, right] = self.split(children.remove(largest), scratch);
+            if let Some(right) = right {
+                children.insert(largest, right);
+            }
+            if let Some(left) = left {
+                children.insert(largest, left);
+            }
+        }
+        children
+    }
 
     /// Appends the triangles of a leaf; returns their box, clipped like the part.
     fn leaf(&self, part: Self::Part, ids: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb;
@@ -134,7 +155,7 @@ impl<T: TopDown> Task<'_, T> {
             self.pool.put_back(worker);
             return built.map(|(bounds, link)| (bounds, Subtree::Piece(piece, link)));
         }
-        let children = self.children(part, &mut worker.scratch);
+        let children = self.builder.children(part, &mut worker.scratch);
         self.pool.put_back(worker);
         let children: Vec<_> = children
             .into_iter()
@@ -156,7 +177,7 @@ impl<T: TopDown> Task<'_, T> {
         if self.builder.is_leaf(&part) {
             return self.leaf(part, piece, worker);
         }
-        let mut children = self.children(part, &mut worker.scratch);
+        let mut children = self.builder.children(part, &mut worker.scratch);
         // Clipping may leave a single child, or the part be found to be a leaf: it takes its parent's place.
         if children.len() <= 1 {
             return self.serial(children.pop()?, piece, worker);
@@ -184,27 +205,6 @@ impl<T: TopDown> Task<'_, T> {
         }
         piece.nodes[index] = node;
         Some((bounds, Link::inner(index)))
-    }
-
-    /// Splits a part into up to four: the largest that is no leaf first (paper 4.5).
-    fn children(&self, part: T::Part, scratch: &mut T::Scratch) -> ArrayVec<T::Part, WIDTH> {
-        let mut children = ArrayVec::new();
-        children.push(part);
-        while (1..WIDTH).contains(&children.len()) {
-            let splittable = (0..children.len()).filter(|&i| !self.builder.is_leaf(&children[i]));
-            let area = |i: usize| self.builder.half_area(&children[i]);
-            let Some(largest) = splittable.reduce(|a, b| if area(b) > area(a) { b } else { a }) else {
-                break;
-            };
-            let [left, right] = self.builder.split(children.remove(largest), scratch);
-            if let Some(right) = right {
-                children.insert(largest, right);
-            }
-            if let Some(left) = left {
-                children.insert(largest, left);
-            }
-        }
-        children
     }
 
     fn leaf(

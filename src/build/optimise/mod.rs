@@ -1,0 +1,85 @@
+//! A finished wide tree made better, whoever built it: unfolded to a binary tree over clipped references, its
+//! subtrees reinserted where they enlarge it least, and collapsed to the cheapest wide tree.
+
+mod candidates;
+mod choices;
+mod collapse;
+mod reinsert;
+mod tree;
+mod unfold;
+
+pub use choices::Costs;
+
+use super::top_down::Pool;
+use super::{Build, Stopwatch};
+use crate::bvh::{Bvh4, Link, MAX_DEPTH};
+use crate::geometry::Mesh;
+use choices::Choices;
+use collapse::Collapse;
+use tree::{ROOT, Tree};
+
+/// How much is done, and for which costs.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct OptimiseConfig {
+    /// Rounds of reinsertion.
+    pub rounds: u32,
+    /// Subtrees that look for a better place in each round, per pair of siblings.
+    pub share: f32,
+    /// What the wide tree is to be cheapest in.
+    pub costs: Costs,
+}
+
+impl OptimiseConfig {
+    /// Rounds beyond the third move little. A block is counted as half a node: under Embree's kernels it costs
+    /// no more than that.
+    pub const DEFAULT: Self =
+        Self { rounds: 3, share: 0.1, costs: Costs { node: 1.0, block: 0.5, max_leaf: 8 } };
+}
+
+/// Memory of the pass, kept from build to build.
+#[derive(Default)]
+pub(super) struct Optimiser {
+    tree: Tree,
+    choices: Choices,
+    pool: Pool<()>,
+}
+
+impl Optimiser {
+    /// Makes the tree of `build`, over `mesh`, better.
+    pub fn improve(&mut self, build: Build, mesh: &Mesh, config: &OptimiseConfig) -> Build {
+        if build.tree.root != Link::inner(0) {
+            return build;
+        }
+        let Build { tree: wide, mut phases, counts } = build;
+        let mut watch = Stopwatch::start();
+        self.tree.unfold(&wide, mesh);
+        watch.lap("binary tree");
+        for _ in 0..config.rounds {
+            self.tree.reinsert((self.tree.pairs.len() as f32 * config.share) as usize);
+        }
+        watch.lap("reinsertion");
+        self.choices.make(&self.tree, config.costs);
+        let better = Collapse { tree: &self.tree, choices: &self.choices }.emit(mesh, &self.pool);
+        watch.lap("collapse");
+        phases.extend(watch.phases);
+        let held = counts.peak_bytes as usize + self.bytes();
+        // A binary tree deeper than wide ones may be is rare enough to give up on.
+        let is_safe =
+            self.tree.node(ROOT).height() as usize <= MAX_DEPTH || depth(&better, better.root) <= MAX_DEPTH;
+        Build::finish(if is_safe { better } else { wide }, phases, counts, held)
+    }
+
+    fn bytes(&self) -> usize {
+        self.tree.bytes() + self.choices.bytes() + self.pool.bytes()
+    }
+}
+
+/// Levels of inner nodes.
+fn depth(tree: &Bvh4, link: Link) -> usize {
+    match link.get() {
+        crate::bvh::Child::Inner(index) => {
+            1 + tree.nodes[index].links.iter().map(|&link| depth(tree, link)).max().unwrap_or(0)
+        }
+        _ => 0,
+    }
+}
