@@ -4,6 +4,7 @@
 
 use super::super::top_down::{QUARTET, WIDTH};
 use super::tree::{ROOT, Tree};
+use crate::bvh::MAX_LEAF_BLOCKS;
 use rayon::join;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -14,7 +15,7 @@ pub struct Costs {
     pub node: f32,
     /// A test of a block of four triangles.
     pub block: f32,
-    /// Most triangles of a leaf.
+    /// Most triangles of a leaf, up to 28.
     pub max_leaf: u32,
 }
 
@@ -67,7 +68,8 @@ impl Choices {
         if self.0.len() < tree.pairs.len() {
             self.0.resize_with(tree.pairs.len(), AtomicU32::default);
         }
-        Solver { tree, choices: &self.0, costs }.solve(ROOT, 0).cost[0]
+        let max_leaf = costs.max_leaf.min(QUARTET * MAX_LEAF_BLOCKS as u32);
+        Solver { tree, choices: &self.0, costs: Costs { max_leaf, ..costs } }.solve(ROOT, 0).cost[0]
     }
 
     /// The choice for the parent of `pair`.
@@ -127,5 +129,68 @@ impl Solver<'_> {
         let choice = Choice::new(count, is_leaf, [if_cheaper(of2, one), if_cheaper(of3, two), of4.1]);
         self.choices[pair].store(choice.0, Relaxed);
         Solved { cost: [one, two, three], count }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::collapse::Collapse;
+    use super::super::samples::soup;
+    use super::*;
+    use crate::build::{Builder, Lbvh};
+    use crate::bvh::{Bvh4, Child, Link};
+
+    const COSTS: Costs = Costs { node: 1.0, block: 0.7, max_leaf: 8 };
+
+    /// The least cost of node `index` as at most `slots` children, by trying everything.
+    fn least(tree: &Tree, index: u32, slots: usize) -> (f32, u32) {
+        let node = tree.node(index);
+        let Some(pair) = node.pair() else { return (node.half_area() * COSTS.block, 1) };
+        let [l, r] = [2 * pair as u32, 2 * pair as u32 + 1];
+        let count = least(tree, l, 1).1 + least(tree, r, 1).1;
+        let opened = |slots: usize| {
+            (1..slots)
+                .map(|left| least(tree, l, left).0 + least(tree, r, slots - left).0)
+                .fold(f32::MAX, f32::min)
+        };
+        let leaf =
+            if count <= COSTS.max_leaf { COSTS.block * count.div_ceil(4) as f32 } else { f32::INFINITY };
+        let closed = (node.half_area() * leaf).min(node.half_area() * COSTS.node + opened(WIDTH));
+        ((2..=slots).map(opened).fold(closed, f32::min), count)
+    }
+
+    fn cost_of(tree: &Bvh4, link: Link, area: f32) -> f32 {
+        match link.get() {
+            Child::Empty => 0.0,
+            Child::Leaf { count, .. } => area * COSTS.block * count as f32,
+            Child::Inner(index) => {
+                let below = tree.nodes[index].children().map(|(b, link)| cost_of(tree, link, b.half_area()));
+                area * COSTS.node + below.sum::<f32>()
+            }
+        }
+    }
+
+    #[test]
+    fn no_other_choice_is_cheaper_and_the_tree_costs_what_was_promised() {
+        for triangles in [5, 9, 13, 21, 30] {
+            let mesh = soup(triangles);
+            let (mut tree, mut choices) = (Tree::default(), Choices::default());
+            tree.unfold(&Lbvh::default().build(&mesh).tree, &mesh);
+            let promised = choices.make(&tree, COSTS);
+            let expected = least(&tree, ROOT, 1).0;
+            assert!((promised - expected).abs() <= 1e-5 * expected, "{promised} for {expected}");
+            let wide = Collapse { tree: &tree, choices: &choices }.emit(&mesh, &Default::default());
+            assert_eq!(wide.validate(&mesh), Ok(()));
+            let cost = cost_of(&wide, wide.root, wide.bounds.half_area());
+            assert!((cost - expected).abs() <= 1e-5 * expected, "{cost} for {expected}");
+        }
+    }
+
+    #[test]
+    fn choices_round_trip() {
+        let choice = Choice::new(77, true, [1, 2, 3]);
+        assert_eq!((choice.count(), choice.is_leaf()), (77, true));
+        assert_eq!([2, 3, 4].map(|slots| choice.left(slots)), [1, 2, 3]);
+        assert_eq!(Choice::new(u32::MAX, false, [0, 0, 1]).count(), (1 << 26) - 1);
     }
 }

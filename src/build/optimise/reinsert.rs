@@ -184,3 +184,53 @@ fn consider(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::soup;
+    use super::*;
+    use crate::build::{Builder, Lbvh};
+
+    /// The sum of the areas of inner nodes.
+    fn cost(tree: &Tree, index: u32) -> f64 {
+        let node = tree.node(index);
+        let below = |pair: usize| [0, 1].map(|half| cost(tree, 2 * pair as u32 + half)).iter().sum::<f64>();
+        node.pair().map_or(0.0, |pair| f64::from(node.half_area()) + below(pair))
+    }
+
+    #[test]
+    fn no_round_raises_the_cost_and_the_first_lowers_it() {
+        let mesh = soup(4000);
+        let mut tree = Tree::default();
+        tree.unfold(&Lbvh::default().build(&mesh).tree, &mesh);
+        let mut costs = vec![cost(&tree, ROOT)];
+        for _ in 0..5 {
+            assert!(tree.reinsert(tree.pairs.len() / 4) > 0);
+            costs.push(cost(&tree, ROOT));
+        }
+        assert!(costs.windows(2).all(|pair| pair[1] <= pair[0] * (1.0 + 1e-6)), "{costs:?}");
+        assert!(costs[1] < 0.99 * costs[0], "{costs:?}");
+    }
+
+    #[test]
+    fn boxes_heights_and_parents_stay_right() {
+        let mesh = soup(1000);
+        let mut tree = Tree::default();
+        tree.unfold(&Lbvh::default().build(&mesh).tree, &mesh);
+        tree.reinsert(tree.pairs.len());
+        let mut open = vec![ROOT];
+        let mut references = 0;
+        while let Some(index) = open.pop() {
+            let (node, fitted) = (tree.node(index), tree.fitted(index));
+            assert_eq!((node.bounds(), node.height()), (fitted.bounds(), fitted.height()));
+            match node.pair() {
+                Some(pair) => {
+                    assert_eq!(tree.parent(2 * pair as u32), index);
+                    open.extend([2 * pair as u32, 2 * pair as u32 + 1]);
+                }
+                None => references += 1,
+            }
+        }
+        assert_eq!(references, mesh.len());
+    }
+}

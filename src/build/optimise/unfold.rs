@@ -171,3 +171,22 @@ fn visible(mesh: &Mesh, prim: u32, bounds: Aabb) -> Option<Aabb> {
     let part = Polygon::triangle(corners).clipped(grown).bounds().intersection(bounds);
     (!part.is_empty()).then_some(part)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3A;
+
+    #[test]
+    fn a_triangle_is_seen_as_far_as_it_reaches_into_the_box() {
+        let vertices = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+        let (mesh, _) = Mesh::new(vertices, vec![[0, 1, 2]]).unwrap();
+        let space = |min: f32, max: f32| Aabb::new(Vec3A::splat(min), Vec3A::splat(max));
+        assert_eq!(visible(&mesh, 0, space(-1.0, 9.0)), Some(mesh.bounds()));
+        let part =
+            visible(&mesh, 0, Aabb::new(Vec3A::new(3.0, 0.0, 0.0), Vec3A::new(4.0, 4.0, 0.0))).unwrap();
+        assert!((part.max.y - 1.0).abs() < 1e-5 && part.min.x == 3.0, "{part:?}");
+        // The box meets the triangle's box, but not the triangle.
+        assert_eq!(visible(&mesh, 0, space(3.0, 4.0)), None);
+    }
+}
