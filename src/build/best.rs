@@ -14,11 +14,8 @@ pub struct BestConfig {
 }
 
 impl BestConfig {
-    /// PHR-HQ with twice as fine an initial cut, and all of the passes.
-    pub const DEFAULT: Self = Self {
-        phr: PhrConfig { delta: 10.0, max_cut: 8192, ..PhrConfig::HQ },
-        optimise: OptimiseConfig::DEFAULT,
-    };
+    /// PHR-HQ and all of the passes.
+    pub const DEFAULT: Self = Self { phr: PhrConfig::HQ, optimise: OptimiseConfig::DEFAULT };
 }
 
 /// Builds by PHR and optimises; memory is kept between builds.
