@@ -90,14 +90,18 @@ mod samples {
 
     /// Small triangles all over a cube.
     pub fn soup(count: u32) -> Mesh {
-        let at = |i: u32| {
-            let digits = i.wrapping_mul(0x9e37_79b9) ^ (i << 7);
-            [digits >> 22, digits >> 12 & 0x3ff, digits >> 2 & 0x3ff].map(|x| x as f32)
+        let mut state = 7u64;
+        let mut next = move |scale: f32| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1 << 24) as f32 * scale
         };
-        let vertices = (0..count).flat_map(|i| {
-            let [x, y, z] = at(i);
-            [[x, y, z], [x + 9.0, y, z + 3.0], [x, y + 5.0 + (i % 7) as f32, z]]
-        });
-        Mesh::new(vertices.collect(), (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap().0
+        let vertices: Vec<_> = (0..count)
+            .flat_map(|_| {
+                let (at, d) = ([(); 3].map(|()| next(100.0)), [(); 6].map(|()| next(9.0)));
+                let [x, y, z] = at;
+                [at, [x + d[0], y + d[1], z + d[2]], [x + d[3], y + d[4], z + d[5]]]
+            })
+            .collect();
+        Mesh::new(vertices, (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap().0
     }
 }
