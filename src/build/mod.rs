@@ -1,6 +1,7 @@
 //! Builders: from an indexed mesh to a traversable [`Bvh4`].
 
 mod aac;
+mod best;
 mod binary;
 mod bins;
 mod collapse;
@@ -15,6 +16,7 @@ mod linear;
 mod morton;
 mod morton_order;
 mod object_split;
+mod optimise;
 mod pages;
 mod phr;
 mod piece;
@@ -32,8 +34,10 @@ mod top_down;
 mod upper;
 
 pub use aac::{Aac, AacConfig};
+pub use best::{Best, BestConfig};
 pub use linear::Lbvh;
 pub use hunt::{Hunt, HuntConfig};
+pub use optimise::{Costs, OptimiseConfig};
 pub use phr::{Phr, PhrConfig};
 pub use presplit::PresplitConfig;
 
@@ -126,7 +130,7 @@ impl Stopwatch {
 }
 
 /// Names of all builders, in the order of the table.
-pub const NAMES: &[&str] = &["lbvh", "hunt-50", "hunt-500", "aac", "phr-fast", "phr-hq"];
+pub const NAMES: &[&str] = &["lbvh", "hunt-50", "hunt-500", "aac", "phr-fast", "phr-hq", "phr-best"];
 
 /// The builder called `name`, or `None`; names are those of [`NAMES`].
 pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
@@ -136,6 +140,7 @@ pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
         "hunt-500" => Box::new(Hunt::new("hunt-500", HuntConfig { cut_length: 500, max_leaf: 8 })),
         "aac" => Box::new(Aac::new(AacConfig::FAST)),
         "phr-fast" => Box::new(Phr::new("phr-fast", PhrConfig::FAST)),
+        "phr-best" => Box::new(Best::new("phr-best", BestConfig::DEFAULT)),
         n if n.starts_with("x:") => {
             // x:alpha:delta:max_leaf:leaf_sweep:spatial:auxleaf
             let f: Vec<f32> = n[2..].split(':').map(|x| x.parse().unwrap()).collect();
