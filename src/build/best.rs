@@ -1,4 +1,4 @@
-//! As good as it gets: PHR-HQ, and its tree made better afterwards.
+//! As good as it gets: a tree of PHR, made better afterwards.
 
 use super::optimise::{OptimiseConfig, Optimiser};
 use super::{Build, Builder, Phr, PhrConfig};
@@ -12,11 +12,6 @@ pub struct BestConfig {
     pub phr: PhrConfig,
     /// Of what is done to its tree.
     pub optimise: OptimiseConfig,
-}
-
-impl BestConfig {
-    /// PHR-HQ and all of the passes.
-    pub const DEFAULT: Self = Self { phr: PhrConfig::HQ, optimise: OptimiseConfig::DEFAULT };
 }
 
 /// Builds by PHR and optimises; memory is kept between builds.
