@@ -30,10 +30,10 @@ pub struct OptimiseConfig {
 }
 
 impl OptimiseConfig {
-    /// Rounds beyond the third gain little. A block is counted as half a node: that leads to the shortest traces
+    /// Rounds beyond the second gain little. A block is counted as half a node: that leads to the shortest traces
     /// under Embree's kernel, where a block costs less than a visit.
     pub const DEFAULT: Self =
-        Self { rounds: 3, share: 0.1, costs: Costs { node: 1.0, block: 0.5, max_leaf: 12 } };
+        Self { rounds: 2, share: 0.1, costs: Costs { node: 1.0, block: 0.5, max_leaf: 12 } };
 }
 
 /// Memory of the pass, kept from build to build.
