@@ -4,6 +4,9 @@
 #                   what the bars are judged by (`phr bars`), into results/bars: all builders on the files SCENES and
 #                   the built-in scenes with two threads, their builds with one, and their growth over scenes of 1 to
 #                   32 million triangles: some forty minutes on two cores, 16 GiB of memory
+# cargo bench --bench steps
+#                   the steps of a build one by one (codes, sort, auxiliary tree, sweeps by length of the cut,
+#                   refining, leaf blocks, wide nodes), each beside a memcpy of as many bytes: some minutes
 # make test         everything that is checked before a change is taken: formatting, lints, the library
 #                   without any feature, the harness without Embree, all tests and the documentation's examples
 #

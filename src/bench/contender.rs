@@ -2,7 +2,7 @@
 //! in its own way, in its own clock, and shows the finished tree to the observer who traces it.
 
 use super::load::{Accounts, Load};
-use crate::build::{self, Builder};
+use crate::build::{self, Build, Builder};
 use crate::bvh::{Statistics, WideBvh};
 use crate::geometry::{Mesh, Ray, Tracer};
 use crate::trace::{BvhTracer, Isa, RayKind, TraversalCounts};
@@ -69,7 +69,7 @@ impl Cell {
 }
 
 /// The order of the table: the paper's, with what it lacks at the place of its kind.
-pub const ORDER: [&str; 9] = [
+pub const ORDER: [&str; 12] = [
     "lbvh",
     "embree-morton",
     "hunt-50",
@@ -79,6 +79,9 @@ pub const ORDER: [&str; 9] = [
     "embree-fast-spatial",
     "phr-fast",
     "phr-hq",
+    "phr-speed",
+    "phr-quality",
+    "phr-best",
 ];
 
 /// A builder's place in the table; those of no fixed place come last.
@@ -104,9 +107,9 @@ pub fn cells(build_only: bool) -> Vec<Cell> {
 /// Durations of one visit's builds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Builds {
-    /// The first build of a fresh builder object or device, ms.
+    /// The first build of a fresh builder object or device, in fresh memory, ms.
     pub cold_ms: f64,
-    /// The builds after it, ms.
+    /// The builds after it, ours in the memory of the tree before, ms.
     pub warm_ms: Vec<f64>,
     /// Parts of the last build, ms; empty for Embree, which does not tell.
     pub phases: Vec<(String, f64)>,
@@ -223,24 +226,25 @@ pub fn visit(cell: &Cell, visit: &Visit<'_>, observer: &mut dyn FnMut(Shown<'_>)
 
 /// Our side: in the clock is what leads from the mesh in memory to a traversable tree with its leaf data.
 fn ours(mut builder: Box<dyn Builder>, visit: &Visit<'_>, observer: &mut dyn FnMut(Shown<'_>)) {
-    let mut build = || {
+    // Each build has the memory of the tree before it; the first has none.
+    let mut build = |no_longer_needed: Option<Build>| {
         visit.pool.install(|| {
+            if let Some(Build { tree, .. }) = no_longer_needed {
+                builder.recycle(tree);
+            }
             let start = Instant::now();
             let built = builder.build(visit.mesh);
             (start.elapsed(), built)
         })
     };
-    let (cold, first) = build();
-    drop(first);
+    let (cold, mut built) = build(None);
     let accounts = Accounts::read();
     let mut warm = Vec::new();
-    let built = loop {
-        let (duration, built) = build();
+    while !is_enough(&warm) {
+        let (duration, next) = build(Some(built));
         warm.push(duration);
-        if is_enough(&warm) {
-            break built;
-        }
-    };
+        built = next;
+    }
     let builds = Builds {
         cold_ms: ms(cold),
         warm_ms: warm.into_iter().map(ms).collect(),

@@ -15,7 +15,7 @@ const BINS: usize = 32;
 fn bins_for(n: usize) -> usize {
     match n {
         ..=48 => 8,
-        ..=256 => 16,
+        49..=256 => 16,
         _ => BINS,
     }
 }
@@ -125,8 +125,8 @@ impl Bins {
             let bounds = node.bounds();
             let place = (bounds.center2() - centers.min) * scale;
             let bin_of = place.to_array().map(|x| (x as u32).min(bins as u32 - 1) as u8);
-            for axis in 0..3 {
-                let bin = &mut self.bins[axis][usize::from(bin_of[axis])];
+            for (axis, &bin) in bin_of.iter().enumerate() {
+                let bin = &mut self.bins[axis][usize::from(bin)];
                 bin.bounds = bin.bounds.union(bounds);
                 bin.count += 1;
             }

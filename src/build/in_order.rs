@@ -83,7 +83,8 @@ pub(super) fn append<T: Batch>(
         to_a.iter_mut().zip(from_a).for_each(|(to, a)| {
             to.write(T::moved(a, at));
         });
-        to_b.write_copy_of_slice(from_b);
+        // SAFETY: these are as many places as elements, and disjoint from them; the elements are `Copy`.
+        unsafe { std::ptr::copy_nonoverlapping(from_b.as_ptr(), to_b.as_mut_ptr().cast(), from_b.len()) };
         batch.clear();
         spare.put(batch);
     };

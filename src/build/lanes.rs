@@ -92,16 +92,32 @@ mod x86 {
         method!(mul(a: __m512, b: __m512) -> __m512, _mm512_mul_ps(a, b));
         method!(max(a: __m512, b: __m512) -> __m512, _mm512_max_ps(a, b));
         method!(least(x: __m512) -> f32, _mm512_reduce_min_ps(x));
-        method!(bits(m: __mmask16) -> u32, u32::from(m));
         method!(floor(x: __m512) -> __m512, _mm512_roundscale_ps::<_MM_FROUND_TO_NEG_INF>(x));
         method!(lt(a: __m512, b: __m512) -> __mmask16, _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b));
         method!(le(a: __m512, b: __m512) -> __mmask16, _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b));
-        method!(and(a: __mmask16, b: __mmask16) -> __mmask16, a & b);
-        method!(or(a: __mmask16, b: __mmask16) -> __mmask16, a | b);
-        method!(not(m: __mmask16) -> __mmask16, !m);
         method!(select(m: __mmask16, a: __m512, b: __m512) -> __m512, _mm512_mask_mov_ps(b, m, a));
         method!(min_where(m: __mmask16, a: __m512, x: __m512) -> __m512, _mm512_mask_min_ps(a, m, a, x));
         method!(max_where(m: __mmask16, a: __m512, x: __m512) -> __m512, _mm512_mask_max_ps(a, m, a, x));
+
+        #[inline(always)]
+        fn bits(m: __mmask16) -> u32 {
+            u32::from(m)
+        }
+
+        #[inline(always)]
+        fn and(a: __mmask16, b: __mmask16) -> __mmask16 {
+            a & b
+        }
+
+        #[inline(always)]
+        fn or(a: __mmask16, b: __mmask16) -> __mmask16 {
+            a | b
+        }
+
+        #[inline(always)]
+        fn not(m: __mmask16) -> __mmask16 {
+            !m
+        }
     }
 
     impl Lanes for Avx2 {

@@ -31,6 +31,8 @@ mod small_sweep;
 mod spatial_bound;
 mod spatial_split;
 mod split_cost;
+#[doc(hidden)]
+pub mod steps;
 mod top_down;
 mod upper;
 

@@ -76,7 +76,6 @@ impl Sweep {
     }
 
     /// Sorts and sweeps all cuts: what the others are measured by.
-    #[cfg(test)]
     pub fn plain() -> Self {
         Self::with(Isa::Scalar)
     }

@@ -55,19 +55,21 @@ impl PhrConfig {
 }
 
 /// The threshold rule of equation 2: nodes larger than `t_d = S / 2^(alpha d + delta)` are opened one level.
-struct Threshold {
+pub(super) struct Threshold {
     /// Half of `t_d` by depth d: areas are compared halved.
     by_depth: Vec<f32>,
 }
 
 impl Threshold {
-    fn new(scene: Aabb, config: &PhrConfig) -> Self {
+    /// The thresholds of a scene with the given box.
+    pub fn new(scene: Aabb, config: &PhrConfig) -> Self {
         let at =
             |d: u32| f64::from(scene.half_area()) / f64::from(config.alpha * d as f32 + config.delta).exp2();
         Self { by_depth: (0..=128).map(|d| at(d) as f32).collect() }
     }
 
-    fn at(&self, depth: u32) -> f32 {
+    /// Half of `t_d` at depth `depth`.
+    pub fn at(&self, depth: u32) -> f32 {
         self.by_depth[(depth as usize).min(self.by_depth.len() - 1)]
     }
 }

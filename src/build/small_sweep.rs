@@ -69,7 +69,7 @@ mod x86 {
     pub(super) unsafe fn avx512(nodes: &[Node], limit: f32, weight: Weight) -> ObjectSplit {
         match nodes.len() {
             ..=5 => sweep::<Avx512, 5>(nodes, limit, weight),
-            ..=8 => sweep::<Avx512, 8>(nodes, limit, weight),
+            6..=8 => sweep::<Avx512, 8>(nodes, limit, weight),
             _ => sweep::<Avx512, 16>(nodes, limit, weight),
         }
     }
@@ -78,7 +78,7 @@ mod x86 {
     pub(super) unsafe fn avx2(nodes: &[Node], limit: f32, weight: Weight) -> ObjectSplit {
         match nodes.len() {
             ..=2 => sweep::<Avx2, 2>(nodes, limit, weight),
-            ..=4 => sweep::<Avx2, 4>(nodes, limit, weight),
+            3..=4 => sweep::<Avx2, 4>(nodes, limit, weight),
             _ => sweep::<Avx2, 8>(nodes, limit, weight),
         }
     }

@@ -1,0 +1,235 @@
+//! The steps of a build, each on its own, for `benches/steps.rs`: no stable interface.
+
+use super::Phase;
+use super::binary::Node;
+use super::bins::Bins;
+use super::cut::{Cut, SPACE};
+use super::cut_recursion::Refine;
+use super::in_order::Batch;
+use super::lbvh::Auxiliary;
+use super::morton_order::reference;
+use super::object_split::{ObjectSplit, Sweep};
+use super::phr::{PhrConfig, Threshold};
+use super::piece::Piece;
+use super::small_sweep::{self, Isa};
+use super::spatial_split::SpatialSweep;
+use super::split_cost::Weight;
+use super::top_down::{QUARTET, WIDTH};
+use crate::bvh::{Link, TriangleBlock, WideNode};
+use crate::geometry::{Aabb, Mesh};
+
+/// Levels over which [`Steps::refine`] halves and refines.
+const LEVELS: u32 = 16;
+
+/// What a step must read and write at least.
+#[derive(Clone, Copy, Debug)]
+pub struct Traffic {
+    /// Bytes read.
+    pub read: usize,
+    /// Bytes written.
+    pub written: usize,
+}
+
+/// A mesh with its auxiliary BVH, and the memory of the steps after it.
+pub struct Steps<'a> {
+    mesh: &'a Mesh,
+    auxiliary: Auxiliary,
+    threshold: Threshold,
+    prims: Vec<u32>,
+    children: Vec<[(Aabb, Link); WIDTH]>,
+    piece: Piece,
+    arena: Vec<Node>,
+}
+
+impl<'a> Steps<'a> {
+    /// Of a mesh of more than four triangles; leaves of the auxiliary BVH hold at most `leaf` triangles.
+    pub fn new(mesh: &'a Mesh, leaf: u32) -> Self {
+        let mut auxiliary = Auxiliary::default();
+        auxiliary.build(mesh, None, leaf);
+        let children = auxiliary.tree.pairs.chunks_exact(2).map(|pairs| {
+            let link = |node: &Node| (node.bounds(), Link::inner(node.pair().unwrap_or_default()));
+            [link(&pairs[0][0]), link(&pairs[0][1]), link(&pairs[1][0]), link(&pairs[1][1])]
+        });
+        Self {
+            children: children.collect(),
+            prims: auxiliary.order.keys.iter().map(|&key| reference(key)).collect(),
+            threshold: Threshold::new(auxiliary.order.bounds(), &PhrConfig::FAST),
+            mesh,
+            auxiliary,
+            piece: Piece::default(),
+            arena: Vec::new(),
+        }
+    }
+
+    /// Builds the auxiliary BVH again; the durations of its phases, "codes", "sort" and "auxiliary tree" among
+    /// them.
+    pub fn auxiliary(&mut self, leaf: u32) -> Vec<Phase> {
+        self.auxiliary.build(self.mesh, None, leaf)
+    }
+
+    /// Of "codes", "sort" (each key moved but once) or "auxiliary tree"; `None` of others.
+    pub fn auxiliary_traffic(&self, phase: &str) -> Option<Traffic> {
+        let mesh = size_of_val(self.mesh.triangles()) + size_of_val(self.mesh.padded_vertices());
+        let keys = size_of_val(&self.auxiliary.order.keys[..]);
+        let pairs = size_of_val(&self.auxiliary.tree.pairs[..]);
+        Some(match phase {
+            "codes" => Traffic { read: mesh, written: keys },
+            "sort" => Traffic { read: keys, written: keys },
+            "auxiliary tree" => Traffic { read: mesh + keys, written: pairs },
+            _ => return None,
+        })
+    }
+
+    /// Cuts of `len` nodes, from all over the auxiliary BVH, together of at most `nodes` nodes.
+    pub fn cuts(&self, len: usize, nodes: usize) -> Cuts {
+        let tree = &self.auxiliary.tree;
+        let mut cuts = Cuts { len, nodes: Vec::new(), bounds: Vec::new(), limits: Vec::new() };
+        let Some(root) = tree.root else { return cuts };
+        for subtree in Cut::initial(tree, root, 0.0, nodes / len) {
+            let cut = Cut::initial(tree, subtree, 0.0, len);
+            if cut.len() == len {
+                cuts.bounds.push(cut.iter().map(Node::bounds).collect());
+                cuts.nodes.extend(cut);
+            }
+        }
+        let mut sweep = Sweep::default();
+        cuts.limits =
+            cuts.each().map(|(nodes, bounds)| sweep.best(nodes, bounds, Weight::Nodes).cost).collect();
+        cuts
+    }
+
+    /// Refines the initial cut by PHR-Fast's rule: it is halved by count, and the halves are refined and halved
+    /// again, some levels down. Returns the number of nodes handed to the rule.
+    pub fn refine(&mut self) -> usize {
+        let Some(root) = self.auxiliary.tree.root else { return 0 };
+        let cut = Cut::initial(&self.auxiliary.tree, root, self.threshold.at(0), PhrConfig::FAST.max_cut);
+        self.arena.clear();
+        self.arena.extend(cut);
+        self.refine_halves(0, 1)
+    }
+
+    fn refine_halves(&mut self, first: usize, depth: u32) -> usize {
+        let len = self.arena.len() - first;
+        if len < 2 || depth > LEVELS {
+            return 0;
+        }
+        let mut refined = len;
+        for half in [first..first + len / 2, first + len / 2..first + len] {
+            let mut side = self.arena[half].to_vec();
+            let begin = self.arena.len();
+            self.threshold.refine(&self.auxiliary.tree, &SPACE, depth, &mut side, &mut self.arena);
+            refined += self.refine_halves(begin, depth + 1);
+            self.arena.truncate(begin);
+        }
+        refined
+    }
+
+    /// Writes all triangles into leaf blocks, in Morton order; returns the number of blocks.
+    pub fn leaf_blocks(&mut self) -> usize {
+        self.piece.clear();
+        self.prims.chunks(QUARTET as usize).filter_map(|prims| self.piece.leaf(self.mesh, prims)).count()
+    }
+
+    /// Of [`Steps::leaf_blocks`].
+    pub fn leaf_block_traffic(&self) -> Traffic {
+        let mesh = size_of_val(self.mesh.triangles()) + size_of_val(self.mesh.padded_vertices());
+        let blocks = self.prims.len().div_ceil(QUARTET as usize);
+        Traffic { read: mesh + size_of_val(&self.prims[..]), written: blocks * size_of::<TriangleBlock>() }
+    }
+
+    /// Writes a wide node over each two pairs of the auxiliary BVH; returns the number of nodes.
+    pub fn wide_nodes(&mut self) -> usize {
+        self.piece.clear();
+        for children in &self.children {
+            let index = self.piece.reserve_node();
+            self.piece.finish_node(index, children);
+        }
+        self.children.len()
+    }
+
+    /// Of [`Steps::wide_nodes`].
+    pub fn wide_node_traffic(&self) -> Traffic {
+        let written = self.children.len() * size_of::<WideNode<WIDTH>>();
+        Traffic { read: size_of_val(&self.children[..]), written }
+    }
+}
+
+/// How the object split of a cut is found. All find the same one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// As in a build: the fastest.
+    Chosen,
+    /// All nodes sorted along each axis and swept, in scalar code.
+    Sorted,
+    /// Bounded by bins.
+    Binned,
+    /// In vectors of eight lanes.
+    Avx2,
+    /// In vectors of sixteen lanes.
+    Avx512,
+}
+
+impl Way {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Chosen, Self::Sorted, Self::Binned, Self::Avx2, Self::Avx512];
+
+    /// Whether this processor can split a cut of `len` nodes so.
+    pub fn splits(self, len: usize) -> bool {
+        match self {
+            Self::Chosen | Self::Sorted => true,
+            Self::Binned => len > 2,
+            Self::Avx2 => Isa::best() != Isa::Scalar && len <= Isa::Avx2.longest(),
+            Self::Avx512 => Isa::best() == Isa::Avx512 && len <= Isa::Avx512.longest(),
+        }
+    }
+}
+
+/// Cuts, all of one length.
+pub struct Cuts {
+    len: usize,
+    nodes: Vec<Node>,
+    bounds: Vec<Aabb>,
+    /// What the best object splits cost.
+    limits: Vec<f32>,
+}
+
+impl Cuts {
+    fn each(&self) -> impl Iterator<Item = (&[Node], Aabb)> {
+        self.nodes.chunks_exact(self.len).zip(self.bounds.iter().copied())
+    }
+
+    /// Nodes of all cuts.
+    pub fn nodes(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Of any sweep.
+    pub fn traffic(&self) -> Traffic {
+        Traffic { read: size_of_val(&self.nodes[..]), written: 0 }
+    }
+
+    /// Finds the object split of each cut by a way that [`Way::splits`] such; returns the number of cuts for
+    /// which there is none, so that nothing is left out.
+    pub fn object_splits(&self, way: Way) -> usize {
+        assert!(way.splits(self.len), "{way:?} does not split cuts of {} nodes", self.len);
+        let (weight, n) = (Weight::Nodes, self.len);
+        let (mut chosen, mut sorted, mut bins) = (Sweep::default(), Sweep::plain(), Bins::default());
+        let best = |(nodes, bounds): (&[Node], Aabb)| match way {
+            Way::Chosen => chosen.best(nodes, bounds, weight),
+            Way::Sorted => sorted.best(nodes, bounds, weight),
+            Way::Binned => bins.best(nodes, weight.limit(bounds.half_area(), n), weight),
+            Way::Avx2 => small_sweep::best(Isa::Avx2, nodes, weight.limit(bounds.half_area(), n), weight),
+            Way::Avx512 => small_sweep::best(Isa::Avx512, nodes, weight.limit(bounds.half_area(), n), weight),
+        };
+        self.each().map(best).filter(|split| *split == ObjectSplit::NONE).count()
+    }
+
+    /// Finds the spatial split of each cut, where `bounded` only if it is cheaper than the object split, as a
+    /// build does; returns the number of splits.
+    pub fn spatial_splits(&self, bounded: bool) -> usize {
+        let mut sweep = SpatialSweep::default();
+        let limits = self.limits.iter().map(|&limit| if bounded { limit } else { f32::INFINITY });
+        let split = |((nodes, bounds), limit)| sweep.below(limit, nodes, bounds, Weight::Nodes).cost < limit;
+        self.each().zip(limits).map(split).filter(|&found| found).count()
+    }
+}
