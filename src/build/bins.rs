@@ -185,6 +185,7 @@ impl Bins {
 mod tests {
     use super::*;
     use crate::build::object_split::Sweep;
+    use crate::build::small_sweep::Isa;
 
     #[test]
     fn bins_find_the_split_of_the_full_sweep() {
@@ -205,7 +206,7 @@ mod tests {
                 .collect();
             let bounds: Aabb = nodes.iter().map(Node::bounds).collect();
             for weight in [Weight::Nodes, Weight::Quartets] {
-                let expected = Sweep::plain().best(&nodes, bounds, weight);
+                let expected = Sweep::plain().best(Isa::Scalar, &nodes, bounds, weight);
                 let limit = weight.limit(bounds.half_area(), nodes.len());
                 assert_eq!(Bins::default().best(&nodes, limit, weight), expected, "{} nodes", nodes.len());
             }

@@ -6,6 +6,7 @@ use super::cut::{Cut, Order, OwnCut, SPACE, open};
 use super::prefetch::warm;
 use super::reference_split::split_reference;
 use super::object_split::{ObjectSplit, Sweep};
+use super::small_sweep::Isa;
 use super::spatial_split::{SpatialSplit, SpatialSweep};
 use super::split_cost::Weight;
 use super::top_down::{Kind, QUARTET, TopDown};
@@ -51,6 +52,8 @@ pub(super) struct CutRecursion<'a, R> {
     pub order: Order<'a>,
     /// What to do.
     pub rules: Rules<R>,
+    /// Instructions for it.
+    pub isa: Isa,
 }
 
 /// Memory and counts of a thread.
@@ -229,7 +232,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
 
         // Find: the cheapest object split, and a spatial one where it is cheaper still.
         let halve = cut.depth >= MAX_DEPTH;
-        let object = if halve { ObjectSplit::NONE } else { sweep.best(nodes, cut.bounds, weight) };
+        let object = if halve { ObjectSplit::NONE } else { sweep.best(self.isa, nodes, cut.bounds, weight) };
         let spatial =
             if halve { None } else { self.spatial_split(&cut, nodes, &object, weight, spatial_sweep) };
 

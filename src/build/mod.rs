@@ -18,6 +18,8 @@ mod object_split;
 mod pages;
 mod phr;
 mod piece;
+#[cfg(test)]
+mod plain;
 mod prefetch;
 mod presplit;
 mod radix_sort;
