@@ -1,10 +1,10 @@
 //! The fast builders against the plain ones.
 
-use super::meshes::{clusters, coarse, concentric, geometric, grids, identical, needles, scaled, soup};
+use super::meshes::{beads, clusters, coarse, concentric, geometric, grids, identical, needles, scaled, soup};
 use super::wide::Wide;
 use super::{hunt, phr};
 use crate::build::small_sweep::Isa;
-use crate::build::{Builder, Hunt, HuntConfig, Phr, PhrConfig, PresplitConfig};
+use crate::build::{Build, Builder, Hunt, HuntConfig, Phr, PhrConfig, PresplitConfig};
 use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
 use crate::scene::scalable;
@@ -45,6 +45,7 @@ fn small_meshes() -> Vec<(String, Mesh)> {
         meshes.push((format!("{n} needles"), needles(n, seed)));
         meshes.push((format!("{n} on a coarse grid"), coarse(n, [2.0, 5.0, 20.0][n % 3], seed)));
         meshes.push((format!("{n} in clusters"), clusters(n, seed)));
+        meshes.push((format!("{n} beads"), beads(n, seed)));
         meshes.push((format!("{n} identical"), identical(n)));
         meshes.push((format!("{n} concentric"), concentric(n)));
         meshes.push((format!("{n} geometric"), geometric(n)));
@@ -60,6 +61,8 @@ fn large_meshes() -> Vec<(&'static str, Mesh)> {
     vec![
         ("a large soup", soup(9000, 0.02, 1)),
         ("many needles", needles(3000, 2)),
+        ("many beads", beads(2500, 6)),
+        ("more beads", beads(4500, 7)),
         ("large grids", grids(32)),
         ("a large coarse grid", coarse(6000, 14.0, 3)),
         ("many in clusters", clusters(9000, 4)),
@@ -76,23 +79,33 @@ fn assert_same(tree: &Bvh4, mesh: &Mesh, expected: Option<&Wide>, what: &str) {
     assert!(difference.is_none(), "{what}, child {}", difference.unwrap());
 }
 
-fn compare(what: &str, mesh: &Mesh) {
+/// Compares all builders on a mesh; returns how many spatial splits were made by the configurations.
+fn compare(what: &str, mesh: &Mesh) -> Vec<u64> {
+    let mut spatial_splits = Vec::new();
     for (name, config) in configs() {
-        let tree = Phr::new("", config).build(mesh).tree;
+        let Build { tree, counts, .. } = Phr::new("", config).build(mesh);
+        spatial_splits.push(counts.spatial_splits);
         assert_same(&tree, mesh, phr(mesh, &config).as_ref(), &format!("{what}, {name}"));
     }
     let tree = Hunt::new("", HUNT_50).build(mesh).tree;
     assert_same(&tree, mesh, hunt(mesh, &HUNT_50).as_ref(), &format!("{what}, hunt"));
+    spatial_splits
 }
 
 #[test]
 fn small_trees_are_the_plain_ones_node_for_node() {
-    small_meshes().iter().for_each(|(what, mesh)| compare(what, mesh));
+    small_meshes().iter().for_each(|(what, mesh)| {
+        compare(what, mesh);
+    });
 }
 
 #[test]
 fn large_trees_are_the_plain_ones_node_for_node() {
-    large_meshes().iter().for_each(|(what, mesh)| compare(what, mesh));
+    let mut spatial_splits = vec![0; configs().len()];
+    for (what, mesh) in large_meshes() {
+        spatial_splits.iter_mut().zip(compare(what, &mesh)).for_each(|(sum, n)| *sum += n);
+    }
+    assert!(spatial_splits.iter().all(|&n| n > 100), "{spatial_splits:?}");
 }
 
 #[test]

@@ -47,6 +47,20 @@ pub fn needles(n: usize, seed: u64) -> Mesh {
     })
 }
 
+/// Needles from corner to corner of a cube, copies of each other, among beads strung on them: pieces and whole
+/// triangles of one Morton code.
+pub fn beads(n: usize, seed: u64) -> Mesh {
+    mesh(n, seed, |i, random| {
+        // Half of them on the first pieces.
+        let at = Vec3::splat(if i % 2 == 0 { random.unit() * 1000.0 } else { 1.5 + (random.unit() * 4.0).floor() * 0.25 });
+        if i % 50 == 7 {
+            [Vec3::ZERO, Vec3::splat(1000.0), Vec3::new(1e-3, 0.0, 0.0)]
+        } else {
+            [at, at + Vec3::X * 0.1, at + Vec3::Y * 0.1]
+        }
+    })
+}
+
 /// Three crossing planes of squares: boxes that are flat, equally large, equally far apart.
 pub fn grids(n: usize) -> Mesh {
     mesh(6 * n * n, 0, |i, _| {
