@@ -147,7 +147,8 @@ fn two_distant_quartets_cost_what_a_hand_says() {
     // the whole is 10 x 1 x 0, half area 10, so 1 + (1 * 1 + 1 * 1) / 10.
     let triangle = |x: f32| [[x, 0., 0.], [x + 1.0, 0., 0.], [x, 1., 0.]];
     let mesh = soup([0., 0., 0., 0., 9., 9., 9., 9.].map(triangle));
-    for name in build::NAMES {
+    // phr-best counts a block as half a node, and has one leaf of two blocks as cheaper.
+    for name in build::NAMES.iter().filter(|name| **name != "phr-best") {
         let tree: Bvh4 = build_with(1, name, &mesh).tree;
         assert!((sah_cost(&tree) - 1.2).abs() < 1e-6, "{name}: {}", sah_cost(&tree));
     }
@@ -157,6 +158,7 @@ fn two_distant_quartets_cost_what_a_hand_says() {
 fn a_better_preset_makes_a_cheaper_tree() {
     let mesh = random_soup(30_000, 3.0);
     let cost = |name| sah_cost(&build_with(2, name, &mesh).tree);
+    assert!(cost("phr-best") < cost("phr-hq"));
     assert!(cost("phr-hq") <= cost("phr-fast") && cost("phr-fast") < cost("lbvh"));
 }
 

@@ -88,7 +88,7 @@ pub fn place(builder: &str) -> usize {
 
 /// All cells of this program, in the table's order.
 pub fn cells(build_only: bool) -> Vec<Cell> {
-    let ours = build::NAMES.iter().map(|name| Cell {
+    let ours = build::NAMES.iter().chain(build::ABLATION).map(|name| Cell {
         builder: (*name).into(),
         width: 4,
         kernels: super::embree_side::kernels_of_ours(),

@@ -291,7 +291,11 @@ fn cells(builders: &[String], build_only: bool) -> Result<Vec<Cell>, PlanError> 
             return Err(PlanError::NoSuchBuilder { name: name.clone(), known: known.join(", ") });
         }
     }
-    Ok(all.into_iter().filter(|cell| builders.is_empty() || builders.contains(&cell.builder)).collect())
+    let wanted = |cell: &Cell| match builders {
+        [] => !crate::build::ABLATION.contains(&cell.builder.as_str()),
+        _ => builders.contains(&cell.builder),
+    };
+    Ok(all.into_iter().filter(wanted).collect())
 }
 
 /// The cell with the kernels that pass the filter, or `None` if none does.

@@ -178,11 +178,19 @@ impl Clipper<'_> {
     }
 }
 
+/// Whether a member of a cut lies wholly within the clip box, so that nothing below it is clipped: strictly, as
+/// a box cut by a face ends there.
+#[inline]
+pub(super) fn is_whole(node: &Node, clip: &Aabb) -> bool {
+    let b = node.bounds();
+    (b.min.cmpgt(clip.min) & b.max.cmplt(clip.max)).all()
+}
+
 /// Gives `take` the children of an inner `node` that reach into `clip`, their boxes clipped.
 #[inline]
 pub(super) fn open(tree: &BinaryTree, node: &Node, clip: &Aabb, mut take: impl FnMut(Node)) {
     let children = tree.children(node);
-    if *clip == SPACE {
+    if is_whole(node, clip) {
         take(children[0]);
         take(children[1]);
         return;
@@ -217,7 +225,7 @@ impl Order<'_> {
             return;
         }
         let bounds = |place: usize| self.references.bounds(reference(self.keys[place]));
-        if *clip == SPACE {
+        if is_whole(node, clip) {
             node.run().for_each(|place| take(Node::leaf(bounds(place), place, 1)));
             return;
         }

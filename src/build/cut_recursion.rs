@@ -2,7 +2,7 @@
 //! How a side is refined is all in which PHR and the method of Hunt et al. differ.
 
 use super::binary::{BinaryTree, Node};
-use super::cut::{Cut, Order, OwnCut, SPACE, open};
+use super::cut::{Cut, Order, OwnCut, is_whole, open};
 use super::prefetch::warm;
 use super::reference_split::split_reference;
 use super::object_split::{ObjectSplit, Sweep};
@@ -273,15 +273,12 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
     }
 
     fn leaf(&self, cut: &Cut, prims: &mut Vec<u32>, scratch: &mut Scratch) -> Aabb {
-        let mut bounds = cut.bounds;
-        let nodes = &scratch.arena[cut.places()];
-        if cut.clip == SPACE {
-            for node in nodes {
+        let mut bounds = Aabb::EMPTY;
+        for node in &scratch.arena[cut.places()] {
+            if is_whole(node, &cut.clip) {
+                bounds = bounds.union(node.bounds());
                 prims.extend(self.tree.run(node).map(|place| self.order.prim(place)));
-            }
-        } else {
-            bounds = Aabb::EMPTY;
-            for node in nodes {
+            } else {
                 self.order.each(self.tree, node, &cut.clip, &mut |reference| {
                     bounds = bounds.union(reference.bounds());
                     prims.push(self.order.prim(reference.run().start));

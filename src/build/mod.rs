@@ -1,6 +1,7 @@
 //! Builders: from an indexed mesh to a traversable [`Bvh4`].
 
 mod aac;
+mod best;
 mod binary;
 mod bins;
 mod collapse;
@@ -15,11 +16,13 @@ mod linear;
 mod morton;
 mod morton_order;
 mod object_split;
+mod optimise;
 mod pages;
 mod phr;
 mod piece;
 #[cfg(test)]
 mod plain;
+mod presets;
 mod prefetch;
 mod presplit;
 mod radix_sort;
@@ -34,9 +37,12 @@ mod top_down;
 mod upper;
 
 pub use aac::{Aac, AacConfig};
+pub use best::{Best, BestConfig};
 pub use linear::Lbvh;
 pub use hunt::{Hunt, HuntConfig};
+pub use optimise::{Costs, OptimiseConfig};
 pub use phr::{Phr, PhrConfig};
+pub use presets::{ABLATION, NAMES, by_name};
 pub use presplit::PresplitConfig;
 
 use crate::bvh::Bvh4;
@@ -125,25 +131,4 @@ impl Stopwatch {
         self.phases.push(Phase { name, duration: now - self.last });
         self.last = now;
     }
-}
-
-/// Names of all builders, in the order of the table.
-pub const NAMES: &[&str] = &["lbvh", "hunt-50", "hunt-500", "aac", "phr-fast", "phr-hq"];
-
-/// The builder called `name`, or `None`; names are those of [`NAMES`].
-pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
-    Some(match name {
-        "lbvh" => Box::new(Lbvh::default()),
-        "hunt-50" => Box::new(Hunt::new("hunt-50", HuntConfig { cut_length: 50, max_leaf: 8 })),
-        "hunt-500" => Box::new(Hunt::new("hunt-500", HuntConfig { cut_length: 500, max_leaf: 8 })),
-        "aac" => Box::new(Aac::new(AacConfig::FAST)),
-        "phr-fast" => Box::new(Phr::new("phr-fast", PhrConfig::FAST)),
-        n if n.starts_with("x:") => {
-            // x:alpha:delta:max_leaf:leaf_sweep:spatial:auxleaf
-            let f: Vec<f32> = n[2..].split(':').map(|x| x.parse().unwrap()).collect();
-            Box::new(Phr::new("x", PhrConfig { alpha: f[0], delta: f[1], max_leaf: f[2] as u32, leaf_sweep: f[3] as u32, spatial_threshold: f[4], auxiliary_leaf: f[5] as u32, presplit: (f[6] > 0.0).then_some(PresplitConfig::NEEDLES), clip_triangles: f[7] > 0.0, ..PhrConfig::FAST }))
-        }
-        "phr-hq" => Box::new(Phr::new("phr-hq", PhrConfig::HQ)),
-        _ => return None,
-    })
 }

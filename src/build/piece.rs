@@ -35,7 +35,7 @@ pub(super) fn append(
         .collect()
 }
 
-/// Appends a node over finished subtrees, of which there may be none or but one.
+/// Appends a node over finished subtrees: nodes come after those below them. Of a lone subtree none is made.
 pub(super) fn append_node(children: &[(Aabb, Link)], nodes: &mut Vec<WideNode<WIDTH>>) -> Subtree {
     match children {
         [] => None,
@@ -62,25 +62,9 @@ impl Piece {
             + self.blocks.capacity() * size_of::<TriangleBlock>()
     }
 
-    /// A place for a node before those of its children.
-    pub fn reserve_node(&mut self) -> usize {
-        self.nodes.push(WideNode::EMPTY);
-        self.nodes.len() - 1
-    }
-
-    /// Fills the node in place `index` with those of its children of which clipping left something.
-    pub fn finish_node(&mut self, index: usize, children: &[(Aabb, Link)]) -> Subtree {
-        if let [] | [_] = children {
-            // A node left in place for a lone inner child would only cost a visit, and taking it out would move
-            // the ones after it: it is rare, so it stays.
-            if children.first().is_none_or(|(_, link)| !link.is_inner()) {
-                self.nodes.pop();
-                return children.first().copied();
-            }
-        }
-        self.nodes[index] = WideNode::of(children);
-        let bounds = children.iter().map(|(bounds, _)| *bounds).collect();
-        Some((bounds, Link::inner(index)))
+    /// Appends a node over finished subtrees.
+    pub fn node(&mut self, children: &[(Aabb, Link)]) -> Subtree {
+        append_node(children, &mut self.nodes)
     }
 
     /// Appends the blocks of a leaf; `None` without triangles.

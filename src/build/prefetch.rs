@@ -23,7 +23,7 @@ pub(super) fn warm(tree: &BinaryTree, keys: &[Key], references: &References<'_>,
     }
     for key in keys {
         if let Some(triangle) = triangles.get(reference(*key) as usize) {
-            triangle.iter().for_each(|&vertex| line(vertices, vertex as usize));
+            line(vertices, triangle[0] as usize);
         }
     }
 }

@@ -2,7 +2,6 @@
 //! whole box, or several times by the boxes of its parts where it was split before.
 
 use crate::geometry::{Aabb, Mesh};
-use glam::Vec3A;
 use rayon::prelude::*;
 
 /// References per task of a parallel pass over all of them.
@@ -67,10 +66,13 @@ impl Extent {
         mesh.triangles()
             .par_chunks(GRAIN)
             .map(|triangles| {
-                triangles.iter().fold(Self::EMPTY, |extent, triangle| {
+                let (mut bounds, mut centers) = (Aabb::EMPTY, Aabb::EMPTY);
+                for triangle in triangles {
                     let b = Aabb::of_triangle(mesh.corners_of(triangle));
-                    Self { bounds: extent.bounds.union(b), centers: extent.centers.grow(b.center2()) }
-                })
+                    bounds = bounds.union(b);
+                    centers = centers.grow(b.center2());
+                }
+                Self { bounds, centers }
             })
             .reduce(
                 || Self::EMPTY,
@@ -80,7 +82,6 @@ impl Extent {
 
     /// The extent with another reference.
     pub fn grow(self, bounds: Aabb) -> Self {
-        let center: Vec3A = bounds.center2();
-        Self { bounds: self.bounds.union(bounds), centers: self.centers.grow(center) }
+        Self { bounds: self.bounds.union(bounds), centers: self.centers.grow(bounds.center2()) }
     }
 }

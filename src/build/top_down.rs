@@ -63,6 +63,35 @@ pub(super) trait TopDown: Sync {
     /// [`Kind::Inner`], it may be found that it should be a leaf; it is then given back as one.
     fn split(&self, part: &Self::Part, scratch: &mut Self::Scratch) -> [Option<Self::Part>; 2];
 
+    /// Splits a part into up to four: the largest that is no leaf first (paper 4.5).
+    fn children(&self, part: &Self::Part, scratch: &mut Self::Scratch) -> ArrayVec<Self::Part, WIDTH> {
+        let mut children = ArrayVec::new();
+        children.push(part.clone());
+        while (1..WIDTH).contains(&children.len()) {
+            let largest = |kind: Kind| {
+                let of_kind = (0..children.len()).filter(|&i| self.kind(&children[i]) == kind);
+                let area = |i: usize| self.half_area(&children[i]);
+                of_kind.reduce(|a, b| if area(b) > area(a) { b } else { a })
+            };
+            let next = match largest(Kind::Inner) {
+                None if children.len() > 1 => largest(Kind::SoftLeaf),
+                inner => inner,
+            };
+            let Some(next) = next else { break };
+            match self.split(&children[next], scratch) {
+                [Some(left), Some(right)] => {
+                    children[next] = left;
+                    children.insert(next + 1, right);
+                }
+                [Some(only), None] | [None, Some(only)] => children[next] = only,
+                [None, None] => {
+                    children.remove(next);
+                }
+            }
+        }
+        children
+    }
+
     /// Appends the triangles of a leaf; returns their box, clipped like the part.
     fn leaf(&self, part: &Self::Part, prims: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb;
 
@@ -204,7 +233,7 @@ impl<T: TopDown> Emitter<'_, T> {
         let mark = self.builder.mark(scratch);
         let part = self.builder.plant(seed, scratch);
         let is_piece = self.builder.count(&part) < grain;
-        let parts = if is_piece { ArrayVec::from_iter([part]) } else { self.children(&part, scratch) };
+        let parts = if is_piece { ArrayVec::from_iter([part]) } else { self.builder.children(&part, scratch) };
         let mut seeds: Vec<T::Seed> = parts.iter().map(|part| self.builder.lift(part, scratch)).collect();
         self.builder.release(scratch, mark);
         workers.put(worker);
@@ -233,49 +262,13 @@ impl<T: TopDown> Emitter<'_, T> {
             return self.leaf(part, piece, worker);
         }
         let mark = self.builder.mark(&worker.scratch);
-        let children = self.children(part, &mut worker.scratch);
-        let subtree = match &children[..] {
-            // Clipping may leave a single child, or the part be found to be a leaf: it takes its parent's place.
-            [] => None,
-            [only] => self.serial(only, piece, worker),
-            _ => {
-                let index = piece.reserve_node();
-                let built: ArrayVec<(Aabb, Link), WIDTH> =
-                    children.iter().filter_map(|child| self.serial(child, piece, worker)).collect();
-                piece.finish_node(index, &built)
-            }
-        };
+        let children = self.builder.children(part, &mut worker.scratch);
+        let built: ArrayVec<(Aabb, Link), WIDTH> =
+            children.iter().filter_map(|child| self.serial(child, piece, worker)).collect();
+        // Clipping may leave a single child, or the part be found to be a leaf: it takes its parent's place.
+        let subtree = piece.node(&built);
         self.builder.release(&mut worker.scratch, mark);
         subtree
-    }
-
-    /// Splits a part into up to four: the largest that is no leaf first (paper 4.5).
-    fn children(&self, part: &T::Part, scratch: &mut T::Scratch) -> ArrayVec<T::Part, WIDTH> {
-        let mut children = ArrayVec::new();
-        children.push(part.clone());
-        while (1..WIDTH).contains(&children.len()) {
-            let largest = |kind: Kind| {
-                let of_kind = (0..children.len()).filter(|&i| self.builder.kind(&children[i]) == kind);
-                let area = |i: usize| self.builder.half_area(&children[i]);
-                of_kind.reduce(|a, b| if area(b) > area(a) { b } else { a })
-            };
-            let next = match largest(Kind::Inner) {
-                None if children.len() > 1 => largest(Kind::SoftLeaf),
-                inner => inner,
-            };
-            let Some(next) = next else { break };
-            match self.builder.split(&children[next], scratch) {
-                [Some(left), Some(right)] => {
-                    children[next] = left;
-                    children.insert(next + 1, right);
-                }
-                [Some(only), None] | [None, Some(only)] => children[next] = only,
-                [None, None] => {
-                    children.remove(next);
-                }
-            }
-        }
-        children
     }
 
     fn leaf(&self, part: &T::Part, piece: &mut Piece, worker: &mut Worker<T::Scratch>) -> Subtree {

@@ -56,6 +56,16 @@ impl Polygon {
         }
     }
 
+    /// The smallest box in single precision; empty if nothing is left.
+    pub fn bounds(&self) -> Aabb {
+        let corners = &self.corners[..self.len];
+        let min = corners.iter().fold(DVec3::INFINITY, |a, &b| a.min(b));
+        let max = corners.iter().fold(DVec3::NEG_INFINITY, |a, &b| a.max(b));
+        let below = |x: f64| if f64::from(x as f32) > x { (x as f32).next_down() } else { x as f32 };
+        let above = |x: f64| if f64::from(x as f32) < x { (x as f32).next_up() } else { x as f32 };
+        Aabb::new(Vec3A::from(min.to_array().map(below)), Vec3A::from(max.to_array().map(above)))
+    }
+
     /// Area, 0 for fewer than three corners.
     pub fn area(&self) -> f64 {
         let Some((first, rest)) = self.corners[..self.len].split_first() else { return 0.0 };

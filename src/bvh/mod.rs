@@ -6,6 +6,7 @@ mod statistics;
 mod validate;
 mod wide;
 
+pub(crate) use clip::Polygon;
 pub use epo::epo;
 pub use statistics::{Statistics, sah_cost};
 pub use validate::Invalid;

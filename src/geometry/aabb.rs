@@ -23,20 +23,20 @@ impl Aabb {
     }
 
     /// The smallest box around three points.
-    #[inline]
+    #[inline(always)]
     pub fn of_triangle(v: [Vec3A; 3]) -> Self {
         Self { min: v[0].min(v[1]).min(v[2]), max: v[0].max(v[1]).max(v[2]) }
     }
 
     /// The smallest box that contains both.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     /// The box grown to contain `point`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn grow(self, point: Vec3A) -> Self {
         Self { min: self.min.min(point), max: self.max.max(point) }
@@ -62,7 +62,7 @@ impl Aabb {
     }
 
     /// Twice the centre: comparisons of centroids need no division.
-    #[inline]
+    #[inline(always)]
     pub fn center2(self) -> Vec3A {
         self.min + self.max
     }

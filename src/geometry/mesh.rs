@@ -140,11 +140,18 @@ impl Mesh {
     }
 
     /// The corners of one of [`Mesh::triangles`].
-    #[inline]
+    #[inline(always)]
     pub fn corners_of(&self, triangle: &[u32; 3]) -> [Vec3A; 3] {
+        let [a, b, c] = *triangle;
+        [self.vertex(a), self.vertex(b), self.vertex(c)]
+    }
+
+    #[inline(always)]
+    fn vertex(&self, i: u32) -> Vec3A {
         // One load of 16 bytes, the fourth float being the next vertex's first, or the padding's.
-        let floats = self.padded_vertices.as_flattened();
-        triangle.map(|i| Vec3A::from_vec4(Vec4::from_slice(&floats[3 * i as usize..])))
+        let first = 3 * i as usize;
+        let f = &self.padded_vertices.as_flattened()[first..first + 4];
+        Vec3A::from_vec4(Vec4::new(f[0], f[1], f[2], f[3]))
     }
 
     /// The box of triangle `prim`.

@@ -1,0 +1,93 @@
+//! The builders by name: those of the paper, ours, and ours with one step less or more.
+
+use super::{
+    Aac, AacConfig, Best, BestConfig, Builder, Hunt, HuntConfig, Lbvh, OptimiseConfig, Phr, PhrConfig,
+    PresplitConfig,
+};
+
+/// Names of the builders of a table, in its order.
+pub const NAMES: &[&str] = &[
+    "lbvh",
+    "hunt-50",
+    "hunt-500",
+    "aac",
+    "phr-fast",
+    "phr-hq",
+    "phr-speed",
+    "phr-quality",
+    "phr-best",
+];
+
+/// Names of the builders that show what single steps gain and cost: PHR-Fast and PHR-HQ with one extension each.
+/// They are run where they are asked for.
+pub const ABLATION: &[&str] = &[
+    "phr-fast-coarse",
+    "phr-hq-coarse",
+    "phr-hq-clip",
+    "phr-hq-presplit",
+    "phr-hq-sweep",
+    "phr-hq-leaf-28",
+    "phr-hq-optimised",
+];
+
+impl PhrConfig {
+    /// For speed: PHR-Fast over an auxiliary BVH whose leaves are quartets, with needles presplit and triangles
+    /// clipped at spatial splits, which cost little and save scenes of rods and pipes.
+    pub const SPEED: Self = Self {
+        auxiliary_leaf: 4,
+        presplit: Some(PresplitConfig::NEEDLES),
+        clip_triangles: true,
+        ..Self::FAST
+    };
+
+    /// For quality: the same with cuts between PHR-Fast's and PHR-HQ's, and splits near the leaves judged by the
+    /// quartets that leaves cost.
+    pub const QUALITY: Self = Self { delta: 7.0, leaf_sweep: 16, ..Self::SPEED };
+}
+
+impl BestConfig {
+    /// The tree of [`PhrConfig::QUALITY`], optimised.
+    pub const DEFAULT: Self = Self { phr: PhrConfig::QUALITY, optimise: OptimiseConfig::DEFAULT };
+}
+
+/// The builder called `name`, or `None`; names are those of [`NAMES`] and [`ABLATION`].
+pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
+    let name = NAMES.iter().chain(ABLATION).copied().find(|known| *known == name)?;
+    let hunt = |cut_length| Box::new(Hunt::new(name, HuntConfig { cut_length, max_leaf: 8 }));
+    let phr = |config| Box::new(Phr::new(name, config));
+    let hq = PhrConfig::HQ;
+    Some(match name {
+        "lbvh" => Box::new(Lbvh::default()),
+        "hunt-50" => hunt(50),
+        "hunt-500" => hunt(500),
+        "aac" => Box::new(Aac::new(AacConfig::FAST)),
+        "phr-fast" => phr(PhrConfig::FAST),
+        "phr-hq" => phr(hq),
+        "phr-speed" => phr(PhrConfig::SPEED),
+        "phr-quality" => phr(PhrConfig::QUALITY),
+        "phr-best" => Box::new(Best::new(name, BestConfig::DEFAULT)),
+        "phr-fast-coarse" => phr(PhrConfig { auxiliary_leaf: 4, ..PhrConfig::FAST }),
+        "phr-hq-coarse" => phr(PhrConfig { auxiliary_leaf: 4, ..hq }),
+        "phr-hq-clip" => phr(PhrConfig { clip_triangles: true, ..hq }),
+        "phr-hq-presplit" => phr(PhrConfig { presplit: Some(PresplitConfig::NEEDLES), ..hq }),
+        "phr-hq-sweep" => phr(PhrConfig { leaf_sweep: 16, ..hq }),
+        "phr-hq-leaf-28" => phr(PhrConfig { max_leaf: 28, ..hq }),
+        "phr-hq-optimised" => {
+            Box::new(Best::new(name, BestConfig { phr: hq, optimise: OptimiseConfig::DEFAULT }))
+        }
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_is_that_of_its_builder() {
+        for name in NAMES.iter().chain(ABLATION) {
+            assert_eq!(by_name(name).map(|builder| builder.name()), Some(*name));
+        }
+        assert!(by_name("phr").is_none());
+    }
+}
