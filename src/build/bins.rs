@@ -95,7 +95,9 @@ impl Bins {
             for b in 0..bins {
                 // Both sides of a split within the bin hold at least one of its nodes.
                 let bound = self.before[axis][b].cost(1, weight) + self.after[axis][b].cost(1, weight);
-                if self.bins[axis][b].count >= 2 && bound <= best.cost && self.sweep(axis, b, nodes, weight, &mut best)
+                if self.bins[axis][b].count >= 2
+                    && bound <= best.cost
+                    && self.sweep(axis, b, nodes, weight, &mut best)
                 {
                     border = None;
                 }
@@ -147,7 +149,14 @@ impl Bins {
     }
 
     /// Sweeps over the nodes of a bin; returns whether it holds a better split.
-    fn sweep(&mut self, axis: usize, b: usize, nodes: &[Node], weight: Weight, best: &mut ObjectSplit) -> bool {
+    fn sweep(
+        &mut self,
+        axis: usize,
+        b: usize,
+        nodes: &[Node],
+        weight: Weight,
+        best: &mut ObjectSplit,
+    ) -> bool {
         let (before, after) = (self.before[axis][b], self.after[axis][b]);
         self.order.clear();
         for (i, bin_of) in self.bin_of.iter().enumerate() {
@@ -185,6 +194,7 @@ impl Bins {
 mod tests {
     use super::*;
     use crate::build::object_split::Sweep;
+    use crate::build::small_sweep::Isa;
 
     #[test]
     fn bins_find_the_split_of_the_full_sweep() {
@@ -205,7 +215,7 @@ mod tests {
                 .collect();
             let bounds: Aabb = nodes.iter().map(Node::bounds).collect();
             for weight in [Weight::Nodes, Weight::Quartets] {
-                let expected = Sweep::plain().best(&nodes, bounds, weight);
+                let expected = Sweep::plain().best(Isa::Scalar, &nodes, bounds, weight);
                 let limit = weight.limit(bounds.half_area(), nodes.len());
                 assert_eq!(Bins::default().best(&nodes, limit, weight), expected, "{} nodes", nodes.len());
             }

@@ -1,15 +1,16 @@
 //! Building from a hierarchy: split a cut of the auxiliary BVH, refine both sides, recurse (paper 3.2, Figure 3).
 //! How a side is refined is all in which PHR and the method of Hunt et al. differ.
 
+use super::Counts;
 use super::binary::{BinaryTree, Node};
 use super::cut::{Cut, Order, OwnCut, is_whole, open};
+use super::object_split::{ObjectSplit, Sweep};
 use super::prefetch::warm;
 use super::reference_split::split_reference;
-use super::object_split::{ObjectSplit, Sweep};
+use super::small_sweep::Isa;
 use super::spatial_split::{SpatialSplit, SpatialSweep};
 use super::split_cost::Weight;
 use super::top_down::{Kind, QUARTET, TopDown};
-use super::Counts;
 use crate::geometry::Aabb;
 
 /// From this many binary splits on, the references left are halved by count: no input makes the tree deeper
@@ -20,7 +21,14 @@ const MAX_DEPTH: u32 = 50;
 pub(super) trait Refine: Sync {
     /// Appends the nodes of a side of a split at binary depth `depth` to `refined`, some of them opened
     /// ([`open`]).
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &mut Vec<Node>, refined: &mut Vec<Node>);
+    fn refine(
+        &self,
+        tree: &BinaryTree,
+        clip: &Aabb,
+        depth: u32,
+        side: &mut Vec<Node>,
+        refined: &mut Vec<Node>,
+    );
 }
 
 /// What one builder over cuts does otherwise than another.
@@ -51,6 +59,8 @@ pub(super) struct CutRecursion<'a, R> {
     pub order: Order<'a>,
     /// What to do.
     pub rules: Rules<R>,
+    /// Instructions for it.
+    pub isa: Isa,
 }
 
 /// Memory and counts of a thread.
@@ -229,7 +239,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
 
         // Find: the cheapest object split, and a spatial one where it is cheaper still.
         let halve = cut.depth >= MAX_DEPTH;
-        let object = if halve { ObjectSplit::NONE } else { sweep.best(nodes, cut.bounds, weight) };
+        let object = if halve { ObjectSplit::NONE } else { sweep.best(self.isa, nodes, cut.bounds, weight) };
         let spatial =
             if halve { None } else { self.spatial_split(&cut, nodes, &object, weight, spatial_sweep) };
 

@@ -4,6 +4,7 @@ use super::cut::Order;
 use super::cut_recursion::{CutRecursion, Refine, Rules, Scratch};
 use super::lbvh::Auxiliary;
 use super::presplit::PresplitConfig;
+use super::small_sweep::Isa;
 use super::top_down::{self, Memory};
 use super::{Build, Counts, Stopwatch};
 use crate::bvh::Bvh4;
@@ -14,6 +15,8 @@ use crate::geometry::{Aabb, Mesh};
 pub(super) struct Hierarchy {
     auxiliary: Auxiliary,
     memory: Memory<Scratch>,
+    /// Instructions to use.
+    pub isa: Isa,
 }
 
 impl Hierarchy {
@@ -33,6 +36,7 @@ impl Hierarchy {
             tree: &self.auxiliary.tree,
             order: Order { keys: &self.auxiliary.order.keys, references },
             rules: rules(self.auxiliary.order.bounds()),
+            isa: self.isa,
         };
         let tree = top_down::build(&recursion, recursion.root(), &references, &mut self.memory);
         watch.lap("cuts and nodes");

@@ -64,6 +64,13 @@ impl Hunt {
     pub fn new(name: &'static str, config: HuntConfig) -> Self {
         Self { name, config, hierarchy: Hierarchy::default() }
     }
+
+    /// The same with other instructions, which the processor must have.
+    #[cfg(test)]
+    pub(super) fn with_isa(mut self, isa: super::small_sweep::Isa) -> Self {
+        self.hierarchy.isa = isa;
+        self
+    }
 }
 
 impl Builder for Hunt {

@@ -222,8 +222,10 @@ mod tests {
 
     #[test]
     fn batches_follow_each_other_in_order_whatever_their_lengths_and_the_room() {
-        let expected: Vec<usize> =
-            [7].into_iter().chain((0..100).flat_map(|task| std::iter::repeat_n(task, task * 37 % 11))).collect();
+        let expected: Vec<usize> = [7]
+            .into_iter()
+            .chain((0..100).flat_map(|task| std::iter::repeat_n(task, task * 37 % 11)))
+            .collect();
         for threads in [1, 2, 8] {
             for room in [0, 200, 10_000] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

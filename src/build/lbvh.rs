@@ -91,7 +91,13 @@ mod tests {
             .0
     }
 
-    fn walk(auxiliary: &Auxiliary, references: &References<'_>, node: &Node, seen: &mut Vec<u32>, leaf: u32) -> u32 {
+    fn walk(
+        auxiliary: &Auxiliary,
+        references: &References<'_>,
+        node: &Node,
+        seen: &mut Vec<u32>,
+        leaf: u32,
+    ) -> u32 {
         if node.is_leaf() {
             assert!((1..=leaf).contains(&node.count));
             let ids: Vec<u32> = auxiliary.order.keys[node.run()].iter().map(|&key| reference(key)).collect();
@@ -117,7 +123,9 @@ mod tests {
             ("two clusters", |i| if i % 2 == 0 { [0.0, 0.0, i as f32 * 1e-6] } else { [1e15, 0.0, 0.0] }),
         ];
         for (name, place) in placements {
-            for (n, leaf) in [(1, 1), (2, 1), (3, 1), (100, 1), (5000, 1), (20_000, 1), (20_000, 4), (9, 4), (3, 4)] {
+            for (n, leaf) in
+                [(1, 1), (2, 1), (3, 1), (100, 1), (5000, 1), (20_000, 1), (20_000, 4), (9, 4), (3, 4)]
+            {
                 let mesh = triangles(n, place);
                 let mut auxiliary = Auxiliary::default();
                 auxiliary.build(&mesh, None, leaf);

@@ -57,20 +57,22 @@ impl Lbvh {
         let references = &self.order.references(mesh);
         let (mut nodes, mut blocks) = self.memory.arrays(mesh.len());
         let upper = Upper::part(references, keys);
-        let subtrees = piece::append(upper.len(), &self.memory.pieces, &mut nodes, &mut blocks, |i, piece| {
-            let mut run = self.runs.take();
-            let (_, depth, mut keys) = upper.run(i);
-            run.build(references, &mut keys, 0, depth, QUARTET);
-            pairs.fetch_add(run.tree.pairs.len() + 1, Ordering::Relaxed);
-            let collapse = Collapse { tree: &run.tree, keys: &keys, references: *references };
-            let mut worker = self.memory.workers.take();
-            let root = collapse.root().expect("runs are not empty");
-            let subtree = Emitter { builder: &collapse, mesh }.piece(root, piece, &mut worker);
-            self.memory.workers.put(worker);
-            self.runs.put(run);
-            subtree
-        });
-        let bounds: Vec<Aabb> = subtrees.iter().map(|subtree| subtree.map_or(Aabb::EMPTY, |(b, _)| b)).collect();
+        let subtrees =
+            piece::append(upper.len(), &self.memory.pieces, &mut nodes, &mut blocks, |i, piece| {
+                let mut run = self.runs.take();
+                let (_, depth, mut keys) = upper.run(i);
+                run.build(references, &mut keys, 0, depth, QUARTET);
+                pairs.fetch_add(run.tree.pairs.len() + 1, Ordering::Relaxed);
+                let collapse = Collapse { tree: &run.tree, keys: &keys, references: *references };
+                let mut worker = self.memory.workers.take();
+                let root = collapse.root().expect("runs are not empty");
+                let subtree = Emitter { builder: &collapse, mesh }.piece(root, piece, &mut worker);
+                self.memory.workers.put(worker);
+                self.runs.put(run);
+                subtree
+            });
+        let bounds: Vec<Aabb> =
+            subtrees.iter().map(|subtree| subtree.map_or(Aabb::EMPTY, |(b, _)| b)).collect();
         let pair_bounds = upper.fold(&bounds, |[left, right]| left.union(right));
         let wide = Wide { upper: &upper, subtrees: &subtrees, bounds: &bounds, pair_bounds: &pair_bounds };
         match wide.subtree(upper.top(), &mut nodes) {

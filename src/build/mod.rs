@@ -20,8 +20,10 @@ mod optimise;
 mod pages;
 mod phr;
 mod piece;
-mod presets;
+#[cfg(test)]
+mod plain;
 mod prefetch;
+mod presets;
 mod presplit;
 mod radix_sort;
 mod reference_split;
@@ -38,8 +40,8 @@ mod upper;
 
 pub use aac::{Aac, AacConfig};
 pub use best::{Best, BestConfig};
-pub use linear::Lbvh;
 pub use hunt::{Hunt, HuntConfig};
+pub use linear::Lbvh;
 pub use optimise::{Costs, OptimiseConfig};
 pub use phr::{Phr, PhrConfig};
 pub use presets::{ABLATION, NAMES, by_name};

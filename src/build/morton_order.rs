@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// Splits of a run by further bits than codes have, before it is halved by count: with the bits of a code they
 /// bound the depth of any tree by 44 and another 28 levels.
-const MIDDLE_DEPTH: u32 = 12;
+pub(super) const MIDDLE_DEPTH: u32 = 12;
 
 /// Sorted codes; memory is reused from build to build.
 #[derive(Default)]

@@ -27,7 +27,9 @@ impl ObjectSplit {
     #[inline]
     pub fn is_before(&self, other: &Self) -> bool {
         self.cost < other.cost
-            || (self.cost == other.cost && other.left > 0 && (self.axis, self.left) < (other.axis, other.left))
+            || (self.cost == other.cost
+                && other.left > 0
+                && (self.axis, self.left) < (other.axis, other.left))
     }
 
     /// Tells of every node of the cut, given with its position, whether it is on the left.
@@ -53,8 +55,6 @@ const LONG: usize = 24;
 
 /// Memory for sweeps.
 pub(super) struct Sweep {
-    /// How short cuts are swept.
-    isa: Isa,
     /// Whether long cuts are binned.
     is_binned: bool,
     bins: Bins,
@@ -65,31 +65,27 @@ pub(super) struct Sweep {
 
 impl Default for Sweep {
     fn default() -> Self {
-        Self { is_binned: true, ..Self::with(Isa::best()) }
+        Self { is_binned: true, bins: Bins::default(), order: Vec::new(), right_areas: Vec::new() }
     }
 }
 
 impl Sweep {
-    /// Sorts and sweeps all cuts but those short enough for `isa`, which the processor must have.
-    fn with(isa: Isa) -> Self {
-        Self { isa, is_binned: false, bins: Bins::default(), order: Vec::new(), right_areas: Vec::new() }
-    }
-
-    /// Sorts and sweeps all cuts: what the others are measured by.
+    /// Sorts all cuts that are not short: what bins are measured by.
     pub fn plain() -> Self {
-        Self::with(Isa::Scalar)
+        Self { is_binned: false, ..Self::default() }
     }
 
     /// The split of `nodes` (two or more, with union `bounds`) of least cost; of equal ones the first by axis,
-    /// then by position. Nodes are ordered along an axis by centroid, then by position in the cut.
-    pub fn best(&mut self, nodes: &[Node], bounds: Aabb, weight: Weight) -> ObjectSplit {
+    /// then by position. Nodes are ordered along an axis by centroid, then by position in the cut. Short cuts
+    /// are swept by `isa`, which the processor must have.
+    pub fn best(&mut self, isa: Isa, nodes: &[Node], bounds: Aabb, weight: Weight) -> ObjectSplit {
         let n = nodes.len();
         let limit = weight.limit(bounds.half_area(), n);
         if let [a, b] = nodes {
             return two(a, b, limit);
         }
-        if n <= self.isa.longest() {
-            return small_sweep::best(self.isa, nodes, limit, weight);
+        if n <= isa.longest() {
+            return small_sweep::best(isa, nodes, limit, weight);
         }
         if self.is_binned && n >= LONG {
             return self.bins.best(nodes, limit, weight);
@@ -157,7 +153,7 @@ mod tests {
     fn two_clusters_are_parted_along_their_axis() {
         let (nodes, bounds) = cubes(&[[0., 9., 0.], [0., 0., 0.], [0., 10., 0.], [0., 1., 0.], [0., 2., 0.]]);
         let mut sweep = Sweep::default();
-        let split = sweep.best(&nodes, bounds, Weight::Nodes);
+        let split = sweep.best(Isa::best(), &nodes, bounds, Weight::Nodes);
         // Left: three cubes in a row, half area 3 + 3 + 1 = 7; right: two, half area 2 + 2 + 1 = 5.
         assert_eq!(split, ObjectSplit { cost: 7.0 * 3.0 + 5.0 * 2.0, axis: 1, left: 3, last: 4 });
         let is_left = split.members(&nodes);
@@ -169,7 +165,7 @@ mod tests {
     fn boxes_all_alike_gain_nothing() {
         for n in [2, 3, 1000] {
             let (nodes, bounds) = cubes(&vec![[0.3, 0.7, 0.1]; n]);
-            assert_eq!(Sweep::default().best(&nodes, bounds, Weight::Nodes), ObjectSplit::NONE);
+            assert_eq!(Sweep::default().best(Isa::best(), &nodes, bounds, Weight::Nodes), ObjectSplit::NONE);
         }
     }
 

@@ -6,17 +6,8 @@ use super::{
 };
 
 /// Names of the builders of a table, in its order.
-pub const NAMES: &[&str] = &[
-    "lbvh",
-    "hunt-50",
-    "hunt-500",
-    "aac",
-    "phr-fast",
-    "phr-hq",
-    "phr-speed",
-    "phr-quality",
-    "phr-best",
-];
+pub const NAMES: &[&str] =
+    &["lbvh", "hunt-50", "hunt-500", "aac", "phr-fast", "phr-hq", "phr-speed", "phr-quality", "phr-best"];
 
 /// Names of the builders that show what single steps gain and cost: PHR-Fast and PHR-HQ with one extension each.
 /// They are run where they are asked for.

@@ -31,7 +31,14 @@ impl Run {
 
     /// Builds the subtree over `keys`, which begin at position `first` and have been parted by the middle `depth`
     /// times; subtrees of at most `leaf` references become leaves. Returns the root.
-    pub fn build(&mut self, references: &References<'_>, keys: &mut [Key], first: usize, depth: u32, leaf: u32) -> Node {
+    pub fn build(
+        &mut self,
+        references: &References<'_>,
+        keys: &mut [Key],
+        first: usize,
+        depth: u32,
+        leaf: u32,
+    ) -> Node {
         // All boxes first: a plain loop has many loads from memory on their way at once.
         self.items.clear();
         self.items.extend(keys.iter().map(|&key| (key, references.bounds(reference(key)))));
@@ -120,4 +127,3 @@ impl Batch for Run {
         self.tree.pairs.clear();
     }
 }
-

@@ -34,6 +34,13 @@ impl Isa {
         Self::Scalar
     }
 
+    /// Those of this processor.
+    #[cfg(test)]
+    pub fn available() -> impl Iterator<Item = Self> {
+        let all = [Self::Scalar, Self::Avx2, Self::Avx512];
+        all.into_iter().filter(|isa| isa.longest() <= Self::best().longest())
+    }
+
     /// Nodes of the longest cut that is split without sorting.
     #[inline]
     pub fn longest(self) -> usize {
@@ -42,6 +49,12 @@ impl Isa {
             Self::Avx2 => 8,
             Self::Avx512 => 16,
         }
+    }
+}
+
+impl Default for Isa {
+    fn default() -> Self {
+        Self::best()
     }
 }
 
@@ -220,8 +233,6 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (state >> 24) as f32
         };
-        let best = Isa::best();
-        let available = [Isa::Avx2, Isa::Avx512];
         for round in 0..2000 {
             // Coarse grids have many equal centroids and costs, fine ones few.
             let grain = [1.0, 16.0, 64.0, 0.01][round % 4];
@@ -235,9 +246,9 @@ mod tests {
                 .collect();
             let bounds: Aabb = nodes.iter().map(Node::bounds).collect();
             for weight in [Weight::Nodes, Weight::Quartets] {
-                let expected = Sweep::plain().best(&nodes, bounds, weight);
+                let expected = Sweep::plain().best(Isa::Scalar, &nodes, bounds, weight);
                 let limit = weight.limit(bounds.half_area(), n);
-                for isa in available.into_iter().filter(|&isa| isa.longest() <= best.longest() && n <= isa.longest()) {
+                for isa in Isa::available().filter(|isa| n <= isa.longest()) {
                     assert_eq!(super::best(isa, &nodes, limit, weight), expected, "{isa:?}, {n} nodes");
                 }
             }

@@ -21,11 +21,8 @@ struct Bin {
 }
 
 impl Bin {
-    const EMPTY: Self = Self {
-        planes: [f32::INFINITY, f32::NEG_INFINITY],
-        begin: (Aabb::EMPTY, 0),
-        end: (Aabb::EMPTY, 0),
-    };
+    const EMPTY: Self =
+        Self { planes: [f32::INFINITY, f32::NEG_INFINITY], begin: (Aabb::EMPTY, 0), end: (Aabb::EMPTY, 0) };
 
     fn add_plane(&mut self, plane: f32) {
         self.planes = [self.planes[0].min(plane), self.planes[1].max(plane)];

@@ -138,6 +138,7 @@ impl SpatialSweep {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::build::plain::splits;
     use glam::Vec3A;
 
     fn nodes(boxes: &[[f32; 2]]) -> (Vec<Node>, Aabb) {
@@ -149,38 +150,15 @@ mod tests {
         (nodes, bounds)
     }
 
-    /// Equation 3 evaluated at every boundary of every axis, by its definition.
-    fn by_definition(nodes: &[Node], bounds: Aabb) -> f32 {
-        let mut best = f32::INFINITY;
-        for axis in 0..3 {
-            for node in nodes {
-                for plane in [node.bounds().min[axis], node.bounds().max[axis]] {
-                    let split = SpatialSplit { cost: 0.0, axis, plane };
-                    let left: Vec<Aabb> = nodes
-                        .iter()
-                        .map(Node::bounds)
-                        .filter(|&b| split.on_left(b))
-                        .map(|b| split.left_of(b))
-                        .collect();
-                    let right: Vec<Aabb> = nodes
-                        .iter()
-                        .map(Node::bounds)
-                        .filter(|&b| split.on_right(b))
-                        .map(|b| split.right_of(b))
-                        .collect();
-                    if !left.is_empty()
-                        && !right.is_empty()
-                        && plane > bounds.min[axis]
-                        && plane < bounds.max[axis]
-                    {
-                        let area = |boxes: &[Aabb]| boxes.iter().copied().collect::<Aabb>().half_area();
-                        let cost = area(&left) * left.len() as f32 + area(&right) * right.len() as f32;
-                        best = best.min(cost);
-                    }
-                }
-            }
-        }
-        best
+    /// Equation 3 evaluated by its definition.
+    fn by_definition(nodes: &[Node]) -> SpatialSplit {
+        let boxes: Vec<Aabb> = nodes.iter().map(Node::bounds).collect();
+        let best = splits::spatial(&boxes, Weight::Nodes);
+        best.map_or(SpatialSplit::NONE, |(cost, plane)| SpatialSplit {
+            cost,
+            axis: plane.axis,
+            plane: plane.at,
+        })
     }
 
     #[test]
@@ -202,7 +180,7 @@ mod tests {
     fn the_sweep_finds_what_the_definition_says() {
         let (long, bounds) = nodes(&[[0., 10.], [0., 1.], [9., 10.], [5., 5.], [0., 4.]]);
         let best = SpatialSweep::default().best(&long, bounds, Weight::Nodes, [true; 3]);
-        assert_eq!(best.cost, by_definition(&long, bounds));
+        assert_eq!(best, by_definition(&long));
         let mut state = 1u32;
         let mut random = || {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -220,7 +198,7 @@ mod tests {
                 .collect();
             let bounds = nodes.iter().map(Node::bounds).collect();
             let best = SpatialSweep::default().best(&nodes, bounds, Weight::Nodes, [true; 3]);
-            assert_eq!(best.cost, by_definition(&nodes, bounds));
+            assert_eq!(best, by_definition(&nodes));
             for share in [0.5, 0.999, 1.0, 1.001, 2.0] {
                 let limit = best.cost * share;
                 let below = SpatialSweep::default().below(limit, &nodes, bounds, Weight::Nodes);
@@ -232,6 +210,9 @@ mod tests {
     #[test]
     fn one_box_has_no_plane() {
         let (nodes, bounds) = nodes(&[[0., 1.]]);
-        assert_eq!(SpatialSweep::default().best(&nodes, bounds, Weight::Nodes, [true; 3]), SpatialSplit::NONE);
+        assert_eq!(
+            SpatialSweep::default().best(&nodes, bounds, Weight::Nodes, [true; 3]),
+            SpatialSplit::NONE
+        );
     }
 }

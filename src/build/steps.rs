@@ -93,8 +93,10 @@ impl<'a> Steps<'a> {
             }
         }
         let mut sweep = Sweep::default();
-        cuts.limits =
-            cuts.each().map(|(nodes, bounds)| sweep.best(nodes, bounds, Weight::Nodes).cost).collect();
+        cuts.limits = cuts
+            .each()
+            .map(|(nodes, bounds)| sweep.best(Isa::best(), nodes, bounds, Weight::Nodes).cost)
+            .collect();
         cuts
     }
 
@@ -141,8 +143,7 @@ impl<'a> Steps<'a> {
     pub fn wide_nodes(&mut self) -> usize {
         self.piece.clear();
         for children in &self.children {
-            let index = self.piece.reserve_node();
-            self.piece.finish_node(index, children);
+            self.piece.node(children);
         }
         self.children.len()
     }
@@ -215,8 +216,8 @@ impl Cuts {
         let (weight, n) = (Weight::Nodes, self.len);
         let (mut chosen, mut sorted, mut bins) = (Sweep::default(), Sweep::plain(), Bins::default());
         let best = |(nodes, bounds): (&[Node], Aabb)| match way {
-            Way::Chosen => chosen.best(nodes, bounds, weight),
-            Way::Sorted => sorted.best(nodes, bounds, weight),
+            Way::Chosen => chosen.best(Isa::best(), nodes, bounds, weight),
+            Way::Sorted => sorted.best(Isa::Scalar, nodes, bounds, weight),
             Way::Binned => bins.best(nodes, weight.limit(bounds.half_area(), n), weight),
             Way::Avx2 => small_sweep::best(Isa::Avx2, nodes, weight.limit(bounds.half_area(), n), weight),
             Way::Avx512 => small_sweep::best(Isa::Avx512, nodes, weight.limit(bounds.half_area(), n), weight),

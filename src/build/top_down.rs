@@ -233,7 +233,8 @@ impl<T: TopDown> Emitter<'_, T> {
         let mark = self.builder.mark(scratch);
         let part = self.builder.plant(seed, scratch);
         let is_piece = self.builder.count(&part) < grain;
-        let parts = if is_piece { ArrayVec::from_iter([part]) } else { self.builder.children(&part, scratch) };
+        let parts =
+            if is_piece { ArrayVec::from_iter([part]) } else { self.builder.children(&part, scratch) };
         let mut seeds: Vec<T::Seed> = parts.iter().map(|part| self.builder.lift(part, scratch)).collect();
         self.builder.release(scratch, mark);
         workers.put(worker);

@@ -39,7 +39,13 @@ impl<'a> Upper<'a> {
         upper
     }
 
-    fn part_run(&mut self, references: &References<'_>, keys: &'a mut [Key], first: usize, depth: u32) -> Top {
+    fn part_run(
+        &mut self,
+        references: &References<'_>,
+        keys: &'a mut [Key],
+        first: usize,
+        depth: u32,
+    ) -> Top {
         if keys.len() <= RUN {
             self.runs.push(Run { first, depth, keys: Mutex::new(keys) });
             return Top::Run(self.runs.len() - 1);
