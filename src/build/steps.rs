@@ -38,7 +38,9 @@ pub struct Steps<'a> {
     prims: Vec<u32>,
     children: Vec<[(Aabb, Link); WIDTH]>,
     piece: Piece,
+    initial: Vec<Node>,
     arena: Vec<Node>,
+    side: Vec<Node>,
 }
 
 impl<'a> Steps<'a> {
@@ -50,14 +52,18 @@ impl<'a> Steps<'a> {
             let link = |node: &Node| (node.bounds(), Link::inner(node.pair().unwrap_or_default()));
             [link(&pairs[0][0]), link(&pairs[0][1]), link(&pairs[1][0]), link(&pairs[1][1])]
         });
+        let threshold = Threshold::new(auxiliary.order.bounds(), &PhrConfig::FAST);
+        let cut = |root| Cut::initial(&auxiliary.tree, root, threshold.at(0), PhrConfig::FAST.max_cut);
         Self {
+            initial: auxiliary.tree.root.map_or_else(Vec::new, cut),
             children: children.collect(),
             prims: auxiliary.order.keys.iter().map(|&key| reference(key)).collect(),
-            threshold: Threshold::new(auxiliary.order.bounds(), &PhrConfig::FAST),
+            threshold,
             mesh,
             auxiliary,
             piece: Piece::default(),
             arena: Vec::new(),
+            side: Vec::new(),
         }
     }
 
@@ -103,10 +109,8 @@ impl<'a> Steps<'a> {
     /// Refines the initial cut by PHR-Fast's rule: it is halved by count, and the halves are refined and halved
     /// again, some levels down. Returns the number of nodes handed to the rule.
     pub fn refine(&mut self) -> usize {
-        let Some(root) = self.auxiliary.tree.root else { return 0 };
-        let cut = Cut::initial(&self.auxiliary.tree, root, self.threshold.at(0), PhrConfig::FAST.max_cut);
         self.arena.clear();
-        self.arena.extend(cut);
+        self.arena.extend_from_slice(&self.initial);
         self.refine_halves(0, 1)
     }
 
@@ -117,9 +121,9 @@ impl<'a> Steps<'a> {
         }
         let mut refined = len;
         for half in [first..first + len / 2, first + len / 2..first + len] {
-            let mut side = self.arena[half].to_vec();
+            self.side.extend_from_slice(&self.arena[half]);
             let begin = self.arena.len();
-            self.threshold.refine(&self.auxiliary.tree, &SPACE, depth, &mut side, &mut self.arena);
+            self.threshold.refine(&self.auxiliary.tree, &SPACE, depth, &mut self.side, &mut self.arena);
             refined += self.refine_halves(begin, depth + 1);
             self.arena.truncate(begin);
         }
