@@ -29,7 +29,7 @@ pub(super) trait Batch: Default + Send {
 }
 
 /// Finished batches that a thread keeps before it waits for others.
-const PATIENCE: usize = 8;
+const PATIENCE: usize = 4;
 
 /// Memory kept from build to build.
 pub(super) struct Spare<T>(Mutex<Vec<T>>);
