@@ -1,6 +1,8 @@
 //! The fast builders against the plain ones.
 
-use super::meshes::{beads, clusters, coarse, concentric, geometric, grids, identical, needles, scaled, soup};
+use super::meshes::{
+    beads, clusters, coarse, concentric, geometric, grids, identical, needles, scaled, soup,
+};
 use super::wide::Wide;
 use super::{hunt, phr};
 use crate::build::small_sweep::Isa;

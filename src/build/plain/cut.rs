@@ -134,7 +134,9 @@ pub fn initial(root: Rc<Tree>, threshold: f32, max_len: usize) -> Vec<Member> {
         let is_first = |a: usize, b: usize| area(a) > area(b) || (area(a) == area(b) && cut[a].1 < cut[b].1);
         let openable = (0..cut.len()).filter(|&i| !cut[i].0.is_leaf() && (area(i) > threshold || is_lone));
         let Some(next) = openable.reduce(|a, b| if is_first(b, a) { b } else { a }) else { break };
-        let Content::Node(children) = &cut[next].0.tree.clone().content else { unreachable!("an inner node") };
+        let Content::Node(children) = &cut[next].0.tree.clone().content else {
+            unreachable!("an inner node")
+        };
         cut.splice(next..=next, [0, 1].map(|i| (Member::of(&children[i]), came + 1 + i)));
         came += 2;
     }

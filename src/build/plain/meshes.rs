@@ -52,7 +52,11 @@ pub fn needles(n: usize, seed: u64) -> Mesh {
 pub fn beads(n: usize, seed: u64) -> Mesh {
     mesh(n, seed, |i, random| {
         // Half of them on the first pieces.
-        let at = Vec3::splat(if i % 2 == 0 { random.unit() * 1000.0 } else { 1.5 + (random.unit() * 4.0).floor() * 0.25 });
+        let at = Vec3::splat(if i % 2 == 0 {
+            random.unit() * 1000.0
+        } else {
+            1.5 + (random.unit() * 4.0).floor() * 0.25
+        });
         if i % 50 == 7 {
             [Vec3::ZERO, Vec3::splat(1000.0), Vec3::new(1e-3, 0.0, 0.0)]
         } else {

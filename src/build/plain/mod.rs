@@ -255,4 +255,3 @@ fn leaf(cut: &Cut) -> Option<Wide> {
     prims.dedup();
     (!prims.is_empty()).then_some(Wide::Leaf(bounds, prims))
 }
-

@@ -44,7 +44,11 @@ impl Wide {
                 let children =
                     tree.nodes[index].children().filter_map(|(b, link)| Self::of_link(tree, b, link));
                 let node = Self::of(children.collect());
-                assert_eq!(node.as_ref().map(Self::bounds), Some(bounds), "node {index} is bounded by its children");
+                assert_eq!(
+                    node.as_ref().map(Self::bounds),
+                    Some(bounds),
+                    "node {index} is bounded by its children"
+                );
                 node
             }
         }
