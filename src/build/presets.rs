@@ -31,9 +31,9 @@ impl PhrConfig {
         ..Self::FAST
     };
 
-    /// For quality: the same with cuts between PHR-Fast's and PHR-HQ's, and splits near the leaves judged by the
-    /// quartets that leaves cost.
-    pub const QUALITY: Self = Self { delta: 7.0, leaf_sweep: 16, ..Self::SPEED };
+    /// For quality: the same over single triangles, all of which spatial splits can clip, with cuts between
+    /// PHR-Fast's and PHR-HQ's, and splits near the leaves judged by the quartets that leaves cost.
+    pub const QUALITY: Self = Self { delta: 7.0, auxiliary_leaf: 1, leaf_sweep: 16, ..Self::SPEED };
 }
 
 impl BestConfig {
