@@ -26,7 +26,9 @@ fn figures_in_the_text_are_those_of_the_rows() {
 
 #[test]
 fn plots_are_drawn_from_the_rows() {
-    phr(&["plot", "results/reference", "--check"]);
+    for folder in ["results/reference", "results/reference/growth"] {
+        phr(&["plot", folder, "--check"]);
+    }
 }
 
 #[test]
