@@ -2,8 +2,8 @@
 # make bench-paper  the same on the paper's nine scenes or their stand-ins, into results/paper-scenes: hours
 # make bench-builders
 #                   what the bars are judged by (`phr bars`), into results/bars: all builders on the files SCENES and
-#                   the built-in scenes with two threads, their builds with one, and their growth over scenes of 1 to
-#                   32 million triangles: some forty minutes on two cores, 16 GiB of memory
+#                   the built-in scenes with two threads, their builds with one, their growth over scenes of 1 to 32
+#                   million triangles, and single extensions: some fifty minutes on two cores, 16 GiB of memory
 # cargo bench --bench steps
 #                   the steps of a build one by one (codes, sort, auxiliary tree, sweeps by length of the cut,
 #                   refining, leaf blocks, wide nodes), each beside a memcpy of as many bytes: some minutes
@@ -22,6 +22,8 @@ BARS = results/bars
 # Builders that have bars, and sizes over which they grow.
 BARRED = lbvh|phr-fast|phr-hq|phr-speed|phr-quality|phr-best|embree-[a-z-]+
 GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
+# PHR-HQ, and with one extension each (`phr ablation`).
+ABLATED = phr-hq $(addprefix phr-hq-,coarse clip presplit sweep leaf-28 optimised)
 GROWTH = $(foreach size,1 2 4 8 16 32,scalable-$(size)M)
 PACKAGES = libembree-dev libclang-dev
 # Cargo's own tests run by nextest where it is installed.
@@ -42,6 +44,8 @@ bench-builders: packages
 		--rounds $(ROUNDS) --threads 1 --out $(BARS)/threads-1 $(ARGS)
 	./target/release/phr bench --set builtin $(SCENES) --size $(SIZE) \
 		--rounds $(ROUNDS) --threads 2 --out $(BARS) $(ARGS)
+	./target/release/phr bench --set builtin $(SCENES) --size $(SIZE) $(addprefix --builder ,$(ABLATED)) \
+		--rounds $(ROUNDS) --threads 2 --out $(BARS)-ablation $(ARGS)
 	./target/release/phr plot $(BARS)
 	./target/release/phr plot $(BARS)/growth
 	./target/release/phr bars $(BARS)
