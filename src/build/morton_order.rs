@@ -17,7 +17,7 @@ pub(super) struct MortonOrder {
     /// [`Key`]s, sorted.
     pub keys: Vec<Key>,
     /// What bounds the triangles.
-    pub extent: Option<Extent>,
+    extent: Option<Extent>,
     fragments: Vec<Fragment>,
     scratch: Vec<Key>,
 }

@@ -159,7 +159,7 @@ enum Upper<S> {
     Node(Vec<Self>),
 }
 
-/// Builds the tree below `root` over `triangles` triangles.
+/// Builds the tree below `root` over what the references refer to.
 pub(super) fn build<T: TopDown>(
     builder: &T,
     root: Option<T::Seed>,
