@@ -37,6 +37,12 @@ impl Node {
         Self { min: bounds.min.to_array(), link: index as u32, max: bounds.max.to_array(), count }
     }
 
+    /// The inner node of the pair at `index`, which has the given box and count.
+    #[inline]
+    pub fn of_pair(bounds: Aabb, index: usize, count: u32) -> Self {
+        Self { min: bounds.min.to_array(), link: index as u32, max: bounds.max.to_array(), count }
+    }
+
     /// The box.
     #[inline]
     pub fn bounds(&self) -> Aabb {

@@ -59,6 +59,7 @@ impl TopDown for Collapse<'_> {
     type Seed = OwnPart;
     type Part = Part;
     type Scratch = Vec<u32>;
+    type Mark = usize;
 
     fn plant(&self, OwnPart(part, ids): OwnPart, scratch: &mut Vec<u32>) -> Part {
         let first = scratch.len();

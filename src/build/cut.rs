@@ -28,15 +28,26 @@ pub(super) struct Cut {
     pub capacity: u32,
     /// Binary splits above.
     pub depth: u32,
-    /// The nodes are single references, and splits count quartets.
-    pub is_near_leaves: bool,
+    /// What its nodes are.
+    pub stage: Stage,
     /// What is to become of it.
     pub kind: Kind,
 }
 
+/// What the nodes of a cut are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// Subtrees of the auxiliary BVH.
+    Nodes,
+    /// Single references, near the leaves: splits count quartets.
+    References,
+    /// One subtree that is split down to its leaves ([`super::subtrees`]).
+    Swept,
+}
+
 /// A cut with nodes of its own.
 pub(super) struct OwnCut {
-    nodes: Vec<Node>,
+    pub nodes: Vec<Node>,
     cut: Cut,
 }
 
@@ -62,7 +73,7 @@ impl Cut {
             count: 0,
             capacity: 0,
             depth: 0,
-            is_near_leaves: false,
+            stage: Stage::Nodes,
             kind: Kind::Inner,
         };
         let mut cut = Self::of_arena(&nodes, 0, cut);

@@ -3,13 +3,17 @@
 
 use super::Counts;
 use super::binary::{BinaryTree, Node};
-use super::cut::{Cut, Order, OwnCut, is_whole, open};
+use super::cut::{Cut, Order, OwnCut, Stage, is_whole, open};
 use super::object_split::{ObjectSplit, Sweep};
+use super::piece::{Piece, Subtree};
 use super::prefetch::warm;
 use super::reference_split::split_reference;
+use super::references::References;
 use super::small_sweep::Isa;
 use super::spatial_split::{SpatialSplit, SpatialSweep};
 use super::split_cost::Weight;
+use super::subtree_sweep::SubtreeSweep;
+use super::subtrees::{Leaves, Subtrees};
 use super::top_down::{Kind, QUARTET, TopDown};
 use crate::geometry::Aabb;
 
@@ -41,12 +45,16 @@ pub(super) struct Rules<R> {
     pub initial_len: usize,
     /// Spatial splits are tried for nodes of a larger half area; infinite for none.
     pub spatial_above: f32,
+    /// They are tried only where the sides of the object split overlap by a larger half area, if this is given.
+    pub overlap_above: Option<f32>,
     /// Most references per reference that spatial splits may make.
     pub max_references: f32,
     /// Most triangles of a leaf.
     pub max_leaf: u32,
     /// Cuts of at most so many references are opened down to them, and their splits count quartets.
     pub leaf_sweep: u32,
+    /// Cuts of at most so many references, too small for spatial splits, are handed to [`SubtreeSweep`].
+    pub subtree_sweep: u32,
     /// Where a spatial split cuts a node of a single reference, its triangle is clipped and not only its box.
     pub clip_triangles: bool,
 }
@@ -73,27 +81,30 @@ pub(super) struct Scratch {
     sweep: Sweep,
     spatial_sweep: SpatialSweep,
     sides: [Vec<Node>; 2],
+    subtree_sweep: SubtreeSweep,
+    subtrees: Subtrees,
 }
 
 impl<R: Refine> CutRecursion<'_, R> {
     /// The whole scene as a cut.
-    pub fn root(&self) -> Option<OwnCut> {
+    pub fn root(&self) -> Option<(OwnCut, Subtrees)> {
         let root = self.tree.root?;
         let nodes = Cut::initial(self.tree, root, self.rules.initial_threshold, self.rules.initial_len);
-        Some(Cut::whole(nodes, self.rules.max_references))
+        Some((Cut::whole(nodes, self.rules.max_references), Subtrees::default()))
     }
 
     /// Opens what must be before a cut can be split: a lone node, whatever the threshold; all nodes, near the
     /// leaves or where the tree gets too deep.
     fn open_for_split(&self, cut: &Cut, arena: &mut Vec<Node>) -> Cut {
         let first = arena.len();
-        let near_leaves = cut.count <= self.rules.leaf_sweep;
-        if !cut.is_near_leaves && (near_leaves || cut.depth >= MAX_DEPTH) {
+        let lone_leaf = cut.len == 1 && arena[cut.first].is_leaf();
+        let near_leaves = cut.count <= self.rules.leaf_sweep || lone_leaf;
+        if cut.stage == Stage::Nodes && (near_leaves || cut.depth >= MAX_DEPTH) {
             for place in cut.places() {
                 let node = arena[place];
                 self.order.each(self.tree, &node, &cut.clip, &mut |child| arena.push(child));
             }
-            let like = Cut { is_near_leaves: true, ..*cut };
+            let like = Cut { stage: Stage::References, ..*cut };
             return Cut::of_arena(arena, first, like);
         }
         let mut cut = *cut;
@@ -134,6 +145,9 @@ impl<R: Refine> CutRecursion<'_, R> {
     ) -> Option<SpatialSplit> {
         let area = cut.bounds.half_area();
         if area <= self.rules.spatial_above {
+            return None;
+        }
+        if self.rules.overlap_above.is_some_and(|least| object.overlap(nodes).half_area() <= least) {
             return None;
         }
         let limit = object.cost.min(area * weight.of(nodes.len()));
@@ -181,7 +195,7 @@ impl<R: Refine> CutRecursion<'_, R> {
         // Room for duplicates is handed down in proportion to what each side holds.
         let capacity = (f64::from(parent.capacity) * f64::from(own) / f64::from(references)) as u32;
         let first = arena.len();
-        if parent.is_near_leaves {
+        if parent.stage == Stage::References {
             arena.append(side);
         } else {
             self.rules.refine.refine(self.tree, &clip, depth, side, arena);
@@ -192,20 +206,72 @@ impl<R: Refine> CutRecursion<'_, R> {
     }
 }
 
-impl<R: Refine> TopDown for CutRecursion<'_, R> {
-    type Seed = OwnCut;
-    type Part = Cut;
-    type Scratch = Scratch;
-
-    fn plant(&self, seed: OwnCut, scratch: &mut Scratch) -> Cut {
-        seed.plant(&mut scratch.arena)
+impl<R: Refine> CutRecursion<'_, R> {
+    /// The subtree of `node` as a part of the recursion.
+    fn swept(&self, like: &Cut, node: Node, subtrees: &Subtrees, arena: &mut Vec<Node>) -> Option<Cut> {
+        arena.push(node);
+        Some(Cut {
+            first: arena.len() - 1,
+            len: 1,
+            bounds: node.bounds(),
+            count: node.count,
+            stage: Stage::Swept,
+            kind: subtrees.kind(&node, self.rules.max_leaf),
+            ..*like
+        })
     }
 
-    fn lift(&self, cut: &Cut, scratch: &Scratch) -> OwnCut {
-        cut.lift(&scratch.arena)
+    /// The children of a swept subtree.
+    fn children_swept(&self, cut: &Cut, node: Node, scratch: &mut Scratch) -> [Option<Cut>; 2] {
+        let Scratch { arena, subtrees, .. } = scratch;
+        subtrees.children(&node).map(|child| self.swept(cut, child, subtrees, arena))
+    }
+
+    /// Splits a cut of few references down to its leaves.
+    fn sweep_subtree(&self, cut: &Cut, scratch: &mut Scratch) -> [Option<Cut>; 2] {
+        let Scratch { arena, subtree_sweep, subtrees, .. } = scratch;
+        subtree_sweep.clear();
+        for node in &arena[cut.places()] {
+            self.order.each(self.tree, node, &cut.clip, &mut |reference| {
+                subtree_sweep.push(reference.bounds(), self.order.prim(reference.run().start));
+            });
+        }
+        let Some(node) = subtree_sweep.build(self.isa, subtrees) else { return [None, None] };
+        match subtrees.kind(&node, self.rules.max_leaf) {
+            Kind::Inner => self.children_swept(cut, node, scratch),
+            Kind::SoftLeaf | Kind::Leaf => [self.swept(cut, node, subtrees, arena), None],
+        }
+    }
+}
+
+impl<R: Refine> TopDown for CutRecursion<'_, R> {
+    type Seed = (OwnCut, Subtrees);
+    type Part = Cut;
+    type Scratch = Scratch;
+    type Mark = (usize, [usize; 2]);
+
+    fn plant(&self, (seed, from): (OwnCut, Subtrees), scratch: &mut Scratch) -> Cut {
+        let cut = seed.plant(&mut scratch.arena);
+        if cut.stage == Stage::Swept {
+            let node = &mut scratch.arena[cut.first];
+            *node = scratch.subtrees.graft(node, &from);
+        }
+        cut
+    }
+
+    fn lift(&self, cut: &Cut, scratch: &Scratch) -> (OwnCut, Subtrees) {
+        let mut own = cut.lift(&scratch.arena);
+        let mut subtrees = Subtrees::default();
+        if cut.stage == Stage::Swept {
+            own.nodes[0] = subtrees.graft(&own.nodes[0], &scratch.subtrees);
+        }
+        (own, subtrees)
     }
 
     fn approach(&self, cut: &Cut, scratch: &Scratch) {
+        if cut.stage == Stage::Swept {
+            return;
+        }
         for node in &scratch.arena[cut.places()] {
             warm(self.tree, self.order.keys, &self.order.references, node);
         }
@@ -224,7 +290,13 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
     }
 
     fn split(&self, part: &Cut, scratch: &mut Scratch) -> [Option<Cut>; 2] {
-        let Scratch { counts, arena, sweep, spatial_sweep, sides: [left, right] } = scratch;
+        if part.stage == Stage::Swept {
+            return self.children_swept(part, scratch.arena[part.first], scratch);
+        }
+        if part.count <= self.rules.subtree_sweep && part.bounds.half_area() <= self.rules.spatial_above {
+            return self.sweep_subtree(part, scratch);
+        }
+        let Scratch { counts, arena, sweep, spatial_sweep, sides: [left, right], .. } = scratch;
         let cut = self.open_for_split(part, arena);
         if cut.len == 0 {
             return [None, None];
@@ -235,7 +307,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         counts.splits += 1;
         counts.swept += cut.len as u64;
         let nodes = &arena[cut.places()];
-        let weight = if cut.is_near_leaves { Weight::Quartets } else { Weight::Nodes };
+        let weight = if cut.stage == Stage::References { Weight::Quartets } else { Weight::Nodes };
 
         // Find: the cheapest object split, and a spatial one where it is cheaper still.
         let halve = cut.depth >= MAX_DEPTH;
@@ -300,11 +372,21 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         bounds
     }
 
-    fn mark(&self, scratch: &Scratch) -> usize {
-        scratch.arena.len()
+    fn finish(&self, cut: &Cut, piece: &mut Piece, scratch: &Scratch) -> Option<Subtree> {
+        if cut.stage != Stage::Swept {
+            return None;
+        }
+        let References { mesh, fragments } = self.order.references;
+        let leaves = Leaves { mesh, most: self.rules.max_leaf, may_repeat: !fragments.is_empty() };
+        Some(scratch.subtrees.wide(&scratch.arena[cut.first], cut.kind, &leaves, piece))
     }
 
-    fn release(&self, scratch: &mut Scratch, mark: usize) {
-        scratch.arena.truncate(mark);
+    fn mark(&self, scratch: &Scratch) -> Self::Mark {
+        (scratch.arena.len(), scratch.subtrees.mark())
+    }
+
+    fn release(&self, scratch: &mut Scratch, (arena, subtrees): Self::Mark) {
+        scratch.arena.truncate(arena);
+        scratch.subtrees.release(subtrees);
     }
 }

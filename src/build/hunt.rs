@@ -5,6 +5,7 @@ use super::binary::{BinaryTree, Node};
 use super::cut::open;
 use super::cut_recursion::{Refine, Rules};
 use super::hierarchy::Hierarchy;
+use super::lbvh::AuxiliaryConfig;
 use super::{Build, Builder};
 use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};
@@ -84,7 +85,7 @@ impl Builder for Hunt {
 
     fn build(&mut self, mesh: &Mesh) -> Build {
         let HuntConfig { cut_length, max_leaf } = self.config;
-        self.hierarchy.build(mesh, None, 1, |_| Rules {
+        self.hierarchy.build(mesh, &AuxiliaryConfig::PAPER, |_| Rules {
             refine: ConstantLength(cut_length),
             initial_threshold: 0.0,
             initial_len: cut_length,
@@ -92,6 +93,8 @@ impl Builder for Hunt {
             max_references: 1.0,
             max_leaf,
             leaf_sweep: 0,
+            subtree_sweep: 0,
+            overlap_above: None,
             clip_triangles: false,
         })
     }

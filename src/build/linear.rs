@@ -61,7 +61,7 @@ impl Lbvh {
             piece::append(upper.len(), &self.memory.pieces, &mut nodes, &mut blocks, |i, piece| {
                 let mut run = self.runs.take();
                 let (_, depth, mut keys) = upper.run(i);
-                run.build(references, &mut keys, 0, depth, QUARTET);
+                run.build(references, &mut keys, 0, depth, super::run::Leaves::of(QUARTET));
                 pairs.fetch_add(run.tree.pairs.len() + 1, Ordering::Relaxed);
                 let collapse = Collapse { tree: &run.tree, keys: &keys, references: *references };
                 let mut worker = self.memory.workers.take();

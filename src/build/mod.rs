@@ -39,12 +39,15 @@ mod spatial_split;
 mod split_cost;
 #[doc(hidden)]
 pub mod steps;
+mod subtree_sweep;
+mod subtrees;
 mod top_down;
 mod upper;
 
 pub use aac::{Aac, AacConfig};
 pub use best::{Best, BestConfig};
 pub use hunt::{Hunt, HuntConfig};
+pub use lbvh::Clusters;
 pub use linear::Lbvh;
 pub use optimise::{Costs, OptimiseConfig};
 pub use phr::{Phr, PhrConfig};

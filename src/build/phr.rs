@@ -4,8 +4,9 @@ use super::binary::{BinaryTree, Node};
 use super::cut::open;
 use super::cut_recursion::{Refine, Rules};
 use super::hierarchy::Hierarchy;
+use super::lbvh::{AuxiliaryConfig, Clusters};
 use super::presplit::PresplitConfig;
-use super::{Build, Builder};
+use super::{Build, Builder, subtree_sweep};
 use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};
 
@@ -20,6 +21,9 @@ pub struct PhrConfig {
     pub max_cut: usize,
     /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3").
     pub spatial_threshold: f32,
+    /// Spatial splits are tried only where the sides of the best object split overlap in a box whose area relative
+    /// to the scene's exceeds this (cf. Stich et al. 2009, 4.5): 0, whether they overlap or not, in the paper.
+    pub overlap_threshold: f32,
     /// Most references per triangle that spatial splits may make: a bound on memory, not in the paper.
     pub max_references: f32,
     /// Most triangles of a leaf. Up to four always are one; more where the cost model has a leaf of several
@@ -27,9 +31,14 @@ pub struct PhrConfig {
     pub max_leaf: u32,
     /// References that a leaf of the auxiliary BVH holds at most: 1 in the paper, up to 4.
     pub auxiliary_leaf: u32,
+    /// Larger subtrees that are leaves of the auxiliary BVH too: none in the paper.
+    pub clusters: Option<Clusters>,
     /// Cuts of at most so many references are opened down to them, and their splits count the quartets that
     /// leaves cost: 0 in the paper.
     pub leaf_sweep: u32,
+    /// Cuts of at most so many references, whose boxes are too small for spatial splits, are split down to leaves
+    /// in one go by sweeps over all of them: 0 in the paper, up to 256.
+    pub subtree_sweep: u32,
     /// Which triangles are split before the Morton sort (paper 5.3); `None` for none.
     pub presplit: Option<PresplitConfig>,
     /// Where a spatial split cuts a node of a single triangle, the triangle is clipped and not only its box.
@@ -47,6 +56,9 @@ impl PhrConfig {
         max_leaf: 8,
         auxiliary_leaf: 1,
         leaf_sweep: 0,
+        subtree_sweep: 0,
+        clusters: None,
+        overlap_threshold: 0.0,
         presplit: None,
         clip_triangles: false,
     };
@@ -129,8 +141,9 @@ impl Builder for Phr {
 
     fn build(&mut self, mesh: &Mesh) -> Build {
         let PhrConfig { max_cut, spatial_threshold, max_references, max_leaf, leaf_sweep, .. } = self.config;
-        let PhrConfig { presplit, auxiliary_leaf, clip_triangles, .. } = &self.config;
-        self.hierarchy.build(mesh, presplit.as_ref(), *auxiliary_leaf, |scene| {
+        let PhrConfig { presplit, auxiliary_leaf: leaf, clusters, clip_triangles, .. } = self.config;
+        let PhrConfig { overlap_threshold, subtree_sweep, .. } = self.config;
+        self.hierarchy.build(mesh, &AuxiliaryConfig { presplit, leaf, clusters }, |scene| {
             let refine = Threshold::new(scene, &self.config);
             Rules {
                 initial_threshold: refine.at(0),
@@ -140,7 +153,9 @@ impl Builder for Phr {
                 max_references,
                 max_leaf,
                 leaf_sweep,
-                clip_triangles: *clip_triangles,
+                overlap_above: (overlap_threshold > 0.0).then_some(scene.half_area() * overlap_threshold),
+                subtree_sweep: subtree_sweep.min(subtree_sweep::MOST as u32),
+                clip_triangles,
             }
         })
     }

@@ -7,6 +7,29 @@ use super::morton_order::{Key, code, part_boxed, reference};
 use super::references::References;
 use crate::geometry::Aabb;
 
+/// Which subtrees become leaves.
+#[derive(Clone, Copy)]
+pub(super) struct Leaves {
+    /// Those of at most so many references,
+    pub always: u32,
+    /// and clusters: those of at most so many
+    pub most: u32,
+    /// whose box has at most this half area.
+    pub area: f32,
+}
+
+impl Leaves {
+    /// Leaves of at most `count` references.
+    pub fn of(count: u32) -> Self {
+        Self { always: count, most: count, area: 0.0 }
+    }
+
+    #[inline]
+    fn hold(self, count: u32, bounds: Aabb) -> bool {
+        count <= self.always || (count <= self.most && bounds.half_area() <= self.area)
+    }
+}
+
 /// A subtree on the stack, and in which bits its first code differs from the one before.
 #[derive(Clone, Copy)]
 struct Pending {
@@ -37,7 +60,7 @@ impl Run {
         keys: &mut [Key],
         first: usize,
         depth: u32,
-        leaf: u32,
+        leaves: Leaves,
     ) -> Node {
         // All boxes first: a plain loop has many loads from memory on their way at once.
         self.items.clear();
@@ -53,15 +76,15 @@ impl Run {
             let node = if equal == 1 {
                 Node::leaf(items[at].1, first + at, 1)
             } else {
-                self.same_code(&mut items[at..at + equal], first + at, depth, leaf)
+                self.same_code(&mut items[at..at + equal], first + at, depth, leaves)
             };
             let difference = if at == 0 { u64::MAX } else { u64::from(own ^ before) };
-            self.unite_below(difference, leaf);
+            self.unite_below(difference, leaves);
             self.stack.push(Pending { node, difference });
             before = own;
             at += equal;
         }
-        self.unite_below(u64::MAX, leaf);
+        self.unite_below(u64::MAX, leaves);
         for (key, item) in keys.iter_mut().zip(&items) {
             *key = item.0;
         }
@@ -74,23 +97,26 @@ impl Run {
 
     /// Unites the subtrees on the stack that differ in lower bits than `difference`.
     #[inline]
-    fn unite_below(&mut self, difference: u64, leaf: u32) {
+    fn unite_below(&mut self, difference: u64, leaves: Leaves) {
         while let [.., left, right] = &self.stack[..]
             && right.difference < difference
         {
             let (left, right) = (*left, right.node);
             self.stack.pop();
-            let node = self.unite(left.node, right, leaf);
+            let node = self.unite(left.node, right, leaves);
             *self.stack.last_mut().expect("the left one") = Pending { node, difference: left.difference };
         }
     }
 
     /// The parent of two subtrees, a leaf if they hold few references.
     #[inline]
-    fn unite(&mut self, left: Node, right: Node, leaf: u32) -> Node {
+    fn unite(&mut self, left: Node, right: Node, leaves: Leaves) -> Node {
         let count = left.count + right.count;
-        if count <= leaf {
-            return Node::leaf(left.bounds().union(right.bounds()), left.run().start, count);
+        if count <= leaves.most {
+            let bounds = left.bounds().union(right.bounds());
+            if leaves.hold(count, bounds) {
+                return Node::leaf(bounds, left.run().start, count);
+            }
         }
         let children = [left, right];
         self.tree.pairs.push(children);
@@ -98,16 +124,16 @@ impl Run {
     }
 
     /// The subtree over references of one code.
-    fn same_code(&mut self, items: &mut [(Key, Aabb)], first: usize, depth: u32, leaf: u32) -> Node {
-        if items.len() <= leaf as usize {
-            let bounds = items.iter().map(|(_, bounds)| *bounds).collect();
+    fn same_code(&mut self, items: &mut [(Key, Aabb)], first: usize, depth: u32, leaves: Leaves) -> Node {
+        let bounds = items.iter().map(|(_, bounds)| *bounds).collect();
+        if leaves.hold(items.len() as u32, bounds) {
             return Node::leaf(bounds, first, items.len() as u32);
         }
         let split = part_boxed(items, depth + 1);
         let (left, right) = items.split_at_mut(split);
-        let left = self.same_code(left, first, depth + 1, leaf);
-        let right = self.same_code(right, first + split, depth + 1, leaf);
-        self.unite(left, right, leaf)
+        let left = self.same_code(left, first, depth + 1, leaves);
+        let right = self.same_code(right, first + split, depth + 1, leaves);
+        self.unite(left, right, leaves)
     }
 }
 

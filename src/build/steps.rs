@@ -6,7 +6,7 @@ use super::bins::Bins;
 use super::cut::{Cut, SPACE};
 use super::cut_recursion::Refine;
 use super::in_order::Batch;
-use super::lbvh::Auxiliary;
+use super::lbvh::{Auxiliary, AuxiliaryConfig};
 use super::morton_order::reference;
 use super::object_split::{ObjectSplit, Sweep};
 use super::phr::{PhrConfig, Threshold};
@@ -47,7 +47,7 @@ impl<'a> Steps<'a> {
     /// Of a mesh of more than four triangles; leaves of the auxiliary BVH hold at most `leaf` triangles.
     pub fn new(mesh: &'a Mesh, leaf: u32) -> Self {
         let mut auxiliary = Auxiliary::default();
-        auxiliary.build(mesh, None, leaf);
+        auxiliary.build(mesh, &AuxiliaryConfig { leaf, ..AuxiliaryConfig::PAPER });
         let children = auxiliary.tree.pairs.chunks_exact(2).map(|pairs| {
             let link = |node: &Node| (node.bounds(), Link::inner(node.pair().unwrap_or_default()));
             [link(&pairs[0][0]), link(&pairs[0][1]), link(&pairs[1][0]), link(&pairs[1][1])]
@@ -70,7 +70,7 @@ impl<'a> Steps<'a> {
     /// Builds the auxiliary BVH again; the durations of its phases, "codes", "sort" and "auxiliary tree" among
     /// them.
     pub fn auxiliary(&mut self, leaf: u32) -> Vec<Phase> {
-        self.auxiliary.build(self.mesh, None, leaf)
+        self.auxiliary.build(self.mesh, &AuxiliaryConfig { leaf, ..AuxiliaryConfig::PAPER })
     }
 
     /// Of "codes", "sort" (each key moved but once) or "auxiliary tree"; `None` of others.

@@ -40,6 +40,8 @@ pub(super) trait TopDown: Sync {
     type Part: Clone;
     /// Memory and counts of a thread.
     type Scratch: Default + Send;
+    /// How much of that memory is in use.
+    type Mark;
 
     /// Brings a subtree into a thread's memory.
     fn plant(&self, seed: Self::Seed, scratch: &mut Self::Scratch) -> Self::Part;
@@ -95,17 +97,22 @@ pub(super) trait TopDown: Sync {
     /// Appends the triangles of a leaf; returns their box, clipped like the part.
     fn leaf(&self, part: &Self::Part, prims: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb;
 
+    /// Appends the wide nodes and blocks of a part that is split already; `None` for others.
+    fn finish(&self, _: &Self::Part, _: &mut Piece, _: &Self::Scratch) -> Option<Subtree> {
+        None
+    }
+
     /// How much of the scratch memory is in use.
-    fn mark(&self, scratch: &Self::Scratch) -> usize;
+    fn mark(&self, scratch: &Self::Scratch) -> Self::Mark;
 
     /// Frees scratch memory taken since `mark`.
-    fn release(&self, scratch: &mut Self::Scratch, mark: usize);
+    fn release(&self, scratch: &mut Self::Scratch, mark: Self::Mark);
 }
 
 /// Memory of tasks and of trees no longer used, kept from build to build.
 pub(super) struct Memory<S> {
     /// Of threads.
-    pub workers: Spare<Worker<S>>,
+    pub workers: Spare<Box<Worker<S>>>,
     /// Of pieces.
     pub pieces: Spare<Piece>,
     tree: Option<Bvh4>,
@@ -227,7 +234,7 @@ pub(super) struct Emitter<'a, T> {
 
 impl<T: TopDown> Emitter<'_, T> {
     /// Splits a part into pieces of less than `grain` references, its children in parallel.
-    fn upper(&self, seed: T::Seed, grain: u32, workers: &Spare<Worker<T::Scratch>>) -> Upper<T::Seed> {
+    fn upper(&self, seed: T::Seed, grain: u32, workers: &Spare<Box<Worker<T::Scratch>>>) -> Upper<T::Seed> {
         let mut worker = workers.take();
         let scratch = &mut worker.scratch;
         let mark = self.builder.mark(scratch);
@@ -259,6 +266,9 @@ impl<T: TopDown> Emitter<'_, T> {
 
     /// Builds a part depth first into `piece`.
     fn serial(&self, part: &T::Part, piece: &mut Piece, worker: &mut Worker<T::Scratch>) -> Subtree {
+        if let Some(subtree) = self.builder.finish(part, piece, &worker.scratch) {
+            return subtree;
+        }
         if self.builder.kind(part) != Kind::Inner {
             return self.leaf(part, piece, worker);
         }

@@ -1,8 +1,9 @@
 //! The auxiliary BVH (paper 4.7), by bisection of sorted Morton codes.
 
+use crate::build::lbvh::AuxiliaryConfig;
 use crate::build::morton::Quantizer;
 use crate::build::morton_order::MIDDLE_DEPTH;
-use crate::build::presplit::{PresplitConfig, presplit};
+use crate::build::presplit::presplit;
 use crate::geometry::{Aabb, Mesh};
 use std::rc::Rc;
 
@@ -12,6 +13,9 @@ pub struct Reference {
     pub prim: u32,
     pub bounds: Aabb,
 }
+
+/// A code and its reference.
+type Item = (u32, Reference);
 
 /// A subtree.
 pub struct Tree {
@@ -40,12 +44,12 @@ impl Tree {
     }
 }
 
-/// The tree over the triangles of `mesh` with at most `leaf` references in a leaf; `None` without triangles.
-pub fn lbvh(mesh: &Mesh, config: Option<&PresplitConfig>, leaf: u32) -> Option<Rc<Tree>> {
+/// The tree over the triangles of `mesh`; `None` without triangles.
+pub fn lbvh(mesh: &Mesh, config: &AuxiliaryConfig) -> Option<Rc<Tree>> {
     let triangles = (0..mesh.len() as u32).map(|prim| Reference { prim, bounds: mesh.bounds_of(prim) });
     let mut references: Vec<Reference> = triangles.collect();
     let mut centers: Aabb = references.iter().fold(Aabb::EMPTY, |all, r| all.grow(r.bounds.center2()));
-    let pieces = config.map_or(Vec::new(), |config| presplit(mesh, mesh.bounds(), config));
+    let pieces = config.presplit.map_or(Vec::new(), |config| presplit(mesh, mesh.bounds(), &config));
     let mut is_split = vec![false; mesh.len()];
     for piece in pieces {
         centers = centers.grow(piece.bounds.center2());
@@ -58,22 +62,28 @@ pub fn lbvh(mesh: &Mesh, config: Option<&PresplitConfig>, leaf: u32) -> Option<R
         }
     }
     let quantizer = Quantizer::new(centers);
-    let mut run: Vec<(u32, Reference)> =
-        references.iter().map(|r| (quantizer.code(r.bounds.center2()), *r)).collect();
+    let mut run: Vec<Item> = references.iter().map(|r| (quantizer.code(r.bounds.center2()), *r)).collect();
     run.sort_by_key(|(code, _)| *code);
-    (!run.is_empty()).then(|| subtree(&run, 0, leaf))
+    let scene = mesh.bounds().half_area();
+    let is_leaf = |run: &[Item]| {
+        let n = run.len() as u32;
+        let bounds: Aabb = run.iter().map(|(_, reference)| reference.bounds).collect();
+        n <= config.leaf
+            || config.clusters.is_some_and(|c| n <= c.most && bounds.half_area() <= c.area * scene)
+    };
+    (!run.is_empty()).then(|| subtree(&run, 0, &is_leaf))
 }
 
 /// The subtree over a run of sorted codes that has been parted `depth` times by the middle.
-fn subtree(run: &[(u32, Reference)], depth: u32, leaf: u32) -> Rc<Tree> {
-    if run.len() <= leaf as usize {
+fn subtree(run: &[Item], depth: u32, is_leaf: &dyn Fn(&[Item]) -> bool) -> Rc<Tree> {
+    if is_leaf(run) {
         return Tree::leaf(&run.iter().map(|(_, reference)| *reference).collect::<Vec<_>>());
     }
     let different = run[0].0 ^ run[run.len() - 1].0;
     if different != 0 {
         let bit = 31 - different.leading_zeros();
         let (left, right): (Vec<_>, Vec<_>) = run.iter().partition(|(code, _)| code >> bit & 1 == 0);
-        return Tree::node(subtree(&left, depth, leaf), subtree(&right, depth, leaf));
+        return Tree::node(subtree(&left, depth, is_leaf), subtree(&right, depth, is_leaf));
     }
     // Of one code: at the middle of the centroids' bounds.
     let mut run = run.to_vec();
@@ -86,12 +96,12 @@ fn subtree(run: &[(u32, Reference)], depth: u32, leaf: u32) -> Rc<Tree> {
         split = half;
     }
     let (left, right) = run.split_at(split);
-    Tree::node(subtree(left, depth + 1, leaf), subtree(right, depth + 1, leaf))
+    Tree::node(subtree(left, depth + 1, is_leaf), subtree(right, depth + 1, is_leaf))
 }
 
 /// Swaps to the front what lies before the middle of the longest edge of the centroids' bounds; returns how many.
-fn to_front(run: &mut [(u32, Reference)]) -> usize {
-    let center = |item: &(u32, Reference)| item.1.bounds.center2();
+fn to_front(run: &mut [Item]) -> usize {
+    let center = |item: &Item| item.1.bounds.center2();
     let centers = run.iter().fold(Aabb::EMPTY, |all, item| all.grow(center(item)));
     let axis = centers.extent().max_position();
     let middle = centers.center()[axis];

@@ -6,7 +6,7 @@ use super::meshes::{
 use super::wide::Wide;
 use super::{hunt, phr};
 use crate::build::small_sweep::Isa;
-use crate::build::{Build, Builder, Hunt, HuntConfig, Phr, PhrConfig, PresplitConfig};
+use crate::build::{Build, Builder, Clusters, Hunt, HuntConfig, Phr, PhrConfig, PresplitConfig};
 use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
 use crate::scene::scalable;
@@ -21,10 +21,18 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
         ("leaf sweep", PhrConfig { leaf_sweep: 16, max_leaf: 28, ..PhrConfig::FAST }),
         ("presplit", PhrConfig { presplit, ..PhrConfig::FAST }),
         ("clipped triangles", PhrConfig { clip_triangles: true, ..PhrConfig::FAST }),
+        ("clusters", PhrConfig { clusters: Some(Clusters { most: 20, area: 3e-2 }), ..PhrConfig::FAST }),
+        ("subtree sweep", PhrConfig { subtree_sweep: 256, ..PhrConfig::FAST }),
+        ("overlap", PhrConfig { overlap_threshold: 1e-2, spatial_threshold: 1e-4, ..PhrConfig::FAST }),
+        ("speed", PhrConfig::SPEED),
+        ("quality", PhrConfig::QUALITY),
         (
             "all",
             PhrConfig {
                 auxiliary_leaf: 4,
+                clusters: Some(Clusters { most: 40, area: 1e-3 }),
+                overlap_threshold: 1e-6,
+                subtree_sweep: 50,
                 leaf_sweep: 32,
                 presplit,
                 clip_triangles: true,
@@ -107,7 +115,7 @@ fn large_trees_are_the_plain_ones_node_for_node() {
     for (what, mesh) in large_meshes() {
         spatial_splits.iter_mut().zip(compare(what, &mesh)).for_each(|(sum, n)| *sum += n);
     }
-    assert!(spatial_splits.iter().all(|&n| n > 100), "{spatial_splits:?}");
+    assert!(spatial_splits.iter().all(|&n| n > 50), "{spatial_splits:?}");
 }
 
 #[test]
