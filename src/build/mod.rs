@@ -7,6 +7,7 @@ mod bins;
 mod collapse;
 mod cut;
 mod cut_recursion;
+mod heights;
 mod hierarchy;
 mod hunt;
 mod in_order;
