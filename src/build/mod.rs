@@ -42,6 +42,7 @@ mod split_cost;
 pub mod steps;
 mod top_down;
 mod upper;
+mod widen;
 
 pub use aac::{Aac, AacConfig};
 pub use best::{Best, BestConfig};

@@ -1,5 +1,6 @@
 //! The auxiliary BVH (paper 4.7), by bisection of sorted Morton codes.
 
+use super::wide::Wide;
 use crate::build::morton::Quantizer;
 use crate::build::morton_order::MIDDLE_DEPTH;
 use crate::build::presplit::{PresplitConfig, presplit};
@@ -31,6 +32,32 @@ impl Tree {
         let bounds = references.iter().map(|reference| reference.bounds).collect();
         let count = references.len() as u32;
         Rc::new(Self { bounds, count, content: Content::Leaf(references.to_vec()) })
+    }
+
+    /// The same with wide nodes: children of largest area are opened first (paper 4.5).
+    pub fn widened(&self) -> Wide {
+        let mut children = match &self.content {
+            Content::Node(pair) => pair.to_vec(),
+            Content::Leaf(references) => {
+                let mut prims: Vec<u32> = references.iter().map(|reference| reference.prim).collect();
+                prims.sort_unstable();
+                return Wide::Leaf(self.bounds, prims);
+            }
+        };
+        while children.len() < 4 {
+            let mut largest = None;
+            for (i, child) in children.iter().enumerate() {
+                let area = child.bounds.half_area();
+                if let Content::Node(pair) = &child.content
+                    && largest.as_ref().is_none_or(|(_, most, _)| area > *most)
+                {
+                    largest = Some((i, area, pair.clone()));
+                }
+            }
+            let Some((i, _, pair)) = largest else { break };
+            children.splice(i..=i, pair);
+        }
+        Wide::Node(self.bounds, children.iter().map(|child| child.widened()).collect())
     }
 
     fn node(left: Rc<Self>, right: Rc<Self>) -> Rc<Self> {
