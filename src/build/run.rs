@@ -5,6 +5,7 @@ use super::binary::{BinaryTree, Node};
 use super::heights::Heights;
 use super::in_order::{Batch, Place};
 use super::morton_order::{Key, part_boxed, reference};
+use super::prefetch;
 use super::references::References;
 use super::top_down::QUARTET;
 use crate::geometry::Aabb;
@@ -42,9 +43,12 @@ impl Run {
         depth: u32,
         leaf: u32,
     ) -> Node {
-        // All boxes first: a plain loop has many loads from memory on their way at once.
+        // All boxes first: a plain loop has many loads from memory on their way at once, and more if asked for.
         self.bounds.clear();
-        self.bounds.extend(keys.iter().map(|&key| references.bounds(reference(key))));
+        self.bounds.extend(keys.iter().enumerate().map(|(i, &key)| {
+            prefetch::triangle(references.mesh, keys, i);
+            references.bounds(reference(key))
+        }));
         self.heights.of_codes(keys);
         let mut begin = 0;
         while let Some(equal) = self.heights.equal_codes(begin) {
