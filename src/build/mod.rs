@@ -7,6 +7,7 @@ mod bins;
 mod collapse;
 mod cut;
 mod cut_recursion;
+mod heights;
 mod hierarchy;
 mod hunt;
 mod in_order;
@@ -43,6 +44,7 @@ mod subtree_sweep;
 mod subtrees;
 mod top_down;
 mod upper;
+mod widen;
 
 pub use aac::{Aac, AacConfig};
 pub use best::{Best, BestConfig};

@@ -5,6 +5,7 @@ use super::presplit::{self, PresplitConfig};
 use super::references::{Extent, Fragment, GRAIN, References};
 use super::{Stopwatch, pages, radix_sort};
 use crate::geometry::{Aabb, Mesh};
+use glam::Vec3A;
 use rayon::prelude::*;
 
 /// Splits of a run by further bits than codes have, before it is halved by count: with the bits of a code they
@@ -109,26 +110,40 @@ pub(super) fn part(keys: &mut [Key], references: &References<'_>, depth: &mut u3
     if keys.len() == 2 || *depth > MIDDLE_DEPTH {
         return keys.len() / 2;
     }
-    part_by_middle(keys, |key| references.bounds(reference(*key)))
+    let center2 = |keys: &[Key], i| references.bounds(reference(keys[i])).center2();
+    part_by_middle(keys, keys.len(), |keys, i| center2(keys, i), |keys, i, j| keys.swap(i, j))
 }
 
-/// As [`part`], of references of one code that stand beside their boxes.
-pub(super) fn part_boxed(run: &mut [(Key, Aabb)], depth: u32) -> usize {
-    if run.len() == 2 || depth > MIDDLE_DEPTH { run.len() / 2 } else { part_by_middle(run, |(_, b)| *b) }
+/// As [`part`], of references of one code whose boxes are at hand.
+pub(super) fn part_boxed(keys: &mut [Key], bounds: &mut [Aabb], depth: u32) -> usize {
+    let len = keys.len();
+    if len == 2 || depth > MIDDLE_DEPTH {
+        return len / 2;
+    }
+    let swap = |(keys, bounds): &mut (&mut [Key], &mut [Aabb]), i, j| {
+        keys.swap(i, j);
+        bounds.swap(i, j);
+    };
+    part_by_middle(&mut (keys, bounds), len, |(_, bounds), i| bounds[i].center2(), swap)
 }
 
-/// Moves to the front the items whose centroid lies before the middle of the longest edge of the centroids'
-/// bounds. Returns their number; half of all where they do not lie apart.
-fn part_by_middle<T>(items: &mut [T], bounds: impl Fn(&T) -> Aabb) -> usize {
-    let all = items.iter().fold(Aabb::EMPTY, |all, item| all.grow(bounds(item).center2()));
+/// Moves to the front those of `len` items whose centroid lies before the middle of the longest edge of the
+/// centroids' bounds. Returns their number; half of all where they do not lie apart.
+fn part_by_middle<T: ?Sized>(
+    items: &mut T,
+    len: usize,
+    center2: impl Fn(&T, usize) -> Vec3A,
+    swap: impl Fn(&mut T, usize, usize),
+) -> usize {
+    let all = (0..len).fold(Aabb::EMPTY, |all, i| all.grow(center2(items, i)));
     let axis = all.extent().max_position();
     let middle = all.center()[axis];
     let mut split = 0;
-    for i in 0..items.len() {
-        if bounds(&items[i]).center2()[axis] < middle {
-            items.swap(i, split);
-            split += 1;
-        }
+    for i in 0..len {
+        let is_before = center2(items, i)[axis] < middle;
+        // No branch: it could not be foreseen.
+        swap(items, i, if is_before { split } else { i });
+        split += usize::from(is_before);
     }
-    if (1..items.len()).contains(&split) { split } else { items.len() / 2 }
+    if (1..len).contains(&split) { split } else { len / 2 }
 }

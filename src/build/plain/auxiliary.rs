@@ -1,6 +1,7 @@
 //! The auxiliary BVH (paper 4.7), by bisection of sorted Morton codes.
 
-use crate::build::lbvh::AuxiliaryConfig;
+use super::wide::Wide;
+use crate::build::lbvh::{AuxiliaryConfig, Clusters};
 use crate::build::morton::Quantizer;
 use crate::build::morton_order::MIDDLE_DEPTH;
 use crate::build::presplit::presplit;
@@ -37,6 +38,48 @@ impl Tree {
         Rc::new(Self { bounds, count, content: Content::Leaf(references.to_vec()) })
     }
 
+    /// The same with wide nodes: children of largest area are opened first (paper 4.5).
+    pub fn widened(&self) -> Wide {
+        let mut children = match &self.content {
+            Content::Node(pair) => pair.to_vec(),
+            Content::Leaf(references) => {
+                let mut prims: Vec<u32> = references.iter().map(|reference| reference.prim).collect();
+                prims.sort_unstable();
+                return Wide::Leaf(self.bounds, prims);
+            }
+        };
+        while children.len() < 4 {
+            let mut largest = None;
+            for (i, child) in children.iter().enumerate() {
+                let area = child.bounds.half_area();
+                if let Content::Node(pair) = &child.content
+                    && largest.as_ref().is_none_or(|(_, most, _)| area > *most)
+                {
+                    largest = Some((i, area, pair.clone()));
+                }
+            }
+            let Some((i, _, pair)) = largest else { break };
+            children.splice(i..=i, pair);
+        }
+        Wide::Node(self.bounds, children.iter().map(|child| child.widened()).collect())
+    }
+
+    /// The tree whose subtrees of at most `most` references and half `area` are leaves.
+    fn clustered(self: Rc<Self>, most: u32, area: f32) -> Rc<Self> {
+        let Content::Node([left, right]) = &self.content else { return self };
+        if self.count <= most && self.bounds.half_area() <= area {
+            return Self::leaf(&self.references());
+        }
+        Self::node(left.clone().clustered(most, area), right.clone().clustered(most, area))
+    }
+
+    fn references(&self) -> Vec<Reference> {
+        match &self.content {
+            Content::Leaf(references) => references.clone(),
+            Content::Node(children) => children.iter().flat_map(|child| child.references()).collect(),
+        }
+    }
+
     fn node(left: Rc<Self>, right: Rc<Self>) -> Rc<Self> {
         let bounds = left.bounds.union(right.bounds);
         let count = left.count + right.count;
@@ -64,26 +107,26 @@ pub fn lbvh(mesh: &Mesh, config: &AuxiliaryConfig) -> Option<Rc<Tree>> {
     let quantizer = Quantizer::new(centers);
     let mut run: Vec<Item> = references.iter().map(|r| (quantizer.code(r.bounds.center2()), *r)).collect();
     run.sort_by_key(|(code, _)| *code);
-    let scene = mesh.bounds().half_area();
-    let is_leaf = |run: &[Item]| {
-        let n = run.len() as u32;
-        let bounds: Aabb = run.iter().map(|(_, reference)| reference.bounds).collect();
-        n <= config.leaf
-            || config.clusters.is_some_and(|c| n <= c.most && bounds.half_area() <= c.area * scene)
-    };
-    (!run.is_empty()).then(|| subtree(&run, 0, &is_leaf))
+    if run.is_empty() {
+        return None;
+    }
+    let root = subtree(&run, 0, config.leaf);
+    Some(match &config.clusters {
+        None => root,
+        Some(Clusters { most, area }) => root.clustered(*most, area * mesh.bounds().half_area()),
+    })
 }
 
 /// The subtree over a run of sorted codes that has been parted `depth` times by the middle.
-fn subtree(run: &[Item], depth: u32, is_leaf: &dyn Fn(&[Item]) -> bool) -> Rc<Tree> {
-    if is_leaf(run) {
+fn subtree(run: &[Item], depth: u32, leaf: u32) -> Rc<Tree> {
+    if run.len() <= leaf as usize {
         return Tree::leaf(&run.iter().map(|(_, reference)| *reference).collect::<Vec<_>>());
     }
     let different = run[0].0 ^ run[run.len() - 1].0;
     if different != 0 {
         let bit = 31 - different.leading_zeros();
         let (left, right): (Vec<_>, Vec<_>) = run.iter().partition(|(code, _)| code >> bit & 1 == 0);
-        return Tree::node(subtree(&left, depth, is_leaf), subtree(&right, depth, is_leaf));
+        return Tree::node(subtree(&left, depth, leaf), subtree(&right, depth, leaf));
     }
     // Of one code: at the middle of the centroids' bounds.
     let mut run = run.to_vec();
@@ -96,7 +139,7 @@ fn subtree(run: &[Item], depth: u32, is_leaf: &dyn Fn(&[Item]) -> bool) -> Rc<Tr
         split = half;
     }
     let (left, right) = run.split_at(split);
-    Tree::node(subtree(left, depth + 1, is_leaf), subtree(right, depth + 1, is_leaf))
+    Tree::node(subtree(left, depth + 1, leaf), subtree(right, depth + 1, leaf))
 }
 
 /// Swaps to the front what lies before the middle of the longest edge of the centroids' bounds; returns how many.

@@ -4,9 +4,10 @@ use super::meshes::{
     beads, clusters, coarse, concentric, geometric, grids, identical, needles, scaled, soup,
 };
 use super::wide::Wide;
-use super::{hunt, phr};
+use super::{hunt, linear, phr};
 use crate::build::small_sweep::Isa;
-use crate::build::{Build, Builder, Clusters, Hunt, HuntConfig, Phr, PhrConfig, PresplitConfig};
+use crate::build::upper::RUN;
+use crate::build::{Build, Builder, Clusters, Hunt, HuntConfig, Lbvh, Phr, PhrConfig, PresplitConfig};
 use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
 use crate::scene::scalable;
@@ -97,6 +98,11 @@ fn compare(what: &str, mesh: &Mesh) -> Vec<u64> {
         spatial_splits.push(counts.spatial_splits);
         assert_same(&tree, mesh, phr(mesh, &config).as_ref(), &format!("{what}, {name}"));
     }
+    // Runs are made wide each on its own, and nodes over them do not reach into them.
+    if mesh.len() <= RUN {
+        let tree = Lbvh::default().build(mesh).tree;
+        assert_same(&tree, mesh, linear(mesh).as_ref(), &format!("{what}, lbvh"));
+    }
     let tree = Hunt::new("", HUNT_50).build(mesh).tree;
     assert_same(&tree, mesh, hunt(mesh, &HUNT_50).as_ref(), &format!("{what}, hunt"));
     spatial_splits
@@ -135,6 +141,7 @@ fn trees_are_the_same_with_any_instructions_and_any_number_of_threads() {
         for (name, config) in configs() {
             same(name, &|isa| Phr::new("", config).with_isa(isa).build(&mesh).tree);
         }
+        same("lbvh", &|_| Lbvh::default().build(&mesh).tree);
         same("hunt", &|isa| Hunt::new("", HUNT_50).with_isa(isa).build(&mesh).tree);
     }
 }

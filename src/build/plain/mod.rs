@@ -54,6 +54,11 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
     builder.subtree(&Cut::whole(members, config.max_references))
 }
 
+/// The LBVH itself.
+pub fn linear(mesh: &Mesh) -> Option<Wide> {
+    lbvh(mesh, &AuxiliaryConfig { leaf: 4, ..AuxiliaryConfig::PAPER }).map(|root| root.widened())
+}
+
 /// The method of Hunt et al. 2007 with cuts of constant length.
 pub fn hunt(mesh: &Mesh, config: &HuntConfig) -> Option<Wide> {
     let root = lbvh(mesh, &AuxiliaryConfig::PAPER)?;
