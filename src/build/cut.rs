@@ -46,7 +46,7 @@ impl Cut {
         let mut cut = Self { first, len: arena.len() - first, bounds: Aabb::EMPTY, count: 0, ..like };
         for node in &arena[first..] {
             cut.bounds = cut.bounds.union(node.bounds());
-            cut.count += node.count;
+            cut.count += node.count();
         }
         cut.kind = if cut.count <= QUARTET { Kind::Leaf } else { Kind::Inner };
         cut
@@ -220,7 +220,7 @@ impl Order<'_> {
             open(tree, node, clip, |child| self.each(tree, &child, clip, take));
             return;
         }
-        if node.count == 1 {
+        if node.count() == 1 {
             take(*node);
             return;
         }

@@ -117,7 +117,7 @@ impl<R: Refine> CutRecursion<'_, R> {
         }
         let leaf = |bounds: Aabb, count: u32| bounds.half_area() * count.div_ceil(QUARTET) as f32;
         let side_cost = |side: &[Node]| {
-            leaf(side.iter().map(Node::bounds).collect(), side.iter().map(|node| node.count).sum())
+            leaf(side.iter().map(Node::bounds).collect(), side.iter().map(|node| node.count()).sum())
         };
         let area = cut.bounds.half_area();
         leaf(cut.bounds, cut.count) <= area + sides.map(side_cost).iter().sum::<f32>()
@@ -146,7 +146,7 @@ impl<R: Refine> CutRecursion<'_, R> {
             .map(|node| {
                 let sides =
                     u64::from(split.on_left(node.bounds())) + u64::from(split.on_right(node.bounds()));
-                u64::from(node.count) * sides
+                u64::from(node.count()) * sides
             })
             .sum();
         (references <= u64::from(cut.capacity)).then_some(split)
@@ -156,7 +156,7 @@ impl<R: Refine> CutRecursion<'_, R> {
     fn parts(&self, node: &Node, split: &SpatialSplit) -> [Option<Node>; 2] {
         let bounds = node.bounds();
         let sides = [split.on_left(bounds), split.on_right(bounds)];
-        let parts = if self.rules.clip_triangles && node.is_leaf() && node.count == 1 && sides == [true; 2] {
+        let parts = if self.rules.clip_triangles && node.is_leaf() && node.count() == 1 && sides == [true; 2] {
             let prim = self.order.prim(node.run().start);
             let corners = self.order.references.mesh.corners(prim);
             split_reference(&corners, bounds, split.axis, split.plane)
@@ -176,7 +176,7 @@ impl<R: Refine> CutRecursion<'_, R> {
         side: &mut Vec<Node>,
         arena: &mut Vec<Node>,
     ) -> Option<Cut> {
-        let own: u32 = side.iter().map(|node| node.count).sum();
+        let own: u32 = side.iter().map(|node| node.count()).sum();
         let depth = parent.depth + 1;
         // Room for duplicates is handed down in proportion to what each side holds.
         let capacity = (f64::from(parent.capacity) * f64::from(own) / f64::from(references)) as u32;
@@ -272,7 +272,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         }
 
         // Refine.
-        let references = left.iter().chain(right.iter()).map(|node| node.count).sum();
+        let references = left.iter().chain(right.iter()).map(|node| node.count()).sum();
         [
             self.side(&cut, clips[0], references, left, arena),
             self.side(&cut, clips[1], references, right, arena),

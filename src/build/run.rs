@@ -88,7 +88,7 @@ impl Run {
     /// The parent of two subtrees, a leaf if they hold few references.
     #[inline]
     fn unite(&mut self, left: Node, right: Node, leaf: u32) -> Node {
-        let count = left.count + right.count;
+        let count = left.count() + right.count();
         if count <= leaf {
             return Node::leaf(left.bounds().union(right.bounds()), left.run().start, count);
         }
