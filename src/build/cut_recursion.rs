@@ -3,7 +3,7 @@
 
 use super::Counts;
 use super::binary::{BinaryTree, Node};
-use super::cut::{Cut, Order, OwnCut, is_whole, open};
+use super::cut::{Cut, Growing, Order, OwnCut, is_whole, open};
 use super::object_split::{ObjectSplit, Sweep};
 use super::prefetch::warm;
 use super::reference_split::split_reference;
@@ -19,16 +19,9 @@ const MAX_DEPTH: u32 = 50;
 
 /// How a cut is refined after a split.
 pub(super) trait Refine: Sync {
-    /// Appends the nodes of a side of a split at binary depth `depth` to `refined`, some of them opened
-    /// ([`open`]).
-    fn refine(
-        &self,
-        tree: &BinaryTree,
-        clip: &Aabb,
-        depth: u32,
-        side: &mut Vec<Node>,
-        refined: &mut Vec<Node>,
-    );
+    /// Appends the nodes at the places `side` of the arena, a side of a split at binary depth `depth`, some of
+    /// them opened ([`open`]).
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &[u32], refined: &mut Growing<'_>);
 }
 
 /// What one builder over cuts does otherwise than another.
@@ -72,7 +65,29 @@ pub(super) struct Scratch {
     arena: Vec<Node>,
     sweep: Sweep,
     spatial_sweep: SpatialSweep,
-    sides: [Vec<Node>; 2],
+    sides: [Side; 2],
+}
+
+/// A side of a split.
+#[derive(Default)]
+struct Side {
+    /// Places of its nodes in the arena, ascending.
+    places: Vec<u32>,
+    /// References below them.
+    count: u32,
+}
+
+impl Side {
+    fn clear(&mut self) {
+        self.places.clear();
+        self.count = 0;
+    }
+
+    #[inline]
+    fn push(&mut self, place: usize, node: &Node) {
+        self.places.push(place as u32);
+        self.count += node.count();
+    }
 }
 
 impl<R: Refine> CutRecursion<'_, R> {
@@ -86,15 +101,14 @@ impl<R: Refine> CutRecursion<'_, R> {
     /// Opens what must be before a cut can be split: a lone node, whatever the threshold; all nodes, near the
     /// leaves or where the tree gets too deep.
     fn open_for_split(&self, cut: &Cut, arena: &mut Vec<Node>) -> Cut {
-        let first = arena.len();
         let near_leaves = cut.count <= self.rules.leaf_sweep;
         if !cut.is_near_leaves && (near_leaves || cut.depth >= MAX_DEPTH) {
+            let mut opened = Growing::new(arena);
             for place in cut.places() {
-                let node = arena[place];
-                self.order.each(self.tree, &node, &cut.clip, &mut |child| arena.push(child));
+                let node = opened.arena[place];
+                self.order.each(self.tree, &node, &cut.clip, &mut |child| opened.push(child));
             }
-            let like = Cut { is_near_leaves: true, ..*cut };
-            return Cut::of_arena(arena, first, like);
+            return opened.finish(&Cut { is_near_leaves: true, ..*cut });
         }
         let mut cut = *cut;
         while cut.len == 1 {
@@ -102,25 +116,25 @@ impl<R: Refine> CutRecursion<'_, R> {
             if node.is_leaf() {
                 break;
             }
-            let first = arena.len();
-            open(self.tree, &node, &cut.clip, |child| arena.push(child));
-            cut = Cut::of_arena(arena, first, cut);
+            let mut opened = Growing::new(arena);
+            open(self.tree, &node, &cut.clip, |child| opened.push(child));
+            cut = opened.finish(&cut);
         }
         cut
     }
 
     /// Whether a leaf costs no more than a node with the two sides as leaves, in the cost model of Table 1: a
     /// leaf costs its quartets, a node one.
-    fn leaf_is_cheaper(&self, cut: &Cut, sides: [&[Node]; 2]) -> bool {
+    fn leaf_is_cheaper(&self, cut: &Cut, sides: &[Side; 2], arena: &[Node]) -> bool {
         if cut.count > self.rules.max_leaf {
             return false;
         }
-        let leaf = |bounds: Aabb, count: u32| bounds.half_area() * count.div_ceil(QUARTET) as f32;
-        let side_cost = |side: &[Node]| {
-            leaf(side.iter().map(Node::bounds).collect(), side.iter().map(|node| node.count()).sum())
+        let leaf = |area: f32, count: u32| area * count.div_ceil(QUARTET) as f32;
+        let side_cost = |side: &Side| {
+            let bounds: Aabb = side.places.iter().map(|&place| arena[place as usize].bounds()).collect();
+            leaf(bounds.half_area(), side.count)
         };
-        let area = cut.bounds.half_area();
-        leaf(cut.bounds, cut.count) <= area + sides.map(side_cost).iter().sum::<f32>()
+        leaf(cut.area, cut.count) <= cut.area + (side_cost(&sides[0]) + side_cost(&sides[1]))
     }
 
     /// A spatial split, if the rules allow one that is cheaper than `object`.
@@ -132,11 +146,10 @@ impl<R: Refine> CutRecursion<'_, R> {
         weight: Weight,
         sweep: &mut SpatialSweep,
     ) -> Option<SpatialSplit> {
-        let area = cut.bounds.half_area();
-        if area <= self.rules.spatial_above {
+        if !self.splits_in_space(cut) {
             return None;
         }
-        let limit = object.cost.min(area * weight.of(nodes.len()));
+        let limit = object.cost.min(cut.area * weight.of(nodes.len()));
         let split = sweep.below(limit, nodes, cut.bounds, weight);
         if split == SpatialSplit::NONE {
             return None;
@@ -152,11 +165,18 @@ impl<R: Refine> CutRecursion<'_, R> {
         (references <= u64::from(cut.capacity)).then_some(split)
     }
 
+    /// Whether spatial splits are tried in a cut. If not, they are not in any below it.
+    #[inline]
+    fn splits_in_space(&self, cut: &Cut) -> bool {
+        cut.area > self.rules.spatial_above
+    }
+
     /// The parts of a node on both sides of a spatial split.
     fn parts(&self, node: &Node, split: &SpatialSplit) -> [Option<Node>; 2] {
         let bounds = node.bounds();
         let sides = [split.on_left(bounds), split.on_right(bounds)];
-        let parts = if self.rules.clip_triangles && node.is_leaf() && node.count() == 1 && sides == [true; 2] {
+        let parts = if self.rules.clip_triangles && node.is_leaf() && node.count() == 1 && sides == [true; 2]
+        {
             let prim = self.order.prim(node.run().start);
             let corners = self.order.references.mesh.corners(prim);
             split_reference(&corners, bounds, split.axis, split.plane)
@@ -167,27 +187,33 @@ impl<R: Refine> CutRecursion<'_, R> {
         [0, 1].map(|side| (sides[side] && !parts[side].is_empty()).then(|| node.with_bounds(parts[side])))
     }
 
-    /// Refines one side of a split into a cut of its own.
+    /// Refines one side of a split into a cut of its own; both sides hold `references` in all.
+    #[inline]
     fn side(
         &self,
         parent: &Cut,
         clip: Aabb,
         references: u32,
-        side: &mut Vec<Node>,
+        side: &Side,
         arena: &mut Vec<Node>,
     ) -> Option<Cut> {
-        let own: u32 = side.iter().map(|node| node.count()).sum();
         let depth = parent.depth + 1;
         // Room for duplicates is handed down in proportion to what each side holds.
-        let capacity = (f64::from(parent.capacity) * f64::from(own) / f64::from(references)) as u32;
-        let first = arena.len();
-        if parent.is_near_leaves {
-            arena.append(side);
+        let capacity = if self.splits_in_space(parent) {
+            (f64::from(parent.capacity) * f64::from(side.count) / f64::from(references)) as u32
         } else {
-            self.rules.refine.refine(self.tree, &clip, depth, side, arena);
+            0
+        };
+        let mut cut = Growing::new(arena);
+        if parent.is_near_leaves {
+            for &place in &side.places {
+                let node = cut.arena[place as usize];
+                cut.push(node);
+            }
+        } else {
+            self.rules.refine.refine(self.tree, &clip, depth, &side.places, &mut cut);
         }
-        let like = Cut { clip, capacity: capacity.max(own), depth, ..*parent };
-        let cut = Cut::of_arena(arena, first, like);
+        let cut = cut.finish(&Cut { clip, capacity: capacity.max(side.count), depth, ..*parent });
         (cut.len > 0).then_some(cut)
     }
 }
@@ -216,7 +242,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
     }
 
     fn half_area(&self, cut: &Cut) -> f32 {
-        cut.bounds.half_area()
+        cut.area
     }
 
     fn kind(&self, cut: &Cut) -> Kind {
@@ -224,7 +250,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
     }
 
     fn split(&self, part: &Cut, scratch: &mut Scratch) -> [Option<Cut>; 2] {
-        let Scratch { counts, arena, sweep, spatial_sweep, sides: [left, right] } = scratch;
+        let Scratch { counts, arena, sweep, spatial_sweep, sides } = scratch;
         let cut = self.open_for_split(part, arena);
         if cut.len == 0 {
             return [None, None];
@@ -244,39 +270,49 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
             if halve { None } else { self.spatial_split(&cut, nodes, &object, weight, spatial_sweep) };
 
         // Reorder: the nodes to the left and to the right, clipped by the plane of a spatial split.
+        let [left, right] = sides;
         left.clear();
         right.clear();
         let mut clips = [cut.clip; 2];
         if let Some(split) = spatial {
             counts.spatial_splits += 1;
-            for node in nodes {
-                let [on_left, on_right] = self.parts(node, &split);
-                left.extend(on_left);
-                right.extend(on_right);
+            for place in cut.places() {
+                let parts = self.parts(&arena[place], &split);
+                for (side, part) in [&mut *left, &mut *right].into_iter().zip(parts) {
+                    if let Some(part) = part {
+                        side.push(arena.len(), &part);
+                        arena.push(part);
+                    }
+                }
             }
             clips = [split.left_of(cut.clip), split.right_of(cut.clip)];
         } else if object.left > 0 {
             let is_left = object.members(nodes);
             for (i, node) in nodes.iter().enumerate() {
-                if is_left(i, node) { left.push(*node) } else { right.push(*node) }
+                if is_left(i, node) {
+                    left.push(cut.first + i, node)
+                } else {
+                    right.push(cut.first + i, node)
+                }
             }
         } else {
             // Nothing is gained by any split: halve in the order of the Morton codes.
-            let (a, b) = nodes.split_at(nodes.len() / 2);
-            left.extend_from_slice(a);
-            right.extend_from_slice(b);
+            for (i, node) in nodes.iter().enumerate() {
+                if i < nodes.len() / 2 {
+                    left.push(cut.first + i, node)
+                } else {
+                    right.push(cut.first + i, node)
+                }
+            }
         }
 
-        if part.kind != Kind::SoftLeaf && self.leaf_is_cheaper(&cut, [left, right]) {
+        if part.kind != Kind::SoftLeaf && self.leaf_is_cheaper(&cut, sides, arena) {
             return [Some(Cut { kind: Kind::SoftLeaf, ..cut }), None];
         }
 
         // Refine.
-        let references = left.iter().chain(right.iter()).map(|node| node.count()).sum();
-        [
-            self.side(&cut, clips[0], references, left, arena),
-            self.side(&cut, clips[1], references, right, arena),
-        ]
+        let references = sides[0].count + sides[1].count;
+        [0, 1].map(|i| self.side(&cut, clips[i], references, &sides[i], arena))
     }
 
     fn leaf(&self, cut: &Cut, prims: &mut Vec<u32>, scratch: &mut Scratch) -> Aabb {
