@@ -88,6 +88,26 @@ impl Side {
         self.places.push(place as u32);
         self.count += node.count();
     }
+
+    /// Parts the nodes of a cut. Nobody can guess the side of a node, and so there is no branch.
+    #[inline]
+    fn part(sides: &mut [Self; 2], cut: &Cut, nodes: &[Node], is_left: impl Fn(usize, &Node) -> bool) {
+        let [left, right] = sides;
+        left.places.resize(nodes.len(), 0);
+        right.places.resize(nodes.len(), 0);
+        let mut on_left = 0;
+        for (i, node) in nodes.iter().enumerate() {
+            let place = (cut.first + i) as u32;
+            left.places[on_left] = place;
+            right.places[i - on_left] = place;
+            let is_left = is_left(i, node);
+            on_left += usize::from(is_left);
+            left.count += node.count() * u32::from(is_left);
+        }
+        left.places.truncate(on_left);
+        right.places.truncate(nodes.len() - on_left);
+        right.count = cut.count - left.count;
+    }
 }
 
 impl<R: Refine> CutRecursion<'_, R> {
@@ -270,15 +290,13 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
             if halve { None } else { self.spatial_split(&cut, nodes, &object, weight, spatial_sweep) };
 
         // Reorder: the nodes to the left and to the right, clipped by the plane of a spatial split.
-        let [left, right] = sides;
-        left.clear();
-        right.clear();
+        sides.iter_mut().for_each(Side::clear);
         let mut clips = [cut.clip; 2];
         if let Some(split) = spatial {
             counts.spatial_splits += 1;
             for place in cut.places() {
                 let parts = self.parts(&arena[place], &split);
-                for (side, part) in [&mut *left, &mut *right].into_iter().zip(parts) {
+                for (side, part) in sides.iter_mut().zip(parts) {
                     if let Some(part) = part {
                         side.push(arena.len(), &part);
                         arena.push(part);
@@ -287,23 +305,10 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
             }
             clips = [split.left_of(cut.clip), split.right_of(cut.clip)];
         } else if object.left > 0 {
-            let is_left = object.members(nodes);
-            for (i, node) in nodes.iter().enumerate() {
-                if is_left(i, node) {
-                    left.push(cut.first + i, node)
-                } else {
-                    right.push(cut.first + i, node)
-                }
-            }
+            Side::part(sides, &cut, nodes, object.members(nodes));
         } else {
             // Nothing is gained by any split: halve in the order of the Morton codes.
-            for (i, node) in nodes.iter().enumerate() {
-                if i < nodes.len() / 2 {
-                    left.push(cut.first + i, node)
-                } else {
-                    right.push(cut.first + i, node)
-                }
-            }
+            Side::part(sides, &cut, nodes, |i, _| i < nodes.len() / 2);
         }
 
         if part.kind != Kind::SoftLeaf && self.leaf_is_cheaper(&cut, sides, arena) {

@@ -38,7 +38,7 @@ impl ObjectSplit {
         let border = center(&nodes[last], axis);
         move |i, node| {
             let own = center(node, axis);
-            own < border || (own == border && i <= last)
+            (own < border) | ((own == border) & (i <= last))
         }
     }
 }
