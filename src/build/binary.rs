@@ -63,7 +63,19 @@ impl Node {
         self.lower.w.to_bits()
     }
 
-    /// The lower corner and, three floats on, the upper one.
+    /// The lower face along an axis.
+    #[inline]
+    pub fn lower(&self, axis: usize) -> f32 {
+        self.lower[axis]
+    }
+
+    /// The upper face along an axis.
+    #[inline]
+    pub fn upper(&self, axis: usize) -> f32 {
+        self.upper[axis]
+    }
+
+    /// The lower corner and the upper one.
     #[inline]
     pub fn corners(&self) -> [[f32; 3]; 2] {
         [self.lower, self.upper].map(|corner| corner.truncate().to_array())

@@ -2,7 +2,7 @@
 
 use super::binary::Node;
 use super::object_split::sortable;
-use super::spatial_bound::{Side, SpatialBins};
+use super::spatial_bound::{Side, SpatialBins, above, below};
 use super::split_cost::Weight;
 use crate::geometry::Aabb;
 
@@ -36,16 +36,14 @@ impl SpatialSplit {
 
     /// The part of a box on the left.
     #[inline]
-    pub fn left_of(&self, mut bounds: Aabb) -> Aabb {
-        bounds.max[self.axis] = bounds.max[self.axis].min(self.plane);
-        bounds
+    pub fn left_of(&self, bounds: Aabb) -> Aabb {
+        below(bounds, self.axis, self.plane)
     }
 
     /// The part of a box on the right.
     #[inline]
-    pub fn right_of(&self, mut bounds: Aabb) -> Aabb {
-        bounds.min[self.axis] = bounds.min[self.axis].max(self.plane);
-        bounds
+    pub fn right_of(&self, bounds: Aabb) -> Aabb {
+        above(bounds, self.axis, self.plane)
     }
 }
 
@@ -91,8 +89,7 @@ impl Planes {
         self.by_lower.clear();
         self.by_upper.clear();
         for (i, [begins, ends]) in members {
-            let b = nodes[i].bounds();
-            let (lower, upper) = (sortable(b.min[axis]), sortable(b.max[axis]));
+            let (lower, upper) = (sortable(nodes[i].lower(axis)), sortable(nodes[i].upper(axis)));
             if begins {
                 self.by_lower.push((u64::from(lower) << 32 | u64::from(upper), i as u32));
             }
@@ -128,8 +125,8 @@ impl Planes {
         let (mut next_lower, mut next_upper) = (0, 0);
         loop {
             // The next plane: the least boundary not yet looked at.
-            let lower = by_lower.get(next_lower).map(|&(_, i)| nodes[i as usize].bounds().min[axis]);
-            let upper = by_upper.get(next_upper).map(|&(_, i)| nodes[i as usize].bounds().max[axis]);
+            let lower = by_lower.get(next_lower).map(|&(_, i)| nodes[i as usize].lower(axis));
+            let upper = by_upper.get(next_upper).map(|&(_, i)| nodes[i as usize].upper(axis));
             let plane = match (lower, upper) {
                 (Some(lower), Some(upper)) => lower.min(upper),
                 (Some(plane), None) | (None, Some(plane)) => plane,
