@@ -220,6 +220,6 @@ mod tests {
         let mut pairs = vec![[Node::ZERO; 2]; 3];
         combine(&mut forest, 0, 2, 0, &mut pairs);
         assert_eq!(forest.clusters.len(), 2);
-        assert!(forest.clusters.iter().all(|c| c.count == 2 && c.bounds().extent().x == 2.0));
+        assert!(forest.clusters.iter().all(|c| c.count() == 2 && c.bounds().extent().x == 2.0));
     }
 }

@@ -3,7 +3,7 @@
 
 use super::Counts;
 use super::binary::{BinaryTree, Node};
-use super::cut::{Cut, Order, OwnCut, Stage, is_whole, open};
+use super::cut::{Cut, Growing, Order, OwnCut, Stage, is_whole, open};
 use super::object_split::{ObjectSplit, Sweep};
 use super::piece::{Piece, Subtree};
 use super::prefetch::warm;
@@ -23,16 +23,9 @@ const MAX_DEPTH: u32 = 50;
 
 /// How a cut is refined after a split.
 pub(super) trait Refine: Sync {
-    /// Appends the nodes of a side of a split at binary depth `depth` to `refined`, some of them opened
-    /// ([`open`]).
-    fn refine(
-        &self,
-        tree: &BinaryTree,
-        clip: &Aabb,
-        depth: u32,
-        side: &mut Vec<Node>,
-        refined: &mut Vec<Node>,
-    );
+    /// Appends the nodes at the places `side` of the arena, a side of a split at binary depth `depth`, some of
+    /// them opened ([`open`]).
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &[u32], refined: &mut Growing<'_>);
 }
 
 /// What one builder over cuts does otherwise than another.
@@ -80,9 +73,51 @@ pub(super) struct Scratch {
     arena: Vec<Node>,
     sweep: Sweep,
     spatial_sweep: SpatialSweep,
-    sides: [Vec<Node>; 2],
+    sides: [Side; 2],
     subtree_sweep: SubtreeSweep,
     subtrees: Subtrees,
+}
+
+/// A side of a split.
+#[derive(Default)]
+struct Side {
+    /// Places of its nodes in the arena, ascending.
+    places: Vec<u32>,
+    /// References below them.
+    count: u32,
+}
+
+impl Side {
+    fn clear(&mut self) {
+        self.places.clear();
+        self.count = 0;
+    }
+
+    #[inline]
+    fn push(&mut self, place: usize, node: &Node) {
+        self.places.push(place as u32);
+        self.count += node.count();
+    }
+
+    /// Parts the nodes of a cut. Nobody can guess the side of a node, and so there is no branch.
+    #[inline]
+    fn part(sides: &mut [Self; 2], cut: &Cut, nodes: &[Node], is_left: impl Fn(usize, &Node) -> bool) {
+        let [left, right] = sides;
+        left.places.resize(nodes.len(), 0);
+        right.places.resize(nodes.len(), 0);
+        let mut on_left = 0;
+        for (i, node) in nodes.iter().enumerate() {
+            let place = (cut.first + i) as u32;
+            left.places[on_left] = place;
+            right.places[i - on_left] = place;
+            let is_left = is_left(i, node);
+            on_left += usize::from(is_left);
+            left.count += node.count() * u32::from(is_left);
+        }
+        left.places.truncate(on_left);
+        right.places.truncate(nodes.len() - on_left);
+        right.count = cut.count - left.count;
+    }
 }
 
 impl<R: Refine> CutRecursion<'_, R> {
@@ -96,16 +131,15 @@ impl<R: Refine> CutRecursion<'_, R> {
     /// Opens what must be before a cut can be split: a lone node, whatever the threshold; all nodes, near the
     /// leaves or where the tree gets too deep.
     fn open_for_split(&self, cut: &Cut, arena: &mut Vec<Node>) -> Cut {
-        let first = arena.len();
-        let lone_leaf = cut.len == 1 && arena[cut.first].is_leaf();
-        let near_leaves = cut.count <= self.rules.leaf_sweep || lone_leaf;
-        if cut.stage == Stage::Nodes && (near_leaves || cut.depth >= MAX_DEPTH) {
+        let is_lone_leaf = cut.len == 1 && arena[cut.first].is_leaf();
+        let is_small = cut.count <= self.rules.leaf_sweep || is_lone_leaf;
+        if cut.stage == Stage::Nodes && (is_small || cut.depth >= MAX_DEPTH) {
+            let mut opened = Growing::new(arena);
             for place in cut.places() {
-                let node = arena[place];
-                self.order.each(self.tree, &node, &cut.clip, &mut |child| arena.push(child));
+                let node = opened.arena[place];
+                self.order.each(self.tree, &node, &cut.clip, &mut |child| opened.push(child));
             }
-            let like = Cut { stage: Stage::References, ..*cut };
-            return Cut::of_arena(arena, first, like);
+            return opened.finish(&Cut { stage: Stage::References, ..*cut });
         }
         let mut cut = *cut;
         while cut.len == 1 {
@@ -113,25 +147,25 @@ impl<R: Refine> CutRecursion<'_, R> {
             if node.is_leaf() {
                 break;
             }
-            let first = arena.len();
-            open(self.tree, &node, &cut.clip, |child| arena.push(child));
-            cut = Cut::of_arena(arena, first, cut);
+            let mut opened = Growing::new(arena);
+            open(self.tree, &node, &cut.clip, |child| opened.push(child));
+            cut = opened.finish(&cut);
         }
         cut
     }
 
     /// Whether a leaf costs no more than a node with the two sides as leaves, in the cost model of Table 1: a
     /// leaf costs its quartets, a node one.
-    fn leaf_is_cheaper(&self, cut: &Cut, sides: [&[Node]; 2]) -> bool {
+    fn leaf_is_cheaper(&self, cut: &Cut, sides: &[Side; 2], arena: &[Node]) -> bool {
         if cut.count > self.rules.max_leaf {
             return false;
         }
-        let leaf = |bounds: Aabb, count: u32| bounds.half_area() * count.div_ceil(QUARTET) as f32;
-        let side_cost = |side: &[Node]| {
-            leaf(side.iter().map(Node::bounds).collect(), side.iter().map(|node| node.count).sum())
+        let leaf = |area: f32, count: u32| area * count.div_ceil(QUARTET) as f32;
+        let side_cost = |side: &Side| {
+            let bounds: Aabb = side.places.iter().map(|&place| arena[place as usize].bounds()).collect();
+            leaf(bounds.half_area(), side.count)
         };
-        let area = cut.bounds.half_area();
-        leaf(cut.bounds, cut.count) <= area + sides.map(side_cost).iter().sum::<f32>()
+        leaf(cut.area, cut.count) <= cut.area + (side_cost(&sides[0]) + side_cost(&sides[1]))
     }
 
     /// A spatial split, if the rules allow one that is cheaper than `object`.
@@ -143,14 +177,13 @@ impl<R: Refine> CutRecursion<'_, R> {
         weight: Weight,
         sweep: &mut SpatialSweep,
     ) -> Option<SpatialSplit> {
-        let area = cut.bounds.half_area();
-        if area <= self.rules.spatial_above {
+        if !self.splits_in_space(cut) {
             return None;
         }
         if self.rules.overlap_above.is_some_and(|least| object.overlap(nodes).half_area() <= least) {
             return None;
         }
-        let limit = object.cost.min(area * weight.of(nodes.len()));
+        let limit = object.cost.min(cut.area * weight.of(nodes.len()));
         let split = sweep.below(limit, nodes, cut.bounds, weight);
         if split == SpatialSplit::NONE {
             return None;
@@ -160,17 +193,24 @@ impl<R: Refine> CutRecursion<'_, R> {
             .map(|node| {
                 let sides =
                     u64::from(split.on_left(node.bounds())) + u64::from(split.on_right(node.bounds()));
-                u64::from(node.count) * sides
+                u64::from(node.count()) * sides
             })
             .sum();
         (references <= u64::from(cut.capacity)).then_some(split)
+    }
+
+    /// Whether spatial splits are tried in a cut. If not, they are not in any below it.
+    #[inline]
+    fn splits_in_space(&self, cut: &Cut) -> bool {
+        cut.area > self.rules.spatial_above
     }
 
     /// The parts of a node on both sides of a spatial split.
     fn parts(&self, node: &Node, split: &SpatialSplit) -> [Option<Node>; 2] {
         let bounds = node.bounds();
         let sides = [split.on_left(bounds), split.on_right(bounds)];
-        let parts = if self.rules.clip_triangles && node.is_leaf() && node.count == 1 && sides == [true; 2] {
+        let parts = if self.rules.clip_triangles && node.is_leaf() && node.count() == 1 && sides == [true; 2]
+        {
             let prim = self.order.prim(node.run().start);
             let corners = self.order.references.mesh.corners(prim);
             split_reference(&corners, bounds, split.axis, split.plane)
@@ -181,27 +221,33 @@ impl<R: Refine> CutRecursion<'_, R> {
         [0, 1].map(|side| (sides[side] && !parts[side].is_empty()).then(|| node.with_bounds(parts[side])))
     }
 
-    /// Refines one side of a split into a cut of its own.
+    /// Refines one side of a split into a cut of its own; both sides hold `references` in all.
+    #[inline]
     fn side(
         &self,
         parent: &Cut,
         clip: Aabb,
         references: u32,
-        side: &mut Vec<Node>,
+        side: &Side,
         arena: &mut Vec<Node>,
     ) -> Option<Cut> {
-        let own: u32 = side.iter().map(|node| node.count).sum();
         let depth = parent.depth + 1;
         // Room for duplicates is handed down in proportion to what each side holds.
-        let capacity = (f64::from(parent.capacity) * f64::from(own) / f64::from(references)) as u32;
-        let first = arena.len();
-        if parent.stage == Stage::References {
-            arena.append(side);
+        let capacity = if self.splits_in_space(parent) {
+            (f64::from(parent.capacity) * f64::from(side.count) / f64::from(references)) as u32
         } else {
-            self.rules.refine.refine(self.tree, &clip, depth, side, arena);
+            0
+        };
+        let mut cut = Growing::new(arena);
+        if parent.stage == Stage::References {
+            for &place in &side.places {
+                let node = cut.arena[place as usize];
+                cut.push(node);
+            }
+        } else {
+            self.rules.refine.refine(self.tree, &clip, depth, &side.places, &mut cut);
         }
-        let like = Cut { clip, capacity: capacity.max(own), depth, ..*parent };
-        let cut = Cut::of_arena(arena, first, like);
+        let cut = cut.finish(&Cut { clip, capacity: capacity.max(side.count), depth, ..*parent });
         (cut.len > 0).then_some(cut)
     }
 }
@@ -214,7 +260,8 @@ impl<R: Refine> CutRecursion<'_, R> {
             first: arena.len() - 1,
             len: 1,
             bounds: node.bounds(),
-            count: node.count,
+            area: node.bounds().half_area(),
+            count: node.count(),
             stage: Stage::Swept,
             kind: subtrees.kind(&node, self.rules.max_leaf),
             ..*like
@@ -282,7 +329,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
     }
 
     fn half_area(&self, cut: &Cut) -> f32 {
-        cut.bounds.half_area()
+        cut.area
     }
 
     fn kind(&self, cut: &Cut) -> Kind {
@@ -293,10 +340,10 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         if part.stage == Stage::Swept {
             return self.children_swept(part, scratch.arena[part.first], scratch);
         }
-        if part.count <= self.rules.subtree_sweep && part.bounds.half_area() <= self.rules.spatial_above {
+        if part.count <= self.rules.subtree_sweep && part.area <= self.rules.spatial_above {
             return self.sweep_subtree(part, scratch);
         }
-        let Scratch { counts, arena, sweep, spatial_sweep, sides: [left, right], .. } = scratch;
+        let Scratch { counts, arena, sweep, spatial_sweep, sides, .. } = scratch;
         let cut = self.open_for_split(part, arena);
         if cut.len == 0 {
             return [None, None];
@@ -316,39 +363,34 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
             if halve { None } else { self.spatial_split(&cut, nodes, &object, weight, spatial_sweep) };
 
         // Reorder: the nodes to the left and to the right, clipped by the plane of a spatial split.
-        left.clear();
-        right.clear();
+        sides.iter_mut().for_each(Side::clear);
         let mut clips = [cut.clip; 2];
         if let Some(split) = spatial {
             counts.spatial_splits += 1;
-            for node in nodes {
-                let [on_left, on_right] = self.parts(node, &split);
-                left.extend(on_left);
-                right.extend(on_right);
+            for place in cut.places() {
+                let parts = self.parts(&arena[place], &split);
+                for (side, part) in sides.iter_mut().zip(parts) {
+                    if let Some(part) = part {
+                        side.push(arena.len(), &part);
+                        arena.push(part);
+                    }
+                }
             }
             clips = [split.left_of(cut.clip), split.right_of(cut.clip)];
         } else if object.left > 0 {
-            let is_left = object.members(nodes);
-            for (i, node) in nodes.iter().enumerate() {
-                if is_left(i, node) { left.push(*node) } else { right.push(*node) }
-            }
+            Side::part(sides, &cut, nodes, object.members(nodes));
         } else {
             // Nothing is gained by any split: halve in the order of the Morton codes.
-            let (a, b) = nodes.split_at(nodes.len() / 2);
-            left.extend_from_slice(a);
-            right.extend_from_slice(b);
+            Side::part(sides, &cut, nodes, |i, _| i < nodes.len() / 2);
         }
 
-        if part.kind != Kind::SoftLeaf && self.leaf_is_cheaper(&cut, [left, right]) {
+        if part.kind != Kind::SoftLeaf && self.leaf_is_cheaper(&cut, sides, arena) {
             return [Some(Cut { kind: Kind::SoftLeaf, ..cut }), None];
         }
 
         // Refine.
-        let references = left.iter().chain(right.iter()).map(|node| node.count).sum();
-        [
-            self.side(&cut, clips[0], references, left, arena),
-            self.side(&cut, clips[1], references, right, arena),
-        ]
+        let references = sides[0].count + sides[1].count;
+        [0, 1].map(|i| self.side(&cut, clips[i], references, &sides[i], arena))
     }
 
     fn leaf(&self, cut: &Cut, prims: &mut Vec<u32>, scratch: &mut Scratch) -> Aabb {

@@ -2,7 +2,7 @@
 //! PHR's recursion, refined by opening the largest nodes until the cut is long enough, without spatial splits.
 
 use super::binary::{BinaryTree, Node};
-use super::cut::open;
+use super::cut::{Growing, open};
 use super::cut_recursion::{Refine, Rules};
 use super::hierarchy::Hierarchy;
 use super::lbvh::AuxiliaryConfig;
@@ -23,7 +23,8 @@ pub struct HuntConfig {
 struct ConstantLength(usize);
 
 impl Refine for ConstantLength {
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, _: u32, side: &mut Vec<Node>, refined: &mut Vec<Node>) {
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, _: u32, side: &[u32], refined: &mut Growing<'_>) {
+        let mut side: Vec<Node> = side.iter().map(|&place| refined.arena[place as usize]).collect();
         let mut opened_once = Vec::new();
         // Opening a node makes a cut one longer; several rounds are needed after an uneven split.
         while side.len() < self.0 {
@@ -47,9 +48,9 @@ impl Refine for ConstantLength {
                     opened_once.push(node);
                 }
             }
-            std::mem::swap(side, &mut opened_once);
+            std::mem::swap(&mut side, &mut opened_once);
         }
-        refined.append(side);
+        side.into_iter().for_each(|node| refined.push(node));
     }
 }
 

@@ -130,7 +130,7 @@ mod tests {
         leaf: u32,
     ) -> u32 {
         if node.is_leaf() {
-            assert!((1..=leaf).contains(&node.count));
+            assert!((1..=leaf).contains(&node.count()));
             let ids: Vec<u32> = auxiliary.order.keys[node.run()].iter().map(|&key| reference(key)).collect();
             let bounds: Aabb = ids.iter().map(|&id| references.bounds(id)).collect();
             assert_eq!(bounds, node.bounds());
@@ -138,8 +138,8 @@ mod tests {
             return 0;
         }
         let children = auxiliary.tree.children(node);
-        assert_eq!(node.count, children[0].count + children[1].count);
-        assert!(node.count > leaf);
+        assert_eq!(node.count(), children[0].count() + children[1].count());
+        assert!(node.count() > leaf);
         assert_eq!(children[0].bounds().union(children[1].bounds()), node.bounds());
         1 + children.iter().map(|child| walk(auxiliary, references, child, seen, leaf)).max().unwrap()
     }
@@ -188,13 +188,13 @@ mod tests {
                 assert_eq!(node.run().start, first);
                 continue;
             }
-            let keys = &mut auxiliary.order.keys.clone()[first..first + node.count as usize];
+            let keys = &mut auxiliary.order.keys.clone()[first..first + node.count() as usize];
             let [left, right] = *auxiliary.tree.children(&node);
             if code(keys[0]) != code(keys[keys.len() - 1]) {
-                assert_eq!(left.count as usize, part(keys, &references, &mut 0));
+                assert_eq!(left.count() as usize, part(keys, &references, &mut 0));
                 checked += 1;
             }
-            stack.extend([(left, first), (right, first + left.count as usize)]);
+            stack.extend([(left, first), (right, first + left.count() as usize)]);
         }
         assert!(checked > 500);
     }
@@ -205,7 +205,7 @@ mod tests {
         for n in [1000, 10, 0] {
             let mesh = triangles(n, |i| [i as f32, 0.0, 0.0]);
             auxiliary.build(&mesh, &AuxiliaryConfig::PAPER);
-            assert_eq!(auxiliary.tree.root.map_or(0, |root| root.count), n as u32);
+            assert_eq!(auxiliary.tree.root.map_or(0, |root| root.count()), n as u32);
         }
     }
 }

@@ -53,7 +53,7 @@ impl ObjectSplit {
         let border = center(&nodes[last], axis);
         move |i, node| {
             let own = center(node, axis);
-            own < border || (own == border && i <= last)
+            (own < border) | ((own == border) & (i <= last))
         }
     }
 }
@@ -61,8 +61,7 @@ impl ObjectSplit {
 /// Twice the centroid's coordinate along an axis.
 #[inline]
 pub(super) fn center(node: &Node, axis: usize) -> f32 {
-    let [min, max] = node.corners();
-    min[axis] + max[axis]
+    node.lower(axis) + node.upper(axis)
 }
 
 /// From this length on bins are faster than sorting.

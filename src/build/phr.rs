@@ -1,7 +1,7 @@
 //! Progressive Hierarchical Refinement (Hendrich, Meister, Bittner 2017): the paper's builder.
 
-use super::binary::{BinaryTree, Node};
-use super::cut::open;
+use super::binary::BinaryTree;
+use super::cut::{Growing, open};
 use super::cut_recursion::{Refine, Rules};
 use super::hierarchy::Hierarchy;
 use super::lbvh::{AuxiliaryConfig, Clusters};
@@ -87,16 +87,11 @@ impl Threshold {
 }
 
 impl Refine for Threshold {
-    fn refine(
-        &self,
-        tree: &BinaryTree,
-        clip: &Aabb,
-        depth: u32,
-        side: &mut Vec<Node>,
-        refined: &mut Vec<Node>,
-    ) {
+    #[inline]
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &[u32], refined: &mut Growing<'_>) {
         let threshold = self.at(depth);
-        for node in side.drain(..) {
+        for &place in side {
+            let node = refined.arena[place as usize];
             if node.is_leaf() || node.bounds().half_area() <= threshold {
                 refined.push(node);
             } else {

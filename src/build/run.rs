@@ -151,9 +151,9 @@ impl Waiting {
             let children = [self.nodes[self.last - 1], self.nodes[self.last]];
             self.last -= 1;
             let node = Node::inner(&children, pairs.len());
-            self.nodes[self.last] = if leaves.has_cluster(node.count, node.bounds()) {
+            self.nodes[self.last] = if leaves.has_cluster(node.count(), node.bounds()) {
                 // What is in a cluster is one itself.
-                Node::leaf(node.bounds(), children[0].run().start, node.count)
+                Node::leaf(node.bounds(), children[0].run().start, node.count())
             } else {
                 pairs.push(children);
                 node

@@ -3,7 +3,7 @@
 use super::Phase;
 use super::binary::Node;
 use super::bins::Bins;
-use super::cut::{Cut, SPACE};
+use super::cut::{Cut, Growing, SPACE};
 use super::cut_recursion::Refine;
 use super::in_order::Batch;
 use super::lbvh::{Auxiliary, AuxiliaryConfig};
@@ -40,7 +40,7 @@ pub struct Steps<'a> {
     piece: Piece,
     initial: Vec<Node>,
     arena: Vec<Node>,
-    side: Vec<Node>,
+    side: Vec<u32>,
 }
 
 impl<'a> Steps<'a> {
@@ -121,9 +121,11 @@ impl<'a> Steps<'a> {
         }
         let mut refined = len;
         for half in [first..first + len / 2, first + len / 2..first + len] {
-            self.side.extend_from_slice(&self.arena[half]);
+            self.side.clear();
+            self.side.extend(half.map(|place| place as u32));
             let begin = self.arena.len();
-            self.threshold.refine(&self.auxiliary.tree, &SPACE, depth, &mut self.side, &mut self.arena);
+            let mut cut = Growing::new(&mut self.arena);
+            self.threshold.refine(&self.auxiliary.tree, &SPACE, depth, &self.side, &mut cut);
             refined += self.refine_halves(begin, depth + 1);
             self.arena.truncate(begin);
         }

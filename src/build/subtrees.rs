@@ -35,7 +35,7 @@ impl Subtrees {
             first = &self.pairs[pair][0];
         }
         let first = first.run().start;
-        &self.prims[first..first + node.count as usize]
+        &self.prims[first..first + node.count() as usize]
     }
 
     /// Appends a copy of the subtree of `node` in `from`.
@@ -44,7 +44,7 @@ impl Subtrees {
             None => {
                 let first = self.prims.len();
                 self.prims.extend(&from.prims[node.run()]);
-                Node::leaf(node.bounds(), first, node.count)
+                Node::leaf(node.bounds(), first, node.count())
             }
             Some(pair) => {
                 let children = from.pairs[pair].map(|child| self.graft(&child, from));
@@ -58,10 +58,10 @@ impl Subtrees {
     /// both children as leaves; a leaf costs its blocks, a node one.
     pub fn kind(&self, node: &Node, max_leaf: u32) -> Kind {
         let Some(pair) = node.pair() else { return Kind::Leaf };
-        let leaf = |node: &Node| node.bounds().half_area() * node.count.div_ceil(QUARTET) as f32;
+        let leaf = |node: &Node| node.bounds().half_area() * node.count().div_ceil(QUARTET) as f32;
         let [left, right] = &self.pairs[pair];
         let is_soft =
-            node.count <= max_leaf && leaf(node) <= node.bounds().half_area() + (leaf(left) + leaf(right));
+            node.count() <= max_leaf && leaf(node) <= node.bounds().half_area() + (leaf(left) + leaf(right));
         if is_soft { Kind::SoftLeaf } else { Kind::Inner }
     }
 
