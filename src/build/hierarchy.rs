@@ -6,7 +6,7 @@ use super::lbvh::Auxiliary;
 use super::presplit::PresplitConfig;
 use super::small_sweep::Isa;
 use super::top_down::{self, Memory};
-use super::{Build, Counts, Stopwatch};
+use super::{Build, Counts, Phase, Stopwatch};
 use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};
 
@@ -19,6 +19,16 @@ pub(super) struct Hierarchy {
     pub isa: Isa,
 }
 
+/// What is to be told of a recursion over cuts.
+pub(super) struct Cuts {
+    /// Its phases.
+    pub phases: Vec<Phase>,
+    /// What was counted.
+    pub counts: Counts,
+    /// Bytes held beside what was made.
+    pub bytes: usize,
+}
+
 impl Hierarchy {
     /// Builds over `mesh` by the rules made for the scene's box; triangles are
     /// presplit or not, and leaves of the auxiliary BVH hold at most `auxiliary_leaf` references.
@@ -29,6 +39,21 @@ impl Hierarchy {
         auxiliary_leaf: u32,
         rules: impl FnOnce(Aabb) -> Rules<R>,
     ) -> Build {
+        let (tree, cuts) = self.recurse(mesh, presplit, auxiliary_leaf, rules, |recursion, memory| {
+            top_down::build(recursion, recursion.root(), &recursion.order.references, memory)
+        });
+        Build::finish(tree, cuts.phases, cuts.counts, cuts.bytes)
+    }
+
+    /// As [`Hierarchy::build`], but `make` recurses over the cuts and makes what it likes.
+    pub fn recurse<R: Refine, T>(
+        &mut self,
+        mesh: &Mesh,
+        presplit: Option<&PresplitConfig>,
+        auxiliary_leaf: u32,
+        rules: impl FnOnce(Aabb) -> Rules<R>,
+        make: impl FnOnce(&CutRecursion<'_, R>, &mut Memory<Scratch>) -> T,
+    ) -> (T, Cuts) {
         let mut phases = self.auxiliary.build(mesh, presplit, auxiliary_leaf);
         let references = self.auxiliary.order.references(mesh);
         let mut watch = Stopwatch::start();
@@ -38,10 +63,11 @@ impl Hierarchy {
             rules: rules(self.auxiliary.order.bounds()),
             isa: self.isa,
         };
-        let tree = top_down::build(&recursion, recursion.root(), &references, &mut self.memory);
+        let made = make(&recursion, &mut self.memory);
         watch.lap("cuts and nodes");
         phases.extend(watch.phases);
-        Build::finish(tree, phases, self.counts(), self.auxiliary.bytes() + self.memory.bytes())
+        let bytes = self.auxiliary.bytes() + self.memory.bytes();
+        (made, Cuts { phases, counts: self.counts(), bytes })
     }
 
     /// Takes a tree whose memory the next one may use.

@@ -52,6 +52,21 @@ impl PhrConfig {
     };
     /// PHR-HQ (paper 4.3).
     pub const HQ: Self = Self { alpha: 0.55, delta: 9.0, ..Self::FAST };
+
+    /// The rules for a scene with the given box.
+    pub(super) fn rules(&self, scene: Aabb) -> Rules<Threshold> {
+        let refine = Threshold::new(scene, self);
+        Rules {
+            initial_threshold: refine.at(0),
+            refine,
+            initial_len: self.max_cut,
+            spatial_above: scene.half_area() * self.spatial_threshold,
+            max_references: self.max_references,
+            max_leaf: self.max_leaf,
+            leaf_sweep: self.leaf_sweep,
+            clip_triangles: self.clip_triangles,
+        }
+    }
 }
 
 /// The threshold rule of equation 2: nodes larger than `t_d = S / 2^(alpha d + delta)` are opened one level.
@@ -128,21 +143,8 @@ impl Builder for Phr {
     }
 
     fn build(&mut self, mesh: &Mesh) -> Build {
-        let PhrConfig { max_cut, spatial_threshold, max_references, max_leaf, leaf_sweep, .. } = self.config;
-        let PhrConfig { presplit, auxiliary_leaf, clip_triangles, .. } = &self.config;
-        self.hierarchy.build(mesh, presplit.as_ref(), *auxiliary_leaf, |scene| {
-            let refine = Threshold::new(scene, &self.config);
-            Rules {
-                initial_threshold: refine.at(0),
-                refine,
-                initial_len: max_cut,
-                spatial_above: scene.half_area() * spatial_threshold,
-                max_references,
-                max_leaf,
-                leaf_sweep,
-                clip_triangles: *clip_triangles,
-            }
-        })
+        let PhrConfig { presplit, auxiliary_leaf, .. } = &self.config;
+        self.hierarchy.build(mesh, presplit.as_ref(), *auxiliary_leaf, |scene| self.config.rules(scene))
     }
 
     fn recycle(&mut self, tree: Bvh4) {
