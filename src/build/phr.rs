@@ -18,6 +18,9 @@ pub struct PhrConfig {
     pub delta: f32,
     /// Most nodes of the initial cut (paper 4.1: "e.g. 2048").
     pub max_cut: usize,
+    /// The initial cut is filled, however small the nodes to be opened are: in a scene of a few huge triangles all
+    /// else is smaller than a threshold taken from the scene's area. False in the paper.
+    pub fills_cut: bool,
     /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3").
     pub spatial_threshold: f32,
     /// Most references per triangle that spatial splits may make: a bound on memory, not in the paper.
@@ -42,6 +45,7 @@ impl PhrConfig {
         alpha: 0.5,
         delta: 6.0,
         max_cut: 2048,
+        fills_cut: false,
         spatial_threshold: 1e-3,
         max_references: 2.0,
         max_leaf: 8,
@@ -57,7 +61,7 @@ impl PhrConfig {
     pub(super) fn rules(&self, scene: Aabb) -> Rules<Threshold> {
         let refine = Threshold::new(scene, self);
         Rules {
-            initial_threshold: refine.at(0),
+            initial_threshold: if self.fills_cut { 0.0 } else { refine.at(0) },
             refine,
             initial_len: self.max_cut,
             spatial_above: scene.half_area() * self.spatial_threshold,

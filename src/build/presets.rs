@@ -37,8 +37,11 @@ impl PhrConfig {
 }
 
 impl BestConfig {
-    /// The tree of [`PhrConfig::QUALITY`], optimised.
-    pub const DEFAULT: Self = Self { phr: PhrConfig::QUALITY, optimise: OptimiseConfig::DEFAULT };
+    /// The tree of [`PhrConfig::QUALITY`] from a larger initial cut, optimised.
+    pub const DEFAULT: Self = Self {
+        phr: PhrConfig { max_cut: 4096, fills_cut: true, ..PhrConfig::QUALITY },
+        optimise: OptimiseConfig::DEFAULT,
+    };
 }
 
 /// The builder called `name`, or `None`; names are those of [`NAMES`] and [`ABLATION`].

@@ -45,7 +45,8 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
                 .collect()
         },
     };
-    let members = cut::initial(root, threshold(0), config.max_cut);
+    let above = if config.fills_cut { 0.0 } else { threshold(0) };
+    let members = cut::initial(root, above, config.max_cut);
     builder.subtree(&Cut::whole(members, config.max_references))
 }
 
