@@ -18,9 +18,9 @@ pub struct PhrConfig {
     pub delta: f32,
     /// Most nodes of the initial cut (paper 4.1: "e.g. 2048").
     pub max_cut: usize,
-    /// The initial cut is filled, however small the nodes to be opened are: in a scene of a few huge triangles all
-    /// else is smaller than a threshold taken from the scene's area. False in the paper.
-    pub fills_cut: bool,
+    /// Nodes of the initial cut per triangle, at least 2048 and at most `max_cut`, however small they are: in a scene
+    /// of a few huge triangles all else is smaller than a threshold taken from the scene's area. 0 in the paper.
+    pub cut_share: f32,
     /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3").
     pub spatial_threshold: f32,
     /// Most references per triangle that spatial splits may make: a bound on memory, not in the paper.
@@ -45,7 +45,7 @@ impl PhrConfig {
         alpha: 0.5,
         delta: 6.0,
         max_cut: 2048,
-        fills_cut: false,
+        cut_share: 0.0,
         spatial_threshold: 1e-3,
         max_references: 2.0,
         max_leaf: 8,
@@ -57,13 +57,21 @@ impl PhrConfig {
     /// PHR-HQ (paper 4.3).
     pub const HQ: Self = Self { alpha: 0.55, delta: 9.0, ..Self::FAST };
 
-    /// The rules for a scene with the given box.
-    pub(super) fn rules(&self, scene: Aabb) -> Rules<Threshold> {
+    /// Threshold and length of an initial cut of [`PhrConfig::cut_share`].
+    pub(super) fn initial_cut(&self, triangles: usize) -> Option<(f32, usize)> {
+        let len = (triangles as f32 * self.cut_share) as usize;
+        (self.cut_share > 0.0).then(|| (0.0, len.max(2048).min(self.max_cut)))
+    }
+
+    /// The rules for a scene of so many triangles with the given box.
+    pub(super) fn rules(&self, triangles: usize, scene: Aabb) -> Rules<Threshold> {
         let refine = Threshold::new(scene, self);
+        let (initial_threshold, initial_len) =
+            self.initial_cut(triangles).unwrap_or((refine.at(0), self.max_cut));
         Rules {
-            initial_threshold: if self.fills_cut { 0.0 } else { refine.at(0) },
+            initial_threshold,
             refine,
-            initial_len: self.max_cut,
+            initial_len,
             spatial_above: scene.half_area() * self.spatial_threshold,
             max_references: self.max_references,
             max_leaf: self.max_leaf,
@@ -148,7 +156,8 @@ impl Builder for Phr {
 
     fn build(&mut self, mesh: &Mesh) -> Build {
         let PhrConfig { presplit, auxiliary_leaf, .. } = &self.config;
-        self.hierarchy.build(mesh, presplit.as_ref(), *auxiliary_leaf, |scene| self.config.rules(scene))
+        self.hierarchy
+            .build(mesh, presplit.as_ref(), *auxiliary_leaf, |scene| self.config.rules(mesh.len(), scene))
     }
 
     fn recycle(&mut self, tree: Bvh4) {

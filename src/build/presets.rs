@@ -37,9 +37,9 @@ impl PhrConfig {
 }
 
 impl BestConfig {
-    /// The tree of [`PhrConfig::QUALITY`] from a larger initial cut, optimised.
+    /// The tree of [`PhrConfig::QUALITY`] from a larger initial cut that shrinks more slowly, optimised.
     pub const DEFAULT: Self = Self {
-        phr: PhrConfig { max_cut: 4096, fills_cut: true, ..PhrConfig::QUALITY },
+        phr: PhrConfig { alpha: 0.55, max_cut: 1 << 14, cut_share: 1.0 / 64.0, ..PhrConfig::QUALITY },
         optimise: OptimiseConfig::DEFAULT,
     };
 }

@@ -99,7 +99,7 @@ mod samples {
     /// The tree of PHR-Fast's splits.
     pub fn drawn(mesh: &Mesh) -> Tree {
         let mut tree = Tree::default();
-        let rules = |scene| Rules { max_leaf: QUARTET, ..PhrConfig::FAST.rules(scene) };
+        let rules = |scene| Rules { max_leaf: QUARTET, ..PhrConfig::FAST.rules(mesh.len(), scene) };
         Hierarchy::default().recurse(mesh, None, 1, rules, |recursion, memory| {
             let root = recursion.root().expect("there are triangles");
             assert!(tree.draw(recursion, root, mesh.len(), memory, &Default::default()));
