@@ -1,7 +1,10 @@
 //! As good as it gets: a tree of PHR, made better afterwards.
 
+use super::cut_recursion::Rules;
+use super::hierarchy::Hierarchy;
 use super::optimise::{OptimiseConfig, Optimiser};
-use super::{Build, Builder, Phr, PhrConfig};
+use super::top_down::QUARTET;
+use super::{Build, Builder, PhrConfig, Stopwatch};
 use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
 
@@ -18,14 +21,14 @@ pub struct BestConfig {
 pub struct Best {
     name: &'static str,
     config: BestConfig,
-    phr: Phr,
+    hierarchy: Hierarchy,
     optimiser: Optimiser,
 }
 
 impl Best {
     /// A builder called `name` in records.
     pub fn new(name: &'static str, config: BestConfig) -> Self {
-        Self { name, config, phr: Phr::new(name, config.phr), optimiser: Optimiser::default() }
+        Self { name, config, hierarchy: Hierarchy::default(), optimiser: Optimiser::default() }
     }
 }
 
@@ -39,10 +42,17 @@ impl Builder for Best {
     }
 
     fn build(&mut self, mesh: &Mesh) -> Build {
-        let build = self.phr.build(mesh);
-        let (build, draft) = self.optimiser.improve(build, mesh, &self.config.optimise);
-        self.phr.recycle(draft);
-        build
+        let (optimiser, BestConfig { phr, optimise }) = (&mut self.optimiser, &self.config);
+        // Which leaves are worth more than one quartet is decided in the end.
+        let rules = |scene| Rules { max_leaf: QUARTET, ..phr.rules(mesh.len(), scene) };
+        let (is_drawn, mut cuts) =
+            self.hierarchy.recurse(mesh, &phr.auxiliary(), rules, |recursion, memory| {
+                optimiser.draw(recursion, recursion.root(), mesh, memory)
+            });
+        let mut watch = Stopwatch::start();
+        let tree = if is_drawn { optimiser.improve(mesh, optimise, &mut watch) } else { Bvh4::default() };
+        cuts.phases.extend(watch.phases);
+        Build::finish(tree, cuts.phases, cuts.counts, cuts.bytes + optimiser.bytes())
     }
 
     fn recycle(&mut self, tree: Bvh4) {

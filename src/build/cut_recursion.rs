@@ -7,7 +7,7 @@ use super::cut::{Cut, Growing, Order, OwnCut, Stage, is_whole, open};
 use super::object_split::{ObjectSplit, Sweep};
 use super::piece::{Piece, Subtree};
 use super::prefetch::warm;
-use super::reference_split::split_reference;
+use super::reference_split::{split_reference, visible};
 use super::references::References;
 use super::small_sweep::Isa;
 use super::spatial_split::{SpatialSplit, SpatialSweep};
@@ -250,6 +250,41 @@ impl<R: Refine> CutRecursion<'_, R> {
         let cut = cut.finish(&Cut { clip, capacity: capacity.max(side.count), depth, ..*parent });
         (cut.len > 0).then_some(cut)
     }
+
+    /// Appends the triangles of a leaf; returns their box. Of a triangle that is not wholly inside the clip box
+    /// `seen` tells what the leaf sees, given the box of its part.
+    fn gather(
+        &self,
+        cut: &Cut,
+        prims: &mut Vec<u32>,
+        scratch: &Scratch,
+        seen: impl Fn(u32, Aabb) -> Option<Aabb>,
+    ) -> Aabb {
+        let mut bounds = Aabb::EMPTY;
+        for node in &scratch.arena[cut.places()] {
+            if cut.stage == Stage::Swept {
+                bounds = node.bounds();
+                prims.extend(scratch.subtrees.prims(node));
+            } else if is_whole(node, &cut.clip) {
+                bounds = bounds.union(node.bounds());
+                prims.extend(self.tree.run(node).map(|place| self.order.prim(place)));
+            } else {
+                self.order.each(self.tree, node, &cut.clip, &mut |reference| {
+                    let prim = self.order.prim(reference.run().start);
+                    if let Some(part) = seen(prim, reference.bounds()) {
+                        bounds = bounds.union(part);
+                        prims.push(prim);
+                    }
+                });
+            }
+        }
+        if !self.order.references.fragments.is_empty() {
+            // Parts of one triangle may meet in a leaf.
+            prims.sort_unstable();
+            prims.dedup();
+        }
+        bounds
+    }
 }
 
 impl<R: Refine> CutRecursion<'_, R> {
@@ -394,24 +429,12 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
     }
 
     fn leaf(&self, cut: &Cut, prims: &mut Vec<u32>, scratch: &mut Scratch) -> Aabb {
-        let mut bounds = Aabb::EMPTY;
-        for node in &scratch.arena[cut.places()] {
-            if is_whole(node, &cut.clip) {
-                bounds = bounds.union(node.bounds());
-                prims.extend(self.tree.run(node).map(|place| self.order.prim(place)));
-            } else {
-                self.order.each(self.tree, node, &cut.clip, &mut |reference| {
-                    bounds = bounds.union(reference.bounds());
-                    prims.push(self.order.prim(reference.run().start));
-                });
-            }
-        }
-        if !self.order.references.fragments.is_empty() {
-            // Parts of one triangle may meet in a leaf.
-            prims.sort_unstable();
-            prims.dedup();
-        }
-        bounds
+        self.gather(cut, prims, scratch, |_, bounds| Some(bounds))
+    }
+
+    fn visible_leaf(&self, cut: &Cut, prims: &mut Vec<u32>, scratch: &mut Scratch) -> Aabb {
+        let mesh = self.order.references.mesh;
+        self.gather(cut, prims, scratch, |prim, bounds| visible(mesh, prim, bounds))
     }
 
     fn finish(&self, cut: &Cut, piece: &mut Piece, scratch: &Scratch) -> Option<Subtree> {

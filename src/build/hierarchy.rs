@@ -5,7 +5,7 @@ use super::cut_recursion::{CutRecursion, Refine, Rules, Scratch};
 use super::lbvh::{Auxiliary, AuxiliaryConfig};
 use super::small_sweep::Isa;
 use super::top_down::{self, Memory};
-use super::{Build, Counts, Stopwatch};
+use super::{Build, Counts, Phase, Stopwatch};
 use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};
 
@@ -18,6 +18,16 @@ pub(super) struct Hierarchy {
     pub isa: Isa,
 }
 
+/// What is to be told of a recursion over cuts.
+pub(super) struct Cuts {
+    /// Its phases.
+    pub phases: Vec<Phase>,
+    /// What was counted.
+    pub counts: Counts,
+    /// Bytes held beside what was made.
+    pub bytes: usize,
+}
+
 impl Hierarchy {
     /// Builds over `mesh` by the rules made for the scene's box.
     pub fn build<R: Refine>(
@@ -26,6 +36,20 @@ impl Hierarchy {
         auxiliary: &AuxiliaryConfig,
         rules: impl FnOnce(Aabb) -> Rules<R>,
     ) -> Build {
+        let (tree, cuts) = self.recurse(mesh, auxiliary, rules, |recursion, memory| {
+            top_down::build(recursion, recursion.root(), &recursion.order.references, memory)
+        });
+        Build::finish(tree, cuts.phases, cuts.counts, cuts.bytes)
+    }
+
+    /// As [`Hierarchy::build`], but `make` recurses over the cuts and makes what it likes.
+    pub fn recurse<R: Refine, T>(
+        &mut self,
+        mesh: &Mesh,
+        auxiliary: &AuxiliaryConfig,
+        rules: impl FnOnce(Aabb) -> Rules<R>,
+        make: impl FnOnce(&CutRecursion<'_, R>, &mut Memory<Scratch>) -> T,
+    ) -> (T, Cuts) {
         let mut phases = self.auxiliary.build(mesh, auxiliary);
         let references = self.auxiliary.order.references(mesh);
         let mut watch = Stopwatch::start();
@@ -35,10 +59,11 @@ impl Hierarchy {
             rules: rules(self.auxiliary.order.bounds()),
             isa: self.isa,
         };
-        let tree = top_down::build(&recursion, recursion.root(), &references, &mut self.memory);
+        let made = make(&recursion, &mut self.memory);
         watch.lap("cuts and nodes");
         phases.extend(watch.phases);
-        Build::finish(tree, phases, self.counts(), self.auxiliary.bytes() + self.memory.bytes())
+        let bytes = self.auxiliary.bytes() + self.memory.bytes();
+        (made, Cuts { phases, counts: self.counts(), bytes })
     }
 
     /// Takes a tree whose memory the next one may use.

@@ -19,6 +19,9 @@ pub struct PhrConfig {
     pub delta: f32,
     /// Most nodes of the initial cut (paper 4.1: "e.g. 2048").
     pub max_cut: usize,
+    /// Nodes of the initial cut per triangle, at least 2048 and at most `max_cut`, however small they are: in a scene
+    /// of a few huge triangles all else is smaller than a threshold taken from the scene's area. 0 in the paper.
+    pub cut_share: f32,
     /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3").
     pub spatial_threshold: f32,
     /// Spatial splits are tried only where the sides of the best object split overlap in a box whose area relative
@@ -51,6 +54,7 @@ impl PhrConfig {
         alpha: 0.5,
         delta: 6.0,
         max_cut: 2048,
+        cut_share: 0.0,
         spatial_threshold: 1e-3,
         max_references: 2.0,
         max_leaf: 8,
@@ -64,6 +68,38 @@ impl PhrConfig {
     };
     /// PHR-HQ (paper 4.3).
     pub const HQ: Self = Self { alpha: 0.55, delta: 9.0, ..Self::FAST };
+
+    /// Threshold and length of an initial cut of [`PhrConfig::cut_share`].
+    pub(super) fn initial_cut(&self, triangles: usize) -> Option<(f32, usize)> {
+        let len = (triangles as f32 * self.cut_share) as usize;
+        (self.cut_share > 0.0).then(|| (0.0, len.max(2048).min(self.max_cut)))
+    }
+
+    /// Of the auxiliary BVH.
+    pub(super) fn auxiliary(&self) -> AuxiliaryConfig {
+        let Self { presplit, auxiliary_leaf: leaf, clusters, .. } = *self;
+        AuxiliaryConfig { presplit, leaf, clusters }
+    }
+
+    /// The rules for a scene of so many triangles with the given box.
+    pub(super) fn rules(&self, triangles: usize, scene: Aabb) -> Rules<Threshold> {
+        let refine = Threshold::new(scene, self);
+        let (initial_threshold, initial_len) =
+            self.initial_cut(triangles).unwrap_or((refine.at(0), self.max_cut));
+        Rules {
+            initial_threshold,
+            refine,
+            initial_len,
+            spatial_above: scene.half_area() * self.spatial_threshold,
+            max_references: self.max_references,
+            max_leaf: self.max_leaf,
+            leaf_sweep: self.leaf_sweep,
+            overlap_above: (self.overlap_threshold > 0.0)
+                .then_some(scene.half_area() * self.overlap_threshold),
+            subtree_sweep: self.subtree_sweep.min(subtree_sweep::MOST as u32),
+            clip_triangles: self.clip_triangles,
+        }
+    }
 }
 
 /// The threshold rule of equation 2: nodes larger than `t_d = S / 2^(alpha d + delta)` are opened one level.
@@ -135,24 +171,7 @@ impl Builder for Phr {
     }
 
     fn build(&mut self, mesh: &Mesh) -> Build {
-        let PhrConfig { max_cut, spatial_threshold, max_references, max_leaf, leaf_sweep, .. } = self.config;
-        let PhrConfig { presplit, auxiliary_leaf: leaf, clusters, clip_triangles, .. } = self.config;
-        let PhrConfig { overlap_threshold, subtree_sweep, .. } = self.config;
-        self.hierarchy.build(mesh, &AuxiliaryConfig { presplit, leaf, clusters }, |scene| {
-            let refine = Threshold::new(scene, &self.config);
-            Rules {
-                initial_threshold: refine.at(0),
-                refine,
-                initial_len: max_cut,
-                spatial_above: scene.half_area() * spatial_threshold,
-                max_references,
-                max_leaf,
-                leaf_sweep,
-                overlap_above: (overlap_threshold > 0.0).then_some(scene.half_area() * overlap_threshold),
-                subtree_sweep: subtree_sweep.min(subtree_sweep::MOST as u32),
-                clip_triangles,
-            }
-        })
+        self.hierarchy.build(mesh, &self.config.auxiliary(), |scene| self.config.rules(mesh.len(), scene))
     }
 
     fn recycle(&mut self, tree: Bvh4) {

@@ -1,7 +1,8 @@
 //! Splitting a reference to a triangle by a plane (Stich et al. 2009, reference splitting): each side gets the
 //! box of the triangle's own part there, not half of the reference's box.
 
-use crate::geometry::Aabb;
+use crate::bvh::Polygon;
+use crate::geometry::{Aabb, Mesh};
 use glam::{DVec3, Vec3A};
 
 /// The boxes of what lies left and right of `plane` of a triangle's part inside `bounds`, either of which may
@@ -42,6 +43,20 @@ fn crossing(a: DVec3, b: DVec3, axis: usize, plane: f64) -> Aabb {
     )
 }
 
+/// The box of the part of triangle `prim` inside `bounds`; none if they do not meet.
+pub(super) fn visible(mesh: &Mesh, prim: u32, bounds: Aabb) -> Option<Aabb> {
+    let corners = mesh.corners(prim);
+    let whole = Aabb::of_triangle(corners);
+    if bounds.contains(whole) {
+        return Some(whole);
+    }
+    // What touches a face from outside within rounding stays on both sides.
+    let slack = bounds.min.abs().max(bounds.max.abs()) * (4.0 * f32::EPSILON);
+    let grown = Aabb::new(bounds.min - slack, bounds.max + slack);
+    let part = Polygon::triangle(corners).clipped(grown).bounds().intersection(bounds);
+    (!part.is_empty()).then_some(part)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -70,5 +85,18 @@ mod tests {
         let bounds = Aabb::new(Vec3A::ZERO, Vec3A::splat(3.0));
         let [left, right] = split_reference(&corners, bounds, 0, 2.0);
         assert_eq!((left, right.is_empty()), (Aabb::of_triangle(corners), true));
+    }
+
+    #[test]
+    fn a_triangle_is_seen_as_far_as_it_reaches_into_the_box() {
+        let vertices = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+        let (mesh, _) = Mesh::new(vertices, vec![[0, 1, 2]]).unwrap();
+        let space = |min: f32, max: f32| Aabb::new(Vec3A::splat(min), Vec3A::splat(max));
+        assert_eq!(visible(&mesh, 0, space(-1.0, 9.0)), Some(mesh.bounds()));
+        let part =
+            visible(&mesh, 0, Aabb::new(Vec3A::new(3.0, 0.0, 0.0), Vec3A::new(4.0, 4.0, 0.0))).unwrap();
+        assert!((part.max.y - 1.0).abs() < 1e-5 && part.min.x == 3.0, "{part:?}");
+        // The box meets the triangle's box, but not the triangle.
+        assert_eq!(visible(&mesh, 0, space(3.0, 4.0)), None);
     }
 }

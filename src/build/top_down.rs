@@ -102,6 +102,12 @@ pub(super) trait TopDown: Sync {
         None
     }
 
+    /// As [`TopDown::leaf`], with the box of what is to be seen of the triangles within the part; those of which
+    /// nothing is are left out.
+    fn visible_leaf(&self, part: &Self::Part, prims: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb {
+        self.leaf(part, prims, scratch)
+    }
+
     /// How much of the scratch memory is in use.
     fn mark(&self, scratch: &Self::Scratch) -> Self::Mark;
 
@@ -156,8 +162,10 @@ impl<S: Default> Memory<S> {
 /// The memory of a thread.
 #[derive(Default)]
 pub(super) struct Worker<S> {
-    scratch: S,
-    prims: Vec<u32>,
+    /// Of the builder.
+    pub scratch: S,
+    /// Of the leaf being made.
+    pub prims: Vec<u32>,
 }
 
 /// An upper part of the tree over pieces yet to be built.

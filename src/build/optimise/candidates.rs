@@ -1,79 +1,83 @@
-//! Which nodes may look for better places: those that promise most.
+//! Which nodes may look for better places: those that promise most and have not looked in vain.
 
 use super::tree::{ROOT, Tree};
 use rayon::prelude::*;
 
 /// Pairs per task.
-const CHUNK: usize = 1 << 13;
+const CHUNK: usize = 1 << 12;
 /// Low bits of an area's pattern that are not told apart.
 const SHIFT: u32 = 19;
 const BUCKETS: usize = 1 << (31 - SHIFT);
 
-impl Tree {
-    /// The `wanted` nodes of the highest promise, in order of index within two classes.
-    pub fn candidates(&self, wanted: usize) -> Vec<u32> {
-        let mut histogram = (0..self.pairs.len())
-            .into_par_iter()
-            .step_by(CHUNK)
-            .map(|begin| {
+/// Nodes that promise most, and the memory to find them.
+#[derive(Default)]
+pub(super) struct Candidates {
+    /// The nodes, by index.
+    pub nodes: Vec<u32>,
+    /// The bucket of what moving each node could gain; 0 for nothing.
+    promises: Vec<[u16; 2]>,
+}
+
+impl Candidates {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<u32>() + self.promises.capacity() * size_of::<[u16; 2]>()
+    }
+
+    /// Finds the `wanted` nodes of `tree` of the highest promise among those not `tried`.
+    pub fn find(&mut self, tree: &Tree, tried: &[bool], wanted: usize) {
+        self.promises.resize(tree.pairs.len(), [0; 2]);
+        let histogram = self
+            .promises
+            .par_chunks_mut(CHUNK)
+            .enumerate()
+            .map(|(chunk, promises)| {
                 let mut histogram = vec![0u32; BUCKETS];
-                self.each_promise(begin, |_, bucket| histogram[bucket] += 1);
+                for (pair, promises) in (chunk * CHUNK..).zip(promises) {
+                    *promises = tree.promises(pair, tried);
+                    promises.iter().for_each(|&bucket| histogram[bucket as usize] += 1);
+                }
                 histogram
             })
             .reduce(
-                Vec::new,
-                |a, b| if a.is_empty() { b } else { a.iter().zip(&b).map(|(a, b)| a + b).collect() },
+                || vec![0; BUCKETS],
+                |mut a, b| {
+                    a.iter_mut().zip(&b).for_each(|(a, b)| *a += b);
+                    a
+                },
             );
-        histogram.resize(BUCKETS, 0);
         // Buckets above `last` are taken whole, of this one the first.
         let (mut last, mut above) = (BUCKETS - 1, 0);
         while last > 1 && above + (histogram[last] as usize) < wanted {
             above += histogram[last] as usize;
             last -= 1;
         }
-        let of = |wanted: &(dyn Fn(usize) -> bool + Sync)| -> Vec<u32> {
-            (0..self.pairs.len())
-                .into_par_iter()
-                .step_by(CHUNK)
-                .flat_map_iter(|begin| {
-                    let mut found = Vec::new();
-                    self.each_promise(begin, |index, bucket| {
-                        if wanted(bucket) {
-                            found.push(index)
-                        }
-                    });
-                    found
-                })
-                .collect()
-        };
-        let mut candidates = of(&|bucket| bucket > last);
-        let mut more = of(&|bucket| bucket == last);
-        more.truncate(wanted.saturating_sub(above));
-        candidates.append(&mut more);
-        candidates
-    }
-
-    /// Gives `take` the nodes of a chunk of pairs with the bucket of what moving them could gain: at most the
-    /// parent's area less their own, but for what ancestors shrink.
-    fn each_promise(&self, begin: usize, mut take: impl FnMut(u32, usize)) {
-        let end = (begin + CHUNK).min(self.pairs.len());
-        for (index, pair) in (begin..end).zip(&self.pairs[begin..end]) {
-            let first = 2 * index as u32;
-            if index == 0 || !pair.is_used() {
-                continue;
-            }
-            let parent = self.parent(first);
-            let node = self.node(parent);
-            if parent == ROOT || node.open_pair().is_none() {
-                continue;
-            }
-            let area = node.half_area();
-            for (half, child) in pair.0.iter().enumerate() {
-                let promise = (area - child.half_area()).max(0.0);
-                if promise > 0.0 {
-                    take(first + half as u32, (promise.to_bits() >> SHIFT) as usize);
-                }
+        let mut room = wanted.saturating_sub(above);
+        self.nodes.clear();
+        for (index, &bucket) in self.promises.iter().flatten().enumerate() {
+            let is_first = bucket as usize == last && room > 0;
+            if is_first || bucket as usize > last {
+                room -= usize::from(is_first);
+                self.nodes.push(index as u32);
             }
         }
+    }
+}
+
+impl Tree {
+    /// The buckets of what moving the nodes of a pair could gain: at most the parent's area less their own, but for
+    /// what ancestors shrink.
+    #[inline]
+    fn promises(&self, pair: usize, tried: &[bool]) -> [u16; 2] {
+        let parent = self.parent(2 * pair as u32);
+        // Pair 0 is the root's, whose parent is not asked for either.
+        if parent == ROOT {
+            return [0; 2];
+        }
+        let area = self.node(parent).half_area();
+        [0, 1].map(|half| {
+            let promise = (area - self.pairs[pair].0[half].half_area()).max(0.0);
+            if tried[2 * pair + half] { 0 } else { (promise.to_bits() >> SHIFT) as u16 }
+        })
     }
 }

@@ -48,8 +48,13 @@ impl Collapse<'_> {
                 self.gather(2 * pair as u32, ids);
                 self.gather(2 * pair as u32 + 1, ids);
             }
-            None if ids.contains(&node.prim()) => {}
-            None => ids.push(node.prim()),
+            None => {
+                for prim in &self.tree.prims[node.run()] {
+                    if !ids.contains(prim) {
+                        ids.push(*prim);
+                    }
+                }
+            }
         }
     }
 }
@@ -71,7 +76,7 @@ impl TopDown for Collapse<'_> {
     fn approach(&self, _: &u32, (): &()) {}
 
     fn count(&self, &index: &u32) -> u32 {
-        self.choice(index).map_or(1, |(_, choice)| choice.count())
+        self.choice(index).map_or_else(|| self.tree.node(index).count(), |(_, choice)| choice.count())
     }
 
     fn half_area(&self, &index: &u32) -> f32 {

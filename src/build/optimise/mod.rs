@@ -1,22 +1,25 @@
-//! A finished wide tree made better, whoever built it: unfolded to a binary tree over clipped references, its
-//! subtrees reinserted where they enlarge it least, and collapsed to the cheapest wide tree.
+//! A tree made better before it is one: the binary splits of a recursion are drawn up, subtrees reinserted where they
+//! enlarge the tree least, and the result is collapsed to the cheapest wide tree.
 
 mod candidates;
 mod choices;
 mod collapse;
+mod draft;
 mod reinsert;
 mod tree;
-mod unfold;
 
 pub use choices::Costs;
 
-use super::top_down::Memory;
-use super::{Build, Stopwatch};
-use crate::bvh::{Bvh4, Link, MAX_DEPTH};
+use super::Stopwatch;
+use super::in_order::Spare;
+use super::top_down::{Memory, TopDown};
+use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
 use choices::Choices;
 use collapse::Collapse;
-use tree::{ROOT, Tree};
+use draft::Draft;
+use reinsert::Reinsertion;
+use tree::Tree;
 
 /// How much is done, and for which costs.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -30,16 +33,18 @@ pub struct OptimiseConfig {
 }
 
 impl OptimiseConfig {
-    /// Rounds beyond the second gain little. A block is counted as half a node: that leads to the shortest traces
-    /// under Embree's kernel, where a block costs less than a visit.
+    /// A block is counted as a third of a node: that leads to the shortest traces under Embree's kernel, where a block
+    /// costs less than a visit.
     pub const DEFAULT: Self =
-        Self { rounds: 2, share: 0.1, costs: Costs { node: 1.0, block: 0.5, max_leaf: 12 } };
+        Self { rounds: 4, share: 0.1, costs: Costs { node: 1.0, block: 0.35, max_leaf: 12 } };
 }
 
-/// Memory of the pass, kept from build to build.
+/// The binary tree and the memory of the pass, kept from build to build.
 #[derive(Default)]
 pub(super) struct Optimiser {
     tree: Tree,
+    drafts: Spare<Draft>,
+    reinsertion: Reinsertion,
     choices: Choices,
     memory: Memory<()>,
 }
@@ -50,49 +55,58 @@ impl Optimiser {
         self.memory.recycle(tree);
     }
 
-    /// Makes the tree of `build`, over `mesh`, better; the one it was comes along for its memory.
-    pub fn improve(&mut self, build: Build, mesh: &Mesh, config: &OptimiseConfig) -> (Build, Bvh4) {
-        if !build.tree.root.is_inner() {
-            return (build, Bvh4::default());
-        }
-        let Build { tree: wide, mut phases, counts } = build;
-        let mut watch = Stopwatch::start();
-        self.tree.unfold(&wide, mesh);
-        watch.lap("binary tree");
-        for _ in 0..config.rounds {
-            self.tree.reinsert((self.tree.pairs.len() as f32 * config.share) as usize);
-        }
+    /// Draws up the binary tree of the splits of `builder` over `mesh` below `root`; returns whether there are any
+    /// triangles.
+    pub fn draw<T: TopDown>(
+        &mut self,
+        builder: &T,
+        root: Option<T::Seed>,
+        mesh: &Mesh,
+        memory: &Memory<T::Scratch>,
+    ) -> bool {
+        root.is_some_and(|root| self.tree.draw(builder, root, mesh.len(), memory, &self.drafts))
+    }
+
+    /// The best wide tree that comes of what was drawn over `mesh`.
+    pub fn improve(&mut self, mesh: &Mesh, config: &OptimiseConfig, watch: &mut Stopwatch) -> Bvh4 {
+        let wanted = (self.tree.pairs.len() as f32 * config.share) as usize;
+        self.reinsertion.run(&mut self.tree, config.rounds, wanted);
         watch.lap("reinsertion");
         self.choices.make(&self.tree, config.costs);
-        let better = Collapse { tree: &self.tree, choices: &self.choices }.emit(mesh, &mut self.memory);
+        let wide = Collapse { tree: &self.tree, choices: &self.choices }.emit(mesh, &mut self.memory);
         watch.lap("collapse");
-        phases.extend(watch.phases);
-        let held = counts.peak_bytes as usize + self.bytes();
-        // A binary tree deeper than wide ones may be is rare enough to give up on.
-        let is_safe =
-            self.tree.node(ROOT).height() as usize <= MAX_DEPTH || depth(&better, better.root) <= MAX_DEPTH;
-        let (tree, other) = if is_safe { (better, wide) } else { (wide, better) };
-        (Build::finish(tree, phases, counts, held), other)
+        wide
     }
 
-    fn bytes(&self) -> usize {
-        self.tree.bytes() + self.choices.bytes() + self.memory.bytes()
-    }
-}
-
-/// Levels of inner nodes.
-fn depth(tree: &Bvh4, link: Link) -> usize {
-    match link.get() {
-        crate::bvh::Child::Inner(index) => {
-            1 + tree.nodes[index].links.iter().map(|&link| depth(tree, link)).max().unwrap_or(0)
-        }
-        _ => 0,
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let mut bytes =
+            self.tree.bytes() + self.reinsertion.bytes() + self.choices.bytes() + self.memory.bytes();
+        self.drafts.for_each(|draft| bytes += draft.bytes());
+        bytes
     }
 }
 
 #[cfg(test)]
 mod samples {
+    use super::Tree;
+    use crate::build::PhrConfig;
+    use crate::build::cut_recursion::Rules;
+    use crate::build::hierarchy::Hierarchy;
+    use crate::build::lbvh::AuxiliaryConfig;
+    use crate::build::top_down::QUARTET;
     use crate::geometry::Mesh;
+
+    /// The tree of PHR-Fast's splits.
+    pub fn drawn(mesh: &Mesh) -> Tree {
+        let mut tree = Tree::default();
+        let rules = |scene| Rules { max_leaf: QUARTET, ..PhrConfig::FAST.rules(mesh.len(), scene) };
+        Hierarchy::default().recurse(mesh, &AuxiliaryConfig::PAPER, rules, |recursion, memory| {
+            let root = recursion.root().expect("there are triangles");
+            assert!(tree.draw(recursion, root, mesh.len(), memory, &Default::default()));
+        });
+        tree
+    }
 
     /// Small triangles all over a cube.
     pub fn soup(count: u32) -> Mesh {

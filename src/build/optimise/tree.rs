@@ -3,13 +3,14 @@
 use super::super::pages;
 use crate::geometry::Aabb;
 use glam::{Vec3A, Vec4};
+use std::ops::Range;
 
 /// A subtree: its box and what is below. The fourth lanes carry bits that no arithmetic looks at.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     /// Lower corner, and the link.
     lower: Vec4,
-    /// Upper corner, and the height.
+    /// Upper corner, and the height or the triangles of a leaf.
     upper: Vec4,
 }
 
@@ -18,10 +19,10 @@ pub(super) struct Node {
 #[repr(align(64))]
 pub(super) struct Pair(pub [Node; 2]);
 
-/// In a link: a triangle's id, not a pair's index.
+/// In a link: where a leaf's triangles are, not a pair's index.
 const LEAF: u32 = 1 << 31;
-/// In a link to a pair: the subtree is a leaf of the wide tree, which reinsertion leaves whole.
-const CLOSED: u32 = 1 << 30;
+/// Below this bit of the fourth lane of the upper corner is the height, from it on the triangles of a leaf.
+const COUNT_SHIFT: u32 = 8;
 
 impl Node {
     fn new(bounds: Aabb, link: u32, height: u32) -> Self {
@@ -29,9 +30,9 @@ impl Node {
         Self { lower: bounds.min.extend(lane(link)), upper: bounds.max.extend(lane(height)) }
     }
 
-    /// A reference to triangle `prim`.
-    pub fn leaf(bounds: Aabb, prim: u32) -> Self {
-        Self::new(bounds, LEAF | prim, 0)
+    /// The leaf of `count` triangles, whose ids begin at `first` in [`Tree::prims`].
+    pub fn leaf(bounds: Aabb, first: usize, count: usize) -> Self {
+        Self::new(bounds, LEAF | first as u32, (count as u32) << COUNT_SHIFT)
     }
 
     /// The parent of `pair`, which is at `index`.
@@ -41,15 +42,13 @@ impl Node {
         Self::new(a.bounds().union(b.bounds()), index as u32, 1 + a.height().max(b.height()))
     }
 
-    /// The parent of a pair at `index` that is yet to be made: box and height are to be fitted.
-    pub fn to_fit(index: usize) -> Self {
-        Self::new(Aabb::EMPTY, index as u32, 0)
-    }
-
-    /// The same subtree, closed to reinsertion.
-    #[must_use]
-    pub fn closed(self) -> Self {
-        Self::new(self.bounds(), self.link() | CLOSED, self.height())
+    /// The same subtree in a tree whose pairs and triangles have moved up.
+    #[inline(always)]
+    pub fn moved(self, pairs: usize, prims: usize) -> Self {
+        let by = if self.pair().is_some() { pairs } else { prims };
+        let mut moved = self;
+        moved.lower.w = f32::from_bits(self.link() + by as u32);
+        moved
     }
 
     /// The box.
@@ -67,7 +66,7 @@ impl Node {
     /// Levels of inner nodes from here down.
     #[inline(always)]
     pub fn height(&self) -> u32 {
-        self.upper.w.to_bits()
+        self.upper.w.to_bits() & ((1 << COUNT_SHIFT) - 1)
     }
 
     #[inline(always)]
@@ -75,44 +74,41 @@ impl Node {
         self.lower.w.to_bits()
     }
 
-    /// Where the children are; `None` for a reference to a triangle.
+    /// Where the children are; `None` for a leaf.
     #[inline(always)]
     pub fn pair(&self) -> Option<usize> {
         let link = self.link();
-        (link & LEAF == 0).then_some((link & !CLOSED) as usize)
+        (link & LEAF == 0).then_some(link as usize)
     }
 
-    /// Where the children are, if reinsertion may look at them.
+    /// Where a leaf's triangles are in [`Tree::prims`].
     #[inline(always)]
-    pub fn open_pair(&self) -> Option<usize> {
-        let link = self.link();
-        (link & (LEAF | CLOSED) == 0).then_some(link as usize)
+    pub fn run(&self) -> Range<usize> {
+        debug_assert!(self.pair().is_none());
+        let first = (self.link() & !LEAF) as usize;
+        first..first + self.count() as usize
     }
 
-    /// The triangle of a leaf.
-    pub fn prim(&self) -> u32 {
-        debug_assert!(self.pair().is_none());
-        self.link() & !LEAF
+    /// Triangles of a leaf.
+    #[inline(always)]
+    pub fn count(&self) -> u32 {
+        self.upper.w.to_bits() >> COUNT_SHIFT
     }
 }
 
 impl Pair {
-    /// A place without nodes. No node links to pair 0, which holds the root.
+    /// A place without nodes.
     pub const UNUSED: Self = Self([Node { lower: Vec4::ZERO, upper: Vec4::ZERO }; 2]);
-
-    /// False for [`Pair::UNUSED`].
-    #[inline(always)]
-    pub fn is_used(&self) -> bool {
-        self.0[0].link() != 0
-    }
 }
 
-/// A binary tree over triangle references. Node `i` is half `i % 2` of pair `i / 2`; the root is node 0, whose
-/// sibling is not in use.
+/// A binary tree over leaves of up to four triangles. Node `i` is half `i % 2` of pair `i / 2`; the root is node 0,
+/// whose sibling is not in use. In pairs that came from a build siblings and the subtrees below are near each other.
 #[derive(Default)]
 pub(super) struct Tree {
     /// The nodes.
     pub pairs: Vec<Pair>,
+    /// The triangles of the leaves.
+    pub prims: Vec<u32>,
     /// The parents of the pairs, as nodes.
     parents: Vec<u32>,
 }
@@ -121,15 +117,30 @@ pub(super) struct Tree {
 pub(super) const ROOT: u32 = 0;
 
 impl Tree {
-    /// Makes room for `pairs` pairs, the root's included; they hold what they held.
-    pub fn make_room(&mut self, pairs: usize) {
-        pages::resize(&mut self.pairs, pairs, Pair::UNUSED);
-        pages::resize(&mut self.parents, pairs, ROOT);
+    /// Becomes empty but for a root to be placed, with room for what most trees over `n` triangles need.
+    pub fn clear(&mut self, n: usize) {
+        self.pairs.clear();
+        self.prims.clear();
+        pages::reserve(&mut self.pairs, n / 2 + 64);
+        pages::reserve(&mut self.prims, n + n / 4 + 64);
+        self.pairs.push(Pair::UNUSED);
+    }
+
+    /// Sets the root and tells all pairs their parents.
+    pub fn finish(&mut self, root: Node) {
+        pages::resize(&mut self.parents, self.pairs.len(), ROOT);
+        self.pairs[0].0[0] = root;
+        for (index, node) in self.pairs.iter().flat_map(|pair| &pair.0).enumerate() {
+            if let Some(pair) = node.pair() {
+                self.parents[pair] = index as u32;
+            }
+        }
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.pairs.capacity() * size_of::<Pair>() + self.parents.capacity() * size_of::<u32>()
+        self.pairs.capacity() * size_of::<Pair>()
+            + (self.prims.capacity() + self.parents.capacity()) * size_of::<u32>()
     }
 
     /// Node `index`.
@@ -153,21 +164,10 @@ impl Tree {
         }
     }
 
-    /// Node `index` with the box and height of its children, unless it is closed.
+    /// Node `index` with the box and height of its children.
     #[inline(always)]
     pub fn fitted(&self, index: u32) -> Node {
         let node = *self.node(index);
-        node.open_pair().map_or(node, |pair| Node::inner(&self.pairs[pair], pair))
-    }
-
-    /// Fits all nodes and tells all pairs their parents, where pairs come after their parents'.
-    pub fn fit_all(&mut self) {
-        for pair in (1..self.pairs.len() as u32).rev() {
-            if self.pairs[pair as usize].is_used() {
-                self.place(2 * pair, self.fitted(2 * pair));
-                self.place(2 * pair + 1, self.fitted(2 * pair + 1));
-            }
-        }
-        self.place(ROOT, self.fitted(ROOT));
+        node.pair().map_or(node, |pair| Node::inner(&self.pairs[pair], pair))
     }
 }

@@ -18,6 +18,7 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
     vec![
         ("fast", PhrConfig::FAST),
         ("hq", PhrConfig::HQ),
+        ("filled cut", PhrConfig { cut_share: 0.1, max_cut: 64, ..PhrConfig::FAST }),
         ("auxiliary leaves", PhrConfig { auxiliary_leaf: 4, ..PhrConfig::FAST }),
         ("leaf sweep", PhrConfig { leaf_sweep: 16, max_leaf: 28, ..PhrConfig::FAST }),
         ("presplit", PhrConfig { presplit, ..PhrConfig::FAST }),

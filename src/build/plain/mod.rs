@@ -50,7 +50,8 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
                 .collect()
         },
     };
-    let members = cut::initial(root, threshold(0), config.max_cut);
+    let (above, len) = config.initial_cut(mesh.len()).unwrap_or((threshold(0), config.max_cut));
+    let members = cut::initial(root, above, len);
     builder.subtree(&Cut::whole(members, config.max_references))
 }
 
