@@ -110,40 +110,21 @@ pub(super) fn part(keys: &mut [Key], references: &References<'_>, depth: &mut u3
     if keys.len() == 2 || *depth > MIDDLE_DEPTH {
         return keys.len() / 2;
     }
-    let center2 = |keys: &[Key], i| references.bounds(reference(keys[i])).center2();
-    part_by_middle(keys, keys.len(), |keys, i| center2(keys, i), |keys, i, j| keys.swap(i, j))
+    part_by_middle(keys, |&key| references.bounds(reference(key)).center2())
 }
 
-/// As [`part`], of references of one code whose boxes are at hand.
-pub(super) fn part_boxed(keys: &mut [Key], bounds: &mut [Aabb], depth: u32) -> usize {
-    let len = keys.len();
-    if len == 2 || depth > MIDDLE_DEPTH {
-        return len / 2;
-    }
-    let swap = |(keys, bounds): &mut (&mut [Key], &mut [Aabb]), i, j| {
-        keys.swap(i, j);
-        bounds.swap(i, j);
-    };
-    part_by_middle(&mut (keys, bounds), len, |(_, bounds), i| bounds[i].center2(), swap)
-}
-
-/// Moves to the front those of `len` items whose centroid lies before the middle of the longest edge of the
-/// centroids' bounds. Returns their number; half of all where they do not lie apart.
-fn part_by_middle<T: ?Sized>(
-    items: &mut T,
-    len: usize,
-    center2: impl Fn(&T, usize) -> Vec3A,
-    swap: impl Fn(&mut T, usize, usize),
-) -> usize {
-    let all = (0..len).fold(Aabb::EMPTY, |all, i| all.grow(center2(items, i)));
+/// Moves to the front the items whose centroid lies before the middle of the longest edge of the centroids'
+/// bounds. Returns their number; half of all where they do not lie apart.
+pub(super) fn part_by_middle<T: Copy>(items: &mut [T], center2: impl Fn(&T) -> Vec3A) -> usize {
+    let all = items.iter().fold(Aabb::EMPTY, |all, item| all.grow(center2(item)));
     let axis = all.extent().max_position();
-    let middle = all.center()[axis];
+    let middle = Vec3A::splat(all.center()[axis]);
     let mut split = 0;
-    for i in 0..len {
-        let is_before = center2(items, i)[axis] < middle;
+    for i in 0..items.len() {
+        let is_before = center2(&items[i]).cmplt(middle).bitmask() >> axis & 1 == 1;
         // No branch: it could not be foreseen.
-        swap(items, i, if is_before { split } else { i });
+        items.swap(i, if is_before { split } else { i });
         split += usize::from(is_before);
     }
-    if (1..len).contains(&split) { split } else { len / 2 }
+    if (1..items.len()).contains(&split) { split } else { items.len() / 2 }
 }

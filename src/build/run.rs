@@ -4,9 +4,10 @@
 use super::binary::{BinaryTree, Node};
 use super::heights::Heights;
 use super::in_order::{Batch, Place};
-use super::morton_order::{Key, part_boxed, reference};
+use super::morton_order::{Key, reference};
 use super::prefetch;
 use super::references::References;
+use super::same_code::SameCode;
 use super::top_down::QUARTET;
 use crate::geometry::Aabb;
 
@@ -22,6 +23,7 @@ pub(super) struct Run {
     pub leaves: Vec<u32>,
     bounds: Vec<Aabb>,
     heights: Heights,
+    same_code: SameCode,
 }
 
 impl Run {
@@ -53,7 +55,8 @@ impl Run {
         let mut begin = 0;
         while let Some(equal) = self.heights.equal_codes(begin) {
             if equal.len() > leaf.max(2) as usize {
-                self.same_code(keys, equal.clone(), depth, leaf);
+                let Self { same_code, bounds, heights, .. } = self;
+                same_code.part(equal.clone(), [depth, leaf], keys, bounds, heights);
             }
             begin = equal.end;
         }
@@ -63,21 +66,9 @@ impl Run {
         root
     }
 
-    /// Sets at which heights the references of one code part.
-    fn same_code(&mut self, keys: &mut [Key], range: std::ops::Range<usize>, depth: u32, leaf: u32) {
-        if range.len() <= leaf as usize {
-            return;
-        }
-        let split =
-            range.start + part_boxed(&mut keys[range.clone()], &mut self.bounds[range.clone()], depth + 1);
-        self.heights.part_by_middle(split, depth);
-        self.same_code(keys, range.start..split, depth + 1, leaf);
-        self.same_code(keys, split..range.end, depth + 1, leaf);
-    }
-
     /// Makes the tree over leaves of at most `MOST` references, the first of which is at position `first`.
     fn unite<const MOST: usize>(&mut self, first: usize) -> Node {
-        let Self { tree, leaves, bounds, heights } = self;
+        let Self { tree, leaves, bounds, heights, .. } = self;
         tree.pairs.clear();
         let mut waiting = Waiting::default();
         for leaf in leaves.windows(2) {
