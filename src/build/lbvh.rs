@@ -27,12 +27,11 @@ impl Auxiliary {
     /// Builds the LBVH of `mesh`, presplit or not; subtrees of at most `leaf` references become leaves.
     pub fn build(&mut self, mesh: &Mesh, presplit: Option<&PresplitConfig>, leaf: u32) -> Vec<Phase> {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, presplit, &mut watch);
+        self.order.sort(mesh, presplit, &mut self.tree.pairs, &mut watch);
         // Parting equal codes reorders keys.
         let mut all_keys = std::mem::take(&mut self.order.keys);
         let keys = &mut all_keys[..];
         let references = &self.order.references(mesh);
-        self.tree.pairs.clear();
         self.tree.root = None;
         if !keys.is_empty() {
             // Of leaves of several references about half are full.
