@@ -58,13 +58,12 @@ impl Auxiliary {
     /// Builds the LBVH of `mesh`.
     pub fn build(&mut self, mesh: &Mesh, config: &AuxiliaryConfig) -> Vec<Phase> {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, config.presplit.as_ref(), &mut watch);
+        self.order.sort(mesh, config.presplit.as_ref(), &mut self.tree.pairs, &mut watch);
         // Parting equal codes reorders keys.
         let mut all_keys = std::mem::take(&mut self.order.keys);
         let keys = &mut all_keys[..];
         let leaves = config.leaves(self.order.bounds());
         let references = &self.order.references(mesh);
-        self.tree.pairs.clear();
         self.tree.root = None;
         if !keys.is_empty() {
             // Of leaves of several references about half are full.

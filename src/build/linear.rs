@@ -33,7 +33,7 @@ impl Builder for Lbvh {
 
     fn build(&mut self, mesh: &Mesh) -> Build {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, None, &mut watch);
+        self.order.sort(mesh, None, self.memory.blocks(mesh.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
         let pairs = AtomicUsize::new(0);
         let tree = if keys.is_empty() { Bvh4::default() } else { self.tree(mesh, &mut keys, &pairs) };

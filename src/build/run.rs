@@ -4,9 +4,10 @@
 use super::binary::{BinaryTree, Node};
 use super::heights::Heights;
 use super::in_order::{Batch, Place};
-use super::morton_order::{Key, part_boxed, reference};
+use super::morton_order::{Key, reference};
 use super::prefetch;
 use super::references::References;
+use super::same_code::SameCode;
 use super::top_down::QUARTET;
 use crate::geometry::Aabb;
 
@@ -46,6 +47,7 @@ pub(super) struct Run {
     pub leaves: Vec<u32>,
     bounds: Vec<Aabb>,
     heights: Heights,
+    same_code: SameCode,
 }
 
 impl Run {
@@ -77,7 +79,8 @@ impl Run {
         let mut begin = 0;
         while let Some(equal) = self.heights.equal_codes(begin) {
             if equal.len() > leaves.always.max(2) as usize {
-                self.same_code(keys, equal.clone(), depth, leaves.always);
+                let Self { same_code, bounds, heights, .. } = self;
+                same_code.part(equal.clone(), [depth, leaves.always], keys, bounds, heights);
             }
             begin = equal.end;
         }
@@ -91,21 +94,9 @@ impl Run {
         root
     }
 
-    /// Sets at which heights the references of one code part.
-    fn same_code(&mut self, keys: &mut [Key], range: std::ops::Range<usize>, depth: u32, leaf: u32) {
-        if range.len() <= leaf as usize {
-            return;
-        }
-        let split =
-            range.start + part_boxed(&mut keys[range.clone()], &mut self.bounds[range.clone()], depth + 1);
-        self.heights.part_by_middle(split, depth);
-        self.same_code(keys, range.start..split, depth + 1, leaf);
-        self.same_code(keys, split..range.end, depth + 1, leaf);
-    }
-
     /// Makes the tree over leaves of at most `MOST` references, the first of which is at position `first`.
     fn unite<const MOST: usize>(&mut self, first: usize, rule: Leaves) -> Node {
-        let Self { tree, leaves, bounds, heights } = self;
+        let Self { tree, leaves, bounds, heights, .. } = self;
         tree.pairs.clear();
         let mut waiting = Waiting::default();
         for leaf in leaves.windows(2) {

@@ -143,12 +143,20 @@ impl<S: Default> Memory<S> {
 
     /// The arrays of a tree over `n` triangles, empty, with room for what most trees need.
     pub fn arrays(&mut self, n: usize) -> (Vec<WideNode<WIDTH>>, Vec<TriangleBlock>) {
+        self.blocks(n);
         let Bvh4 { mut nodes, mut blocks, .. } = self.tree.take().unwrap_or_default();
         nodes.clear();
         blocks.clear();
         pages::reserve(&mut nodes, n / 4 + 64);
-        pages::reserve(&mut blocks, n / 2 + 64);
         (nodes, blocks)
+    }
+
+    /// The leaf blocks that [`Memory::arrays`] is going to give, for others to use their memory before.
+    pub fn blocks(&mut self, n: usize) -> &mut Vec<TriangleBlock> {
+        let blocks = &mut self.tree.get_or_insert_default().blocks;
+        blocks.clear();
+        pages::reserve(blocks, n / 2 + 64);
+        blocks
     }
 
     /// Bytes held by pieces.
