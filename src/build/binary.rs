@@ -61,6 +61,21 @@ impl Node {
         Aabb::new(Vec3A::from_array(self.min), Vec3A::from_array(self.max))
     }
 
+    /// The box, to be copied: as with [`Node::vectors`], to calculate with it is slow.
+    #[inline]
+    pub fn bounds_to_copy(&self) -> Aabb {
+        let [lower, upper] = self.vectors();
+        Aabb::new(Vec3A::from_vec4(lower), Vec3A::from_vec4(upper))
+    }
+
+    /// Grows with the area of an inner node and is negative for leaves; no branch depends on which it is.
+    #[inline]
+    pub fn area_order(&self) -> i32 {
+        let [x, y, z]: [f32; 3] = std::array::from_fn(|axis| self.max[axis] - self.min[axis]);
+        // As in `Aabb::half_area`; positive floats are ordered as their bits are.
+        ((x * (y + z) + y * z).to_bits() | self.link & Self::LEAF) as i32
+    }
+
     /// The lower corner and, three floats on, the upper one.
     #[inline]
     pub fn corners(&self) -> [[f32; 3]; 2] {
