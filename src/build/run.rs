@@ -57,6 +57,7 @@ impl Run {
             + self.tree.pairs.capacity() * size_of::<[Node; 2]>()
             + self.leaves.capacity() * size_of::<u32>()
             + self.heights.bytes()
+            + self.same_code.bytes()
     }
 
     /// Builds the subtree over `keys`, which begin at position `first` and have been parted by the middle `depth`

@@ -16,6 +16,13 @@ pub(super) struct SameCode {
 }
 
 impl SameCode {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.centers.capacity() * size_of::<Vec4>()
+            + self.keys.capacity() * size_of::<Key>()
+            + self.bounds.capacity() * size_of::<Aabb>()
+    }
+
     /// Reorders the references of `range`, all of one code, and tells at which heights they part.
     pub fn part(
         &mut self,

@@ -10,8 +10,8 @@ use super::top_down::WIDTH;
 use crate::bvh::{Link, TriangleBlock, WideNode};
 use crate::geometry::Aabb;
 
-/// The area of what is no node to open.
-const CLOSED: f32 = -1.0;
+/// What [`Node::area_order`] is where there is nothing to open.
+const NONE: i32 = i32::MIN;
 
 /// Writes the tree below `root`, the one of `run`, whose leaves are quartets of `keys`.
 pub(super) fn widen(
@@ -57,7 +57,7 @@ impl Widen<'_> {
         let mut links = [Link::EMPTY; WIDTH];
         for slot in 0..len {
             let child = &self.subtrees[children[slot]];
-            boxes[slot] = child.bounds();
+            boxes[slot] = child.bounds_to_copy();
             links[slot] = self.link(child);
         }
         self.nodes.push(WideNode::of_slots(boxes, links));
@@ -67,7 +67,8 @@ impl Widen<'_> {
     /// The children of the wide node over a pair, in order, and their number.
     fn children(&self, pair: usize) -> ([usize; WIDTH], usize) {
         let mut children = [2 * pair, 2 * pair + 1, 0, 0];
-        let mut areas = [self.area(2 * pair), self.area(2 * pair + 1), CLOSED, CLOSED];
+        let order = |subtree: usize| self.subtrees[subtree].area_order();
+        let mut areas = [order(2 * pair), order(2 * pair + 1), NONE, NONE];
         for len in 2..WIDTH {
             let mut largest = 0;
             for i in 1..WIDTH - 1 {
@@ -82,15 +83,9 @@ impl Widen<'_> {
             }
             for (i, child) in [(largest, 2 * pair), (largest + 1, 2 * pair + 1)] {
                 children[i] = child;
-                areas[i] = self.area(child);
+                areas[i] = order(child);
             }
         }
         (children, WIDTH)
-    }
-
-    /// Half the surface area of a subtree that may be opened.
-    fn area(&self, subtree: usize) -> f32 {
-        let subtree = &self.subtrees[subtree];
-        if subtree.is_leaf() { CLOSED } else { subtree.bounds().half_area() }
     }
 }

@@ -209,16 +209,17 @@ impl TriangleBlock {
     #[inline]
     pub fn of_first(count: usize, prims: [u32; 4], mesh: &Mesh) -> Self {
         // Corners are fetched for all lanes: a branch on their number could not be foreseen.
-        let corners = prims.map(|prim| mesh.corners(prim));
+        let [p, q, r, s] = prims;
+        let [p, q, r, s] = [mesh.corners(p), mesh.corners(q), mesh.corners(r), mesh.corners(s)];
+        let a = transposed([p[0], q[0], r[0], s[0]]);
+        let b = transposed([p[1], q[1], r[1], s[1]]);
+        let c = transposed([p[2], q[2], r[2], s[2]]);
         let used = Vec4::new(0.0, 1.0, 2.0, 3.0).cmplt(Vec4::splat(count as f32));
-        let [a, b, c] = std::array::from_fn(|corner| transposed(corners.map(|corners| corners[corner])));
-        let lanes = |f: &dyn Fn(usize) -> Vec4| {
-            std::array::from_fn(|axis| Vec4::select(used, f(axis), Vec4::ZERO).to_array())
-        };
+        let lanes = |v: Vec4| Vec4::select(used, v, Vec4::ZERO).to_array();
         Self {
-            v0: lanes(&|axis| a[axis]),
-            e1: lanes(&|axis| a[axis] - b[axis]),
-            e2: lanes(&|axis| c[axis] - a[axis]),
+            v0: [lanes(a[0]), lanes(a[1]), lanes(a[2])],
+            e1: [lanes(a[0] - b[0]), lanes(a[1] - b[1]), lanes(a[2] - b[2])],
+            e2: [lanes(c[0] - a[0]), lanes(c[1] - a[1]), lanes(c[2] - a[2])],
             prims: std::array::from_fn(|lane| if lane < count { prims[lane] } else { u32::MAX }),
         }
     }

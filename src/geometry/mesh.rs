@@ -134,7 +134,7 @@ impl Mesh {
     }
 
     /// The three corners of triangle `prim`.
-    #[inline]
+    #[inline(always)]
     pub fn corners(&self, prim: u32) -> [Vec3A; 3] {
         self.corners_of(&self.triangles[prim as usize])
     }
