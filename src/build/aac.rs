@@ -60,7 +60,7 @@ impl Builder for Aac {
 
     fn build(&mut self, mesh: &Mesh) -> Build {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, None, &mut watch);
+        self.order.sort(mesh, None, self.memory.blocks(mesh.len()), &mut watch);
         let mut all_keys = std::mem::take(&mut self.order.keys);
         let references = self.order.references(mesh);
         pages::resize(&mut self.tree.pairs, mesh.len().saturating_sub(1), [Node::ZERO; 2]);
@@ -220,6 +220,6 @@ mod tests {
         let mut pairs = vec![[Node::ZERO; 2]; 3];
         combine(&mut forest, 0, 2, 0, &mut pairs);
         assert_eq!(forest.clusters.len(), 2);
-        assert!(forest.clusters.iter().all(|c| c.count == 2 && c.bounds().extent().x == 2.0));
+        assert!(forest.clusters.iter().all(|c| c.count() == 2 && c.bounds().extent().x == 2.0));
     }
 }

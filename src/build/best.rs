@@ -45,13 +45,10 @@ impl Builder for Best {
         let (optimiser, BestConfig { phr, optimise }) = (&mut self.optimiser, &self.config);
         // Which leaves are worth more than one quartet is decided in the end.
         let rules = |scene| Rules { max_leaf: QUARTET, ..phr.rules(mesh.len(), scene) };
-        let (is_drawn, mut cuts) = self.hierarchy.recurse(
-            mesh,
-            phr.presplit.as_ref(),
-            phr.auxiliary_leaf,
-            rules,
-            |recursion, memory| optimiser.draw(recursion, recursion.root(), mesh, memory),
-        );
+        let (is_drawn, mut cuts) =
+            self.hierarchy.recurse(mesh, &phr.auxiliary(), rules, |recursion, memory| {
+                optimiser.draw(recursion, recursion.root(), mesh, memory)
+            });
         let mut watch = Stopwatch::start();
         let tree = if is_drawn { optimiser.improve(mesh, optimise, &mut watch) } else { Bvh4::default() };
         cuts.phases.extend(watch.phases);

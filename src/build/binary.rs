@@ -1,90 +1,134 @@
 //! Binary trees over runs of references in Morton order: the auxiliary BVH.
 
 use crate::geometry::Aabb;
-use glam::Vec3A;
+use glam::{Vec3A, Vec4, Vec4Swizzles};
 
 /// A subtree: its box, how many references it holds, and where they are. Two of them fill a cache line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// Numbers lie in the fourth lanes of the corners, so that a node is two vectors wherever it is: written in parts
+/// and read as a whole, it would wait for the parts to reach the cache.
+#[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct Node {
-    min: [f32; 3],
-    /// A leaf: [`Node::LEAF`] and the position of its first reference in the order. Else the index of the pair
-    /// of children in [`BinaryTree::pairs`].
-    link: u32,
-    max: [f32; 3],
-    /// References below, >= 1.
-    pub count: u32,
+    /// Lower corner and link.
+    ///
+    /// The link of a leaf is [`Node::LEAF`] and the position of its first reference in the order, any other the
+    /// index of the pair of children in [`BinaryTree::pairs`].
+    lower: Vec4,
+    /// Upper corner and number of references below, >= 1.
+    upper: Vec4,
 }
 
 impl Node {
     const LEAF: u32 = 1 << 31;
 
     /// A node without meaning, to size arrays with.
-    pub const ZERO: Self = Self { min: [0.0; 3], link: 0, max: [0.0; 3], count: 0 };
+    pub const ZERO: Self = Self { lower: Vec4::ZERO, upper: Vec4::ZERO };
+
+    #[inline]
+    fn new(bounds: Aabb, link: u32, count: u32) -> Self {
+        let with = |corner: Vec3A, number| corner.extend(f32::from_bits(number));
+        Self { lower: with(bounds.min, link), upper: with(bounds.max, count) }
+    }
 
     /// The leaf of the `count` references from position `first` on.
     #[inline]
     pub fn leaf(bounds: Aabb, first: usize, count: u32) -> Self {
-        let link = Self::LEAF | first as u32;
-        Self { min: bounds.min.to_array(), link, max: bounds.max.to_array(), count }
+        Self::new(bounds, Self::LEAF | first as u32, count)
     }
 
     /// The parent of `children`, the pair at `index`.
     #[inline]
     pub fn inner(children: &[Self; 2], index: usize) -> Self {
         let bounds = children[0].bounds().union(children[1].bounds());
-        let count = children[0].count + children[1].count;
-        Self { min: bounds.min.to_array(), link: index as u32, max: bounds.max.to_array(), count }
+        Self::new(bounds, index as u32, children[0].count() + children[1].count())
+    }
+
+    /// The inner node of the pair at `index`, which has the given box and count.
+    #[inline]
+    pub fn of_pair(bounds: Aabb, index: usize, count: u32) -> Self {
+        Self::new(bounds, index as u32, count)
     }
 
     /// The box.
     #[inline]
     pub fn bounds(&self) -> Aabb {
-        Aabb::new(Vec3A::from_array(self.min), Vec3A::from_array(self.max))
+        // Numbers in the fourth lanes would be denormal floats, which are slow.
+        let corner = |corner: Vec4| Vec3A::from_vec4(corner.xyzz());
+        Aabb::new(corner(self.lower), corner(self.upper))
     }
 
-    /// The lower corner and, three floats on, the upper one.
+    /// References below, >= 1.
+    #[inline]
+    pub fn count(&self) -> u32 {
+        self.upper.w.to_bits()
+    }
+
+    #[inline]
+    fn link(&self) -> u32 {
+        self.lower.w.to_bits()
+    }
+
+    /// The lower face along an axis.
+    #[inline]
+    pub fn lower(&self, axis: usize) -> f32 {
+        self.lower[axis]
+    }
+
+    /// The upper face along an axis.
+    #[inline]
+    pub fn upper(&self, axis: usize) -> f32 {
+        self.upper[axis]
+    }
+
+    /// The lower corner and the upper one.
     #[inline]
     pub fn corners(&self) -> [[f32; 3]; 2] {
-        [self.min, self.max]
+        [self.lower, self.upper].map(|corner| corner.truncate().to_array())
     }
 
     /// The same subtree with another box: the part of it inside a clip box.
     #[inline]
     pub fn with_bounds(self, bounds: Aabb) -> Self {
-        Self { min: bounds.min.to_array(), max: bounds.max.to_array(), ..self }
+        Self::new(bounds, self.link(), self.count())
     }
 
     /// The same subtree in a tree whose pairs have moved up.
     #[inline]
     pub fn moved(self, pairs: u32) -> Self {
-        Self { link: if self.is_leaf() { self.link } else { self.link + pairs }, ..self }
+        if self.is_leaf() { self } else { Self::new(self.bounds(), self.link() + pairs, self.count()) }
     }
 
     /// True for a run of references that the tree does not part.
     #[inline]
     pub fn is_leaf(&self) -> bool {
-        self.link & Self::LEAF != 0
+        self.link() & Self::LEAF != 0
     }
 
     /// Names the subtree within its tree.
     #[inline]
     pub fn key(&self) -> (u32, u32) {
-        (self.count, self.link)
+        (self.count(), self.link())
     }
 
     /// The positions of a leaf's references.
     #[inline]
     pub fn run(&self) -> std::ops::Range<usize> {
         debug_assert!(self.is_leaf());
-        let first = (self.link & !Self::LEAF) as usize;
-        first..first + self.count as usize
+        let first = (self.link() & !Self::LEAF) as usize;
+        first..first + self.count() as usize
     }
 
     /// The index of an inner node's pair of children.
     #[inline]
     pub fn pair(&self) -> Option<usize> {
-        (!self.is_leaf()).then_some(self.link as usize)
+        (!self.is_leaf()).then_some(self.link() as usize)
+    }
+}
+
+impl PartialEq for Node {
+    fn eq(&self, other: &Self) -> bool {
+        self.bounds() == other.bounds() && self.key() == other.key()
     }
 }
 
@@ -107,7 +151,7 @@ impl BinaryTree {
     #[inline]
     pub fn children(&self, node: &Node) -> &[Node; 2] {
         debug_assert!(!node.is_leaf());
-        &self.pairs[node.link as usize]
+        &self.pairs[node.link() as usize]
     }
 
     /// The positions of the references below a node of an LBVH, where they are a run.
@@ -118,7 +162,7 @@ impl BinaryTree {
             first = self.children(&first)[0];
         }
         let start = first.run().start;
-        start..start + node.count as usize
+        start..start + node.count() as usize
     }
 
     /// Asks for the children of a node to be brought near: they are likely to be opened soon.

@@ -14,8 +14,8 @@ const BINS: usize = 32;
 /// Bins for `n` nodes: few nodes do not pay for many.
 fn bins_for(n: usize) -> usize {
     match n {
-        ..=48 => 8,
-        49..=256 => 16,
+        ..=20 => 8,
+        21..=100 => 16,
         _ => BINS,
     }
 }

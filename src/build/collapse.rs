@@ -59,6 +59,7 @@ impl TopDown for Collapse<'_> {
     type Seed = OwnPart;
     type Part = Part;
     type Scratch = Vec<u32>;
+    type Mark = usize;
 
     fn plant(&self, OwnPart(part, ids): OwnPart, scratch: &mut Vec<u32>) -> Part {
         let first = scratch.len();
@@ -84,7 +85,7 @@ impl TopDown for Collapse<'_> {
 
     fn count(&self, part: &Part) -> u32 {
         match part {
-            Part::Subtree(node, _) => node.count,
+            Part::Subtree(node, _) => node.count(),
             Part::References(_, len, _) => *len,
         }
     }
@@ -111,7 +112,7 @@ impl TopDown for Collapse<'_> {
             Part::Subtree(node, _) => {
                 let first = scratch.len();
                 self.gather(&node, scratch);
-                (first, node.count as usize)
+                (first, node.count() as usize)
             }
             Part::References(first, len, _) => (first, len as usize),
         };

@@ -22,52 +22,98 @@ pub(super) struct Cut {
     pub clip: Aabb,
     /// The union of the nodes' clipped boxes.
     pub bounds: Aabb,
+    /// Its half area.
+    pub area: f32,
     /// References below.
     pub count: u32,
     /// References that may be made below: bounds duplication by spatial splits.
     pub capacity: u32,
     /// Binary splits above.
     pub depth: u32,
-    /// The nodes are single references, and splits count quartets.
-    pub is_near_leaves: bool,
+    /// What its nodes are.
+    pub stage: Stage,
     /// What is to become of it.
     pub kind: Kind,
 }
 
+/// What the nodes of a cut are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// Subtrees of the auxiliary BVH.
+    Nodes,
+    /// Single references, near the leaves: splits count quartets.
+    References,
+    /// One subtree that is split down to its leaves ([`super::subtrees`]).
+    Swept,
+}
+
 /// A cut with nodes of its own.
 pub(super) struct OwnCut {
-    nodes: Vec<Node>,
+    pub nodes: Vec<Node>,
     cut: Cut,
 }
 
-impl Cut {
-    /// The cut of the arena's nodes from `first` on, otherwise as `like`.
-    pub fn of_arena(arena: &[Node], first: usize, like: Self) -> Self {
-        let mut cut = Self { first, len: arena.len() - first, bounds: Aabb::EMPTY, count: 0, ..like };
-        for node in &arena[first..] {
-            cut.bounds = cut.bounds.union(node.bounds());
-            cut.count += node.count;
-        }
-        cut.kind = if cut.count <= QUARTET { Kind::Leaf } else { Kind::Inner };
-        cut
+/// A cut in the making at the end of an arena, measured as it grows.
+pub(super) struct Growing<'a> {
+    /// Its nodes are the last ones.
+    pub arena: &'a mut Vec<Node>,
+    first: usize,
+    bounds: Aabb,
+    count: u32,
+}
+
+impl<'a> Growing<'a> {
+    /// An empty one.
+    #[inline]
+    pub fn new(arena: &'a mut Vec<Node>) -> Self {
+        Self { first: arena.len(), bounds: Aabb::EMPTY, count: 0, arena }
     }
 
+    /// Appends a node.
+    #[inline]
+    pub fn push(&mut self, node: Node) {
+        self.bounds = self.bounds.union(node.bounds());
+        self.count += node.count();
+        self.arena.push(node);
+    }
+
+    /// The cut, otherwise as `like`.
+    #[inline]
+    pub fn finish(self, like: &Cut) -> Cut {
+        let kind = if self.count <= QUARTET { Kind::Leaf } else { Kind::Inner };
+        Cut {
+            first: self.first,
+            len: self.arena.len() - self.first,
+            bounds: self.bounds,
+            area: self.bounds.half_area(),
+            count: self.count,
+            kind,
+            ..*like
+        }
+    }
+}
+
+impl Cut {
     /// The whole scene as a cut of `nodes`, with room for `max_references` per reference.
     pub fn whole(nodes: Vec<Node>, max_references: f32) -> OwnCut {
-        let cut = Self {
+        let empty = Self {
             first: 0,
             len: 0,
             clip: SPACE,
             bounds: Aabb::EMPTY,
+            area: 0.0,
             count: 0,
             capacity: 0,
             depth: 0,
-            is_near_leaves: false,
+            stage: Stage::Nodes,
             kind: Kind::Inner,
         };
-        let mut cut = Self::of_arena(&nodes, 0, cut);
+        let mut own = Vec::with_capacity(nodes.len());
+        let mut cut = Growing::new(&mut own);
+        nodes.into_iter().for_each(|node| cut.push(node));
+        let mut cut = cut.finish(&empty);
         cut.capacity = (cut.count as f32 * max_references) as u32;
-        OwnCut { nodes, cut }
+        OwnCut { nodes: own, cut }
     }
 
     /// The places of its nodes in the arena.
@@ -220,7 +266,7 @@ impl Order<'_> {
             open(tree, node, clip, |child| self.each(tree, &child, clip, take));
             return;
         }
-        if node.count == 1 {
+        if node.count() == 1 {
             take(*node);
             return;
         }

@@ -3,13 +3,17 @@
 
 use super::Counts;
 use super::binary::{BinaryTree, Node};
-use super::cut::{Cut, Order, OwnCut, is_whole, open};
+use super::cut::{Cut, Growing, Order, OwnCut, Stage, is_whole, open};
 use super::object_split::{ObjectSplit, Sweep};
+use super::piece::{Piece, Subtree};
 use super::prefetch::warm;
 use super::reference_split::{split_reference, visible};
+use super::references::References;
 use super::small_sweep::Isa;
 use super::spatial_split::{SpatialSplit, SpatialSweep};
 use super::split_cost::Weight;
+use super::subtree_sweep::SubtreeSweep;
+use super::subtrees::{Leaves, Subtrees};
 use super::top_down::{Kind, QUARTET, TopDown};
 use crate::geometry::Aabb;
 
@@ -19,16 +23,9 @@ const MAX_DEPTH: u32 = 50;
 
 /// How a cut is refined after a split.
 pub(super) trait Refine: Sync {
-    /// Appends the nodes of a side of a split at binary depth `depth` to `refined`, some of them opened
-    /// ([`open`]).
-    fn refine(
-        &self,
-        tree: &BinaryTree,
-        clip: &Aabb,
-        depth: u32,
-        side: &mut Vec<Node>,
-        refined: &mut Vec<Node>,
-    );
+    /// Appends the nodes at the places `side` of the arena, a side of a split at binary depth `depth`, some of
+    /// them opened ([`open`]).
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &[u32], refined: &mut Growing<'_>);
 }
 
 /// What one builder over cuts does otherwise than another.
@@ -41,12 +38,16 @@ pub(super) struct Rules<R> {
     pub initial_len: usize,
     /// Spatial splits are tried for nodes of a larger half area; infinite for none.
     pub spatial_above: f32,
+    /// They are tried only where the sides of the object split overlap by a larger half area, if this is given.
+    pub overlap_above: Option<f32>,
     /// Most references per reference that spatial splits may make.
     pub max_references: f32,
     /// Most triangles of a leaf.
     pub max_leaf: u32,
     /// Cuts of at most so many references are opened down to them, and their splits count quartets.
     pub leaf_sweep: u32,
+    /// Cuts of at most so many references, too small for spatial splits, are handed to [`SubtreeSweep`].
+    pub subtree_sweep: u32,
     /// Where a spatial split cuts a node of a single reference, its triangle is clipped and not only its box.
     pub clip_triangles: bool,
 }
@@ -72,29 +73,73 @@ pub(super) struct Scratch {
     arena: Vec<Node>,
     sweep: Sweep,
     spatial_sweep: SpatialSweep,
-    sides: [Vec<Node>; 2],
+    sides: [Side; 2],
+    subtree_sweep: SubtreeSweep,
+    subtrees: Subtrees,
+}
+
+/// A side of a split.
+#[derive(Default)]
+struct Side {
+    /// Places of its nodes in the arena, ascending.
+    places: Vec<u32>,
+    /// References below them.
+    count: u32,
+}
+
+impl Side {
+    fn clear(&mut self) {
+        self.places.clear();
+        self.count = 0;
+    }
+
+    #[inline]
+    fn push(&mut self, place: usize, node: &Node) {
+        self.places.push(place as u32);
+        self.count += node.count();
+    }
+
+    /// Parts the nodes of a cut. Nobody can guess the side of a node, and so there is no branch.
+    #[inline]
+    fn part(sides: &mut [Self; 2], cut: &Cut, nodes: &[Node], is_left: impl Fn(usize, &Node) -> bool) {
+        let [left, right] = sides;
+        left.places.resize(nodes.len(), 0);
+        right.places.resize(nodes.len(), 0);
+        let mut on_left = 0;
+        for (i, node) in nodes.iter().enumerate() {
+            let place = (cut.first + i) as u32;
+            left.places[on_left] = place;
+            right.places[i - on_left] = place;
+            let is_left = is_left(i, node);
+            on_left += usize::from(is_left);
+            left.count += node.count() * u32::from(is_left);
+        }
+        left.places.truncate(on_left);
+        right.places.truncate(nodes.len() - on_left);
+        right.count = cut.count - left.count;
+    }
 }
 
 impl<R: Refine> CutRecursion<'_, R> {
     /// The whole scene as a cut.
-    pub fn root(&self) -> Option<OwnCut> {
+    pub fn root(&self) -> Option<(OwnCut, Subtrees)> {
         let root = self.tree.root?;
         let nodes = Cut::initial(self.tree, root, self.rules.initial_threshold, self.rules.initial_len);
-        Some(Cut::whole(nodes, self.rules.max_references))
+        Some((Cut::whole(nodes, self.rules.max_references), Subtrees::default()))
     }
 
     /// Opens what must be before a cut can be split: a lone node, whatever the threshold; all nodes, near the
     /// leaves or where the tree gets too deep.
     fn open_for_split(&self, cut: &Cut, arena: &mut Vec<Node>) -> Cut {
-        let first = arena.len();
-        let near_leaves = cut.count <= self.rules.leaf_sweep;
-        if !cut.is_near_leaves && (near_leaves || cut.depth >= MAX_DEPTH) {
+        let is_lone_leaf = cut.len == 1 && arena[cut.first].is_leaf();
+        let is_small = cut.count <= self.rules.leaf_sweep || is_lone_leaf;
+        if cut.stage == Stage::Nodes && (is_small || cut.depth >= MAX_DEPTH) {
+            let mut opened = Growing::new(arena);
             for place in cut.places() {
-                let node = arena[place];
-                self.order.each(self.tree, &node, &cut.clip, &mut |child| arena.push(child));
+                let node = opened.arena[place];
+                self.order.each(self.tree, &node, &cut.clip, &mut |child| opened.push(child));
             }
-            let like = Cut { is_near_leaves: true, ..*cut };
-            return Cut::of_arena(arena, first, like);
+            return opened.finish(&Cut { stage: Stage::References, ..*cut });
         }
         let mut cut = *cut;
         while cut.len == 1 {
@@ -102,25 +147,25 @@ impl<R: Refine> CutRecursion<'_, R> {
             if node.is_leaf() {
                 break;
             }
-            let first = arena.len();
-            open(self.tree, &node, &cut.clip, |child| arena.push(child));
-            cut = Cut::of_arena(arena, first, cut);
+            let mut opened = Growing::new(arena);
+            open(self.tree, &node, &cut.clip, |child| opened.push(child));
+            cut = opened.finish(&cut);
         }
         cut
     }
 
     /// Whether a leaf costs no more than a node with the two sides as leaves, in the cost model of Table 1: a
     /// leaf costs its quartets, a node one.
-    fn leaf_is_cheaper(&self, cut: &Cut, sides: [&[Node]; 2]) -> bool {
+    fn leaf_is_cheaper(&self, cut: &Cut, sides: &[Side; 2], arena: &[Node]) -> bool {
         if cut.count > self.rules.max_leaf {
             return false;
         }
-        let leaf = |bounds: Aabb, count: u32| bounds.half_area() * count.div_ceil(QUARTET) as f32;
-        let side_cost = |side: &[Node]| {
-            leaf(side.iter().map(Node::bounds).collect(), side.iter().map(|node| node.count).sum())
+        let leaf = |area: f32, count: u32| area * count.div_ceil(QUARTET) as f32;
+        let side_cost = |side: &Side| {
+            let bounds: Aabb = side.places.iter().map(|&place| arena[place as usize].bounds()).collect();
+            leaf(bounds.half_area(), side.count)
         };
-        let area = cut.bounds.half_area();
-        leaf(cut.bounds, cut.count) <= area + sides.map(side_cost).iter().sum::<f32>()
+        leaf(cut.area, cut.count) <= cut.area + (side_cost(&sides[0]) + side_cost(&sides[1]))
     }
 
     /// A spatial split, if the rules allow one that is cheaper than `object`.
@@ -132,11 +177,13 @@ impl<R: Refine> CutRecursion<'_, R> {
         weight: Weight,
         sweep: &mut SpatialSweep,
     ) -> Option<SpatialSplit> {
-        let area = cut.bounds.half_area();
-        if area <= self.rules.spatial_above {
+        if !self.splits_in_space(cut) {
             return None;
         }
-        let limit = object.cost.min(area * weight.of(nodes.len()));
+        if self.rules.overlap_above.is_some_and(|least| object.overlap(nodes).half_area() <= least) {
+            return None;
+        }
+        let limit = object.cost.min(cut.area * weight.of(nodes.len()));
         let split = sweep.below(limit, nodes, cut.bounds, weight);
         if split == SpatialSplit::NONE {
             return None;
@@ -146,17 +193,24 @@ impl<R: Refine> CutRecursion<'_, R> {
             .map(|node| {
                 let sides =
                     u64::from(split.on_left(node.bounds())) + u64::from(split.on_right(node.bounds()));
-                u64::from(node.count) * sides
+                u64::from(node.count()) * sides
             })
             .sum();
         (references <= u64::from(cut.capacity)).then_some(split)
+    }
+
+    /// Whether spatial splits are tried in a cut. If not, they are not in any below it.
+    #[inline]
+    fn splits_in_space(&self, cut: &Cut) -> bool {
+        cut.area > self.rules.spatial_above
     }
 
     /// The parts of a node on both sides of a spatial split.
     fn parts(&self, node: &Node, split: &SpatialSplit) -> [Option<Node>; 2] {
         let bounds = node.bounds();
         let sides = [split.on_left(bounds), split.on_right(bounds)];
-        let parts = if self.rules.clip_triangles && node.is_leaf() && node.count == 1 && sides == [true; 2] {
+        let parts = if self.rules.clip_triangles && node.is_leaf() && node.count() == 1 && sides == [true; 2]
+        {
             let prim = self.order.prim(node.run().start);
             let corners = self.order.references.mesh.corners(prim);
             split_reference(&corners, bounds, split.axis, split.plane)
@@ -167,27 +221,33 @@ impl<R: Refine> CutRecursion<'_, R> {
         [0, 1].map(|side| (sides[side] && !parts[side].is_empty()).then(|| node.with_bounds(parts[side])))
     }
 
-    /// Refines one side of a split into a cut of its own.
+    /// Refines one side of a split into a cut of its own; both sides hold `references` in all.
+    #[inline]
     fn side(
         &self,
         parent: &Cut,
         clip: Aabb,
         references: u32,
-        side: &mut Vec<Node>,
+        side: &Side,
         arena: &mut Vec<Node>,
     ) -> Option<Cut> {
-        let own: u32 = side.iter().map(|node| node.count).sum();
         let depth = parent.depth + 1;
         // Room for duplicates is handed down in proportion to what each side holds.
-        let capacity = (f64::from(parent.capacity) * f64::from(own) / f64::from(references)) as u32;
-        let first = arena.len();
-        if parent.is_near_leaves {
-            arena.append(side);
+        let capacity = if self.splits_in_space(parent) {
+            (f64::from(parent.capacity) * f64::from(side.count) / f64::from(references)) as u32
         } else {
-            self.rules.refine.refine(self.tree, &clip, depth, side, arena);
+            0
+        };
+        let mut cut = Growing::new(arena);
+        if parent.stage == Stage::References {
+            for &place in &side.places {
+                let node = cut.arena[place as usize];
+                cut.push(node);
+            }
+        } else {
+            self.rules.refine.refine(self.tree, &clip, depth, &side.places, &mut cut);
         }
-        let like = Cut { clip, capacity: capacity.max(own), depth, ..*parent };
-        let cut = Cut::of_arena(arena, first, like);
+        let cut = cut.finish(&Cut { clip, capacity: capacity.max(side.count), depth, ..*parent });
         (cut.len > 0).then_some(cut)
     }
 
@@ -197,12 +257,15 @@ impl<R: Refine> CutRecursion<'_, R> {
         &self,
         cut: &Cut,
         prims: &mut Vec<u32>,
-        arena: &[Node],
+        scratch: &Scratch,
         seen: impl Fn(u32, Aabb) -> Option<Aabb>,
     ) -> Aabb {
         let mut bounds = Aabb::EMPTY;
-        for node in &arena[cut.places()] {
-            if is_whole(node, &cut.clip) {
+        for node in &scratch.arena[cut.places()] {
+            if cut.stage == Stage::Swept {
+                bounds = node.bounds();
+                prims.extend(scratch.subtrees.prims(node));
+            } else if is_whole(node, &cut.clip) {
                 bounds = bounds.union(node.bounds());
                 prims.extend(self.tree.run(node).map(|place| self.order.prim(place)));
             } else {
@@ -224,20 +287,73 @@ impl<R: Refine> CutRecursion<'_, R> {
     }
 }
 
-impl<R: Refine> TopDown for CutRecursion<'_, R> {
-    type Seed = OwnCut;
-    type Part = Cut;
-    type Scratch = Scratch;
-
-    fn plant(&self, seed: OwnCut, scratch: &mut Scratch) -> Cut {
-        seed.plant(&mut scratch.arena)
+impl<R: Refine> CutRecursion<'_, R> {
+    /// The subtree of `node` as a part of the recursion.
+    fn swept(&self, like: &Cut, node: Node, subtrees: &Subtrees, arena: &mut Vec<Node>) -> Option<Cut> {
+        arena.push(node);
+        Some(Cut {
+            first: arena.len() - 1,
+            len: 1,
+            bounds: node.bounds(),
+            area: node.bounds().half_area(),
+            count: node.count(),
+            stage: Stage::Swept,
+            kind: subtrees.kind(&node, self.rules.max_leaf),
+            ..*like
+        })
     }
 
-    fn lift(&self, cut: &Cut, scratch: &Scratch) -> OwnCut {
-        cut.lift(&scratch.arena)
+    /// The children of a swept subtree.
+    fn children_swept(&self, cut: &Cut, node: Node, scratch: &mut Scratch) -> [Option<Cut>; 2] {
+        let Scratch { arena, subtrees, .. } = scratch;
+        subtrees.children(&node).map(|child| self.swept(cut, child, subtrees, arena))
+    }
+
+    /// Splits a cut of few references down to its leaves.
+    fn sweep_subtree(&self, cut: &Cut, scratch: &mut Scratch) -> [Option<Cut>; 2] {
+        let Scratch { arena, subtree_sweep, subtrees, .. } = scratch;
+        subtree_sweep.clear();
+        for node in &arena[cut.places()] {
+            self.order.each(self.tree, node, &cut.clip, &mut |reference| {
+                subtree_sweep.push(reference.bounds(), self.order.prim(reference.run().start));
+            });
+        }
+        let Some(node) = subtree_sweep.build(self.isa, subtrees) else { return [None, None] };
+        match subtrees.kind(&node, self.rules.max_leaf) {
+            Kind::Inner => self.children_swept(cut, node, scratch),
+            Kind::SoftLeaf | Kind::Leaf => [self.swept(cut, node, subtrees, arena), None],
+        }
+    }
+}
+
+impl<R: Refine> TopDown for CutRecursion<'_, R> {
+    type Seed = (OwnCut, Subtrees);
+    type Part = Cut;
+    type Scratch = Scratch;
+    type Mark = (usize, [usize; 2]);
+
+    fn plant(&self, (seed, from): (OwnCut, Subtrees), scratch: &mut Scratch) -> Cut {
+        let cut = seed.plant(&mut scratch.arena);
+        if cut.stage == Stage::Swept {
+            let node = &mut scratch.arena[cut.first];
+            *node = scratch.subtrees.graft(node, &from);
+        }
+        cut
+    }
+
+    fn lift(&self, cut: &Cut, scratch: &Scratch) -> (OwnCut, Subtrees) {
+        let mut own = cut.lift(&scratch.arena);
+        let mut subtrees = Subtrees::default();
+        if cut.stage == Stage::Swept {
+            own.nodes[0] = subtrees.graft(&own.nodes[0], &scratch.subtrees);
+        }
+        (own, subtrees)
     }
 
     fn approach(&self, cut: &Cut, scratch: &Scratch) {
+        if cut.stage == Stage::Swept {
+            return;
+        }
         for node in &scratch.arena[cut.places()] {
             warm(self.tree, self.order.keys, &self.order.references, node);
         }
@@ -248,7 +364,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
     }
 
     fn half_area(&self, cut: &Cut) -> f32 {
-        cut.bounds.half_area()
+        cut.area
     }
 
     fn kind(&self, cut: &Cut) -> Kind {
@@ -256,7 +372,13 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
     }
 
     fn split(&self, part: &Cut, scratch: &mut Scratch) -> [Option<Cut>; 2] {
-        let Scratch { counts, arena, sweep, spatial_sweep, sides: [left, right] } = scratch;
+        if part.stage == Stage::Swept {
+            return self.children_swept(part, scratch.arena[part.first], scratch);
+        }
+        if part.count <= self.rules.subtree_sweep && part.area <= self.rules.spatial_above {
+            return self.sweep_subtree(part, scratch);
+        }
+        let Scratch { counts, arena, sweep, spatial_sweep, sides, .. } = scratch;
         let cut = self.open_for_split(part, arena);
         if cut.len == 0 {
             return [None, None];
@@ -267,7 +389,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         counts.splits += 1;
         counts.swept += cut.len as u64;
         let nodes = &arena[cut.places()];
-        let weight = if cut.is_near_leaves { Weight::Quartets } else { Weight::Nodes };
+        let weight = if cut.stage == Stage::References { Weight::Quartets } else { Weight::Nodes };
 
         // Find: the cheapest object split, and a spatial one where it is cheaper still.
         let halve = cut.depth >= MAX_DEPTH;
@@ -276,55 +398,60 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
             if halve { None } else { self.spatial_split(&cut, nodes, &object, weight, spatial_sweep) };
 
         // Reorder: the nodes to the left and to the right, clipped by the plane of a spatial split.
-        left.clear();
-        right.clear();
+        sides.iter_mut().for_each(Side::clear);
         let mut clips = [cut.clip; 2];
         if let Some(split) = spatial {
             counts.spatial_splits += 1;
-            for node in nodes {
-                let [on_left, on_right] = self.parts(node, &split);
-                left.extend(on_left);
-                right.extend(on_right);
+            for place in cut.places() {
+                let parts = self.parts(&arena[place], &split);
+                for (side, part) in sides.iter_mut().zip(parts) {
+                    if let Some(part) = part {
+                        side.push(arena.len(), &part);
+                        arena.push(part);
+                    }
+                }
             }
             clips = [split.left_of(cut.clip), split.right_of(cut.clip)];
         } else if object.left > 0 {
-            let is_left = object.members(nodes);
-            for (i, node) in nodes.iter().enumerate() {
-                if is_left(i, node) { left.push(*node) } else { right.push(*node) }
-            }
+            Side::part(sides, &cut, nodes, object.members(nodes));
         } else {
             // Nothing is gained by any split: halve in the order of the Morton codes.
-            let (a, b) = nodes.split_at(nodes.len() / 2);
-            left.extend_from_slice(a);
-            right.extend_from_slice(b);
+            Side::part(sides, &cut, nodes, |i, _| i < nodes.len() / 2);
         }
 
-        if part.kind != Kind::SoftLeaf && self.leaf_is_cheaper(&cut, [left, right]) {
+        if part.kind != Kind::SoftLeaf && self.leaf_is_cheaper(&cut, sides, arena) {
             return [Some(Cut { kind: Kind::SoftLeaf, ..cut }), None];
         }
 
         // Refine.
-        let references = left.iter().chain(right.iter()).map(|node| node.count).sum();
-        [
-            self.side(&cut, clips[0], references, left, arena),
-            self.side(&cut, clips[1], references, right, arena),
-        ]
+        let references = sides[0].count + sides[1].count;
+        [0, 1].map(|i| self.side(&cut, clips[i], references, &sides[i], arena))
     }
 
     fn leaf(&self, cut: &Cut, prims: &mut Vec<u32>, scratch: &mut Scratch) -> Aabb {
-        self.gather(cut, prims, &scratch.arena, |_, bounds| Some(bounds))
+        self.gather(cut, prims, scratch, |_, bounds| Some(bounds))
     }
 
     fn visible_leaf(&self, cut: &Cut, prims: &mut Vec<u32>, scratch: &mut Scratch) -> Aabb {
         let mesh = self.order.references.mesh;
-        self.gather(cut, prims, &scratch.arena, |prim, bounds| visible(mesh, prim, bounds))
+        self.gather(cut, prims, scratch, |prim, bounds| visible(mesh, prim, bounds))
     }
 
-    fn mark(&self, scratch: &Scratch) -> usize {
-        scratch.arena.len()
+    fn finish(&self, cut: &Cut, piece: &mut Piece, scratch: &Scratch) -> Option<Subtree> {
+        if cut.stage != Stage::Swept {
+            return None;
+        }
+        let References { mesh, fragments } = self.order.references;
+        let leaves = Leaves { mesh, most: self.rules.max_leaf, may_repeat: !fragments.is_empty() };
+        Some(scratch.subtrees.wide(&scratch.arena[cut.first], cut.kind, &leaves, piece))
     }
 
-    fn release(&self, scratch: &mut Scratch, mark: usize) {
-        scratch.arena.truncate(mark);
+    fn mark(&self, scratch: &Scratch) -> Self::Mark {
+        (scratch.arena.len(), scratch.subtrees.mark())
+    }
+
+    fn release(&self, scratch: &mut Scratch, (arena, subtrees): Self::Mark) {
+        scratch.arena.truncate(arena);
+        scratch.subtrees.release(subtrees);
     }
 }

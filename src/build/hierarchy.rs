@@ -2,8 +2,7 @@
 
 use super::cut::Order;
 use super::cut_recursion::{CutRecursion, Refine, Rules, Scratch};
-use super::lbvh::Auxiliary;
-use super::presplit::PresplitConfig;
+use super::lbvh::{Auxiliary, AuxiliaryConfig};
 use super::small_sweep::Isa;
 use super::top_down::{self, Memory};
 use super::{Build, Counts, Phase, Stopwatch};
@@ -30,16 +29,14 @@ pub(super) struct Cuts {
 }
 
 impl Hierarchy {
-    /// Builds over `mesh` by the rules made for the scene's box; triangles are
-    /// presplit or not, and leaves of the auxiliary BVH hold at most `auxiliary_leaf` references.
+    /// Builds over `mesh` by the rules made for the scene's box.
     pub fn build<R: Refine>(
         &mut self,
         mesh: &Mesh,
-        presplit: Option<&PresplitConfig>,
-        auxiliary_leaf: u32,
+        auxiliary: &AuxiliaryConfig,
         rules: impl FnOnce(Aabb) -> Rules<R>,
     ) -> Build {
-        let (tree, cuts) = self.recurse(mesh, presplit, auxiliary_leaf, rules, |recursion, memory| {
+        let (tree, cuts) = self.recurse(mesh, auxiliary, rules, |recursion, memory| {
             top_down::build(recursion, recursion.root(), &recursion.order.references, memory)
         });
         Build::finish(tree, cuts.phases, cuts.counts, cuts.bytes)
@@ -49,12 +46,11 @@ impl Hierarchy {
     pub fn recurse<R: Refine, T>(
         &mut self,
         mesh: &Mesh,
-        presplit: Option<&PresplitConfig>,
-        auxiliary_leaf: u32,
+        auxiliary: &AuxiliaryConfig,
         rules: impl FnOnce(Aabb) -> Rules<R>,
         make: impl FnOnce(&CutRecursion<'_, R>, &mut Memory<Scratch>) -> T,
     ) -> (T, Cuts) {
-        let mut phases = self.auxiliary.build(mesh, presplit, auxiliary_leaf);
+        let mut phases = self.auxiliary.build(mesh, auxiliary);
         let references = self.auxiliary.order.references(mesh);
         let mut watch = Stopwatch::start();
         let recursion = CutRecursion {

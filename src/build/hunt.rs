@@ -2,9 +2,10 @@
 //! PHR's recursion, refined by opening the largest nodes until the cut is long enough, without spatial splits.
 
 use super::binary::{BinaryTree, Node};
-use super::cut::open;
+use super::cut::{Growing, open};
 use super::cut_recursion::{Refine, Rules};
 use super::hierarchy::Hierarchy;
+use super::lbvh::AuxiliaryConfig;
 use super::{Build, Builder};
 use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};
@@ -22,7 +23,8 @@ pub struct HuntConfig {
 struct ConstantLength(usize);
 
 impl Refine for ConstantLength {
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, _: u32, side: &mut Vec<Node>, refined: &mut Vec<Node>) {
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, _: u32, side: &[u32], refined: &mut Growing<'_>) {
+        let mut side: Vec<Node> = side.iter().map(|&place| refined.arena[place as usize]).collect();
         let mut opened_once = Vec::new();
         // Opening a node makes a cut one longer; several rounds are needed after an uneven split.
         while side.len() < self.0 {
@@ -46,9 +48,9 @@ impl Refine for ConstantLength {
                     opened_once.push(node);
                 }
             }
-            std::mem::swap(side, &mut opened_once);
+            std::mem::swap(&mut side, &mut opened_once);
         }
-        refined.append(side);
+        side.into_iter().for_each(|node| refined.push(node));
     }
 }
 
@@ -84,7 +86,7 @@ impl Builder for Hunt {
 
     fn build(&mut self, mesh: &Mesh) -> Build {
         let HuntConfig { cut_length, max_leaf } = self.config;
-        self.hierarchy.build(mesh, None, 1, |_| Rules {
+        self.hierarchy.build(mesh, &AuxiliaryConfig::PAPER, |_| Rules {
             refine: ConstantLength(cut_length),
             initial_threshold: 0.0,
             initial_len: cut_length,
@@ -92,6 +94,8 @@ impl Builder for Hunt {
             max_references: 1.0,
             max_leaf,
             leaf_sweep: 0,
+            subtree_sweep: 0,
+            overlap_above: None,
             clip_triangles: false,
         })
     }

@@ -7,11 +7,42 @@ use super::binary::{BinaryTree, Node};
 use super::in_order::{self, Spare};
 use super::morton_order::MortonOrder;
 use super::presplit::PresplitConfig;
-use super::run::Run;
+use super::run::{Leaves, Run};
 use super::upper::{self, Upper};
 use super::{Phase, Stopwatch, pages};
-use crate::geometry::Mesh;
+use crate::geometry::{Aabb, Mesh};
 use std::sync::OnceLock;
+
+/// Which subtrees of the auxiliary BVH are leaves beside those of few references: near the leaves nothing is lost
+/// by opening them all at once, where they are small.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Clusters {
+    /// Most references of a cluster.
+    pub most: u32,
+    /// Largest area of its box, relative to the scene's.
+    pub area: f32,
+}
+
+/// Parameters of the auxiliary BVH.
+#[derive(Clone, Copy)]
+pub(super) struct AuxiliaryConfig {
+    /// Which triangles are split before the sort.
+    pub presplit: Option<PresplitConfig>,
+    /// Subtrees of at most so many references are leaves,
+    pub leaf: u32,
+    /// and these.
+    pub clusters: Option<Clusters>,
+}
+
+impl AuxiliaryConfig {
+    /// That of the paper.
+    pub const PAPER: Self = Self { presplit: None, leaf: 1, clusters: None };
+
+    fn leaves(&self, scene: Aabb) -> Leaves {
+        let clusters = self.clusters.unwrap_or(Clusters { most: self.leaf, area: 0.0 });
+        Leaves { always: self.leaf, most: clusters.most, area: clusters.area * scene.half_area() }
+    }
+}
 
 /// The auxiliary BVH with all it is made from; its memory is reused from build to build.
 #[derive(Default)]
@@ -24,26 +55,26 @@ pub(super) struct Auxiliary {
 }
 
 impl Auxiliary {
-    /// Builds the LBVH of `mesh`, presplit or not; subtrees of at most `leaf` references become leaves.
-    pub fn build(&mut self, mesh: &Mesh, presplit: Option<&PresplitConfig>, leaf: u32) -> Vec<Phase> {
+    /// Builds the LBVH of `mesh`.
+    pub fn build(&mut self, mesh: &Mesh, config: &AuxiliaryConfig) -> Vec<Phase> {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, presplit, &mut watch);
+        self.order.sort(mesh, config.presplit.as_ref(), &mut self.tree.pairs, &mut watch);
         // Parting equal codes reorders keys.
         let mut all_keys = std::mem::take(&mut self.order.keys);
         let keys = &mut all_keys[..];
+        let leaves = config.leaves(self.order.bounds());
         let references = &self.order.references(mesh);
-        self.tree.pairs.clear();
         self.tree.root = None;
         if !keys.is_empty() {
             // Of leaves of several references about half are full.
-            let pairs = keys.len().div_ceil(leaf as usize) * if leaf == 1 { 1 } else { 2 };
+            let pairs = keys.len().div_ceil(leaves.always as usize) * if leaves.always == 1 { 1 } else { 2 };
             pages::reserve(&mut self.tree.pairs, pairs + pairs / 1000 + 64);
             let upper = Upper::part(references, keys);
             let built: Vec<OnceLock<(Node, usize)>> = (0..upper.len()).map(|_| OnceLock::new()).collect();
             let all_pairs = &mut self.tree.pairs;
             in_order::append(upper.len(), &self.spare, all_pairs, &mut Vec::new(), |i, run: &mut Run| {
                 let (first, depth, mut keys) = upper.run(i);
-                let root = run.build(references, &mut keys, first, depth, leaf);
+                let root = run.build(references, &mut keys, first, depth, leaves);
                 built[i].set((root, run.tree.pairs.len())).expect("each task runs once");
             });
             let mut begin = 0;
@@ -79,7 +110,6 @@ mod tests {
     use super::*;
     use crate::build::morton_order::{code, part, reference};
     use crate::build::references::References;
-    use crate::geometry::Aabb;
 
     fn triangles(n: usize, place: impl Fn(usize) -> [f32; 3]) -> Mesh {
         let vertices = (0..n).flat_map(|i| {
@@ -99,7 +129,7 @@ mod tests {
         leaf: u32,
     ) -> u32 {
         if node.is_leaf() {
-            assert!((1..=leaf).contains(&node.count));
+            assert!((1..=leaf).contains(&node.count()));
             let ids: Vec<u32> = auxiliary.order.keys[node.run()].iter().map(|&key| reference(key)).collect();
             let bounds: Aabb = ids.iter().map(|&id| references.bounds(id)).collect();
             assert_eq!(bounds, node.bounds());
@@ -107,8 +137,8 @@ mod tests {
             return 0;
         }
         let children = auxiliary.tree.children(node);
-        assert_eq!(node.count, children[0].count + children[1].count);
-        assert!(node.count > leaf);
+        assert_eq!(node.count(), children[0].count() + children[1].count());
+        assert!(node.count() > leaf);
         assert_eq!(children[0].bounds().union(children[1].bounds()), node.bounds());
         1 + children.iter().map(|child| walk(auxiliary, references, child, seen, leaf)).max().unwrap()
     }
@@ -128,7 +158,7 @@ mod tests {
             {
                 let mesh = triangles(n, place);
                 let mut auxiliary = Auxiliary::default();
-                auxiliary.build(&mesh, None, leaf);
+                auxiliary.build(&mesh, &AuxiliaryConfig { leaf, ..AuxiliaryConfig::PAPER });
                 let references = auxiliary.order.references(&mesh);
                 let root = auxiliary.tree.root.unwrap();
                 let mut seen = Vec::new();
@@ -148,7 +178,7 @@ mod tests {
         // Few distinct codes per axis: many equal ones, and neighbours that differ in any bit.
         let mesh = triangles(3000, |i| [(i * i % 61) as f32, (i * 13 % 17) as f32, (i % 5) as f32 * 0.1]);
         let mut auxiliary = Auxiliary::default();
-        auxiliary.build(&mesh, None, 1);
+        auxiliary.build(&mesh, &AuxiliaryConfig::PAPER);
         let references = auxiliary.order.references(&mesh);
         let mut checked = 0;
         let mut stack = vec![(auxiliary.tree.root.unwrap(), 0)];
@@ -157,13 +187,13 @@ mod tests {
                 assert_eq!(node.run().start, first);
                 continue;
             }
-            let keys = &mut auxiliary.order.keys.clone()[first..first + node.count as usize];
+            let keys = &mut auxiliary.order.keys.clone()[first..first + node.count() as usize];
             let [left, right] = *auxiliary.tree.children(&node);
             if code(keys[0]) != code(keys[keys.len() - 1]) {
-                assert_eq!(left.count as usize, part(keys, &references, &mut 0));
+                assert_eq!(left.count() as usize, part(keys, &references, &mut 0));
                 checked += 1;
             }
-            stack.extend([(left, first), (right, first + left.count as usize)]);
+            stack.extend([(left, first), (right, first + left.count() as usize)]);
         }
         assert!(checked > 500);
     }
@@ -173,8 +203,8 @@ mod tests {
         let mut auxiliary = Auxiliary::default();
         for n in [1000, 10, 0] {
             let mesh = triangles(n, |i| [i as f32, 0.0, 0.0]);
-            auxiliary.build(&mesh, None, 1);
-            assert_eq!(auxiliary.tree.root.map_or(0, |root| root.count), n as u32);
+            auxiliary.build(&mesh, &AuxiliaryConfig::PAPER);
+            assert_eq!(auxiliary.tree.root.map_or(0, |root| root.count()), n as u32);
         }
     }
 }

@@ -1,13 +1,13 @@
 //! The builder that makes the auxiliary LBVH wide and does nothing better. Runs are built, made wide and written
 //! while they are in the cache; the tree over them is made wide at the end.
 
-use super::collapse::Collapse;
 use super::in_order::Spare;
 use super::morton_order::MortonOrder;
 use super::piece::{self, Subtree};
-use super::run::Run;
-use super::top_down::{Emitter, Memory, QUARTET, WIDTH};
+use super::run::{Leaves, Run};
+use super::top_down::{Memory, QUARTET, WIDTH};
 use super::upper::{self, Top, Upper};
+use super::widen::widen;
 use super::{Build, Builder, Counts, Stopwatch};
 use crate::bvh::{Bvh4, Link, WideNode};
 use crate::geometry::{Aabb, Mesh};
@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub struct Lbvh {
     order: MortonOrder,
     runs: Spare<Run>,
-    memory: Memory<Vec<u32>>,
+    memory: Memory<()>,
 }
 
 impl Builder for Lbvh {
@@ -33,7 +33,7 @@ impl Builder for Lbvh {
 
     fn build(&mut self, mesh: &Mesh) -> Build {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, None, &mut watch);
+        self.order.sort(mesh, None, self.memory.blocks(mesh.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
         let pairs = AtomicUsize::new(0);
         let tree = if keys.is_empty() { Bvh4::default() } else { self.tree(mesh, &mut keys, &pairs) };
@@ -61,13 +61,9 @@ impl Lbvh {
             piece::append(upper.len(), &self.memory.pieces, &mut nodes, &mut blocks, |i, piece| {
                 let mut run = self.runs.take();
                 let (_, depth, mut keys) = upper.run(i);
-                run.build(references, &mut keys, 0, depth, QUARTET);
+                let root = run.build(references, &mut keys, 0, depth, Leaves::of(QUARTET));
                 pairs.fetch_add(run.tree.pairs.len() + 1, Ordering::Relaxed);
-                let collapse = Collapse { tree: &run.tree, keys: &keys, references: *references };
-                let mut worker = self.memory.workers.take();
-                let root = collapse.root().expect("runs are not empty");
-                let subtree = Emitter { builder: &collapse, mesh }.piece(root, piece, &mut worker);
-                self.memory.workers.put(worker);
+                let subtree = widen(&root, &run, &keys, references, piece);
                 self.runs.put(run);
                 subtree
             });

@@ -7,6 +7,7 @@ mod bins;
 mod collapse;
 mod cut;
 mod cut_recursion;
+mod heights;
 mod hierarchy;
 mod hunt;
 mod in_order;
@@ -31,6 +32,7 @@ mod radix_sort;
 mod reference_split;
 mod references;
 mod run;
+mod same_code;
 // Vectors are written for x86-64 so far; elsewhere all cuts are sorted.
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod small_sweep;
@@ -39,12 +41,16 @@ mod spatial_split;
 mod split_cost;
 #[doc(hidden)]
 pub mod steps;
+mod subtree_sweep;
+mod subtrees;
 mod top_down;
 mod upper;
+mod widen;
 
 pub use aac::{Aac, AacConfig};
 pub use best::{Best, BestConfig};
 pub use hunt::{Hunt, HuntConfig};
+pub use lbvh::Clusters;
 pub use linear::Lbvh;
 pub use optimise::{Costs, OptimiseConfig};
 pub use phr::{Phr, PhrConfig};

@@ -1,10 +1,13 @@
 //! References in the order of their Morton codes, and how a run of them parts in two (paper 4.7).
 
+#![allow(unsafe_code)]
+
 use super::morton::Quantizer;
 use super::presplit::{self, PresplitConfig};
 use super::references::{Extent, Fragment, GRAIN, References};
 use super::{Stopwatch, pages, radix_sort};
 use crate::geometry::{Aabb, Mesh};
+use glam::Vec3A;
 use rayon::prelude::*;
 
 /// Splits of a run by further bits than codes have, before it is halved by count: with the bits of a code they
@@ -19,7 +22,6 @@ pub(super) struct MortonOrder {
     /// What bounds the triangles.
     extent: Option<Extent>,
     fragments: Vec<Fragment>,
-    scratch: Vec<Key>,
 }
 
 /// (code << 32 | reference).
@@ -44,8 +46,15 @@ pub(super) fn code(key: Key) -> u32 {
 }
 
 impl MortonOrder {
-    /// Sorts the triangles of a mesh, those of them in pieces that `presplit` says.
-    pub fn sort(&mut self, mesh: &Mesh, presplit: Option<&PresplitConfig>, watch: &mut Stopwatch) {
+    /// Sorts the triangles of a mesh, those of them in pieces that `presplit` says. The memory of `spare`, whose
+    /// elements are lost, is used meanwhile.
+    pub fn sort<T>(
+        &mut self,
+        mesh: &Mesh,
+        presplit: Option<&PresplitConfig>,
+        spare: &mut Vec<T>,
+        watch: &mut Stopwatch,
+    ) {
         let mut extent = Extent::of(mesh);
         watch.lap("bounds");
         self.fragments.clear();
@@ -56,26 +65,32 @@ impl MortonOrder {
         }
         self.extent = Some(extent);
         let quantizer = Quantizer::new(extent.centers);
-        let n = mesh.len();
-        pages::resize(&mut self.keys, n, 0);
-        self.keys.par_chunks_mut(GRAIN).enumerate().for_each(|(chunk, keys)| {
+        let pieces = self.fragments.chunk_by(|a, b| a.prim == b.prim);
+        let (n, more) = (mesh.len(), self.fragments.len() - pieces.count());
+        let keys = pages::lend(spare, n + more);
+        let (of_triangles, of_pieces) = keys.split_at_mut(n);
+        of_triangles.par_chunks_mut(GRAIN).enumerate().for_each(|(chunk, keys)| {
             for (prim, key) in (chunk * GRAIN..).zip(keys) {
-                *key = key_of(&quantizer, mesh.bounds_of(prim as u32), prim);
+                key.write(key_of(&quantizer, mesh.bounds_of(prim as u32), prim));
             }
         });
-        let mut last = None;
+        let (mut of_pieces, mut last) = (of_pieces.iter_mut(), None);
         for (i, fragment) in self.fragments.iter().enumerate() {
             let key = key_of(&quantizer, fragment.bounds, n + i);
             // The first piece of a triangle takes its place.
-            if last.replace(fragment.prim) == Some(fragment.prim) {
-                self.keys.push(key);
+            let place = if last.replace(fragment.prim) == Some(fragment.prim) {
+                of_pieces.next().expect("there are places for all but the first of each")
             } else {
-                self.keys[fragment.prim as usize] = key;
-            }
+                &mut of_triangles[fragment.prim as usize]
+            };
+            place.write(key);
         }
+        assert!(of_pieces.next().is_none());
+        // SAFETY: a key was written for each triangle, and, as just seen, in all places after those.
+        let keys = unsafe { &mut *(std::ptr::from_mut(keys) as *mut [Key]) };
         watch.lap("codes");
-        pages::resize(&mut self.scratch, self.keys.len(), 0);
-        radix_sort::sort(&mut self.keys, &mut self.scratch);
+        pages::resize(&mut self.keys, keys.len(), 0);
+        radix_sort::sort(keys, &mut self.keys);
         watch.lap("sort");
     }
 
@@ -91,8 +106,7 @@ impl MortonOrder {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        (self.keys.capacity() + self.scratch.capacity()) * size_of::<Key>()
-            + self.fragments.capacity() * size_of::<Fragment>()
+        self.keys.capacity() * size_of::<Key>() + self.fragments.capacity() * size_of::<Fragment>()
     }
 }
 
@@ -109,26 +123,21 @@ pub(super) fn part(keys: &mut [Key], references: &References<'_>, depth: &mut u3
     if keys.len() == 2 || *depth > MIDDLE_DEPTH {
         return keys.len() / 2;
     }
-    part_by_middle(keys, |key| references.bounds(reference(*key)))
-}
-
-/// As [`part`], of references of one code that stand beside their boxes.
-pub(super) fn part_boxed(run: &mut [(Key, Aabb)], depth: u32) -> usize {
-    if run.len() == 2 || depth > MIDDLE_DEPTH { run.len() / 2 } else { part_by_middle(run, |(_, b)| *b) }
+    part_by_middle(keys, |&key| references.bounds(reference(key)).center2())
 }
 
 /// Moves to the front the items whose centroid lies before the middle of the longest edge of the centroids'
 /// bounds. Returns their number; half of all where they do not lie apart.
-fn part_by_middle<T>(items: &mut [T], bounds: impl Fn(&T) -> Aabb) -> usize {
-    let all = items.iter().fold(Aabb::EMPTY, |all, item| all.grow(bounds(item).center2()));
+pub(super) fn part_by_middle<T: Copy>(items: &mut [T], center2: impl Fn(&T) -> Vec3A) -> usize {
+    let all = items.iter().fold(Aabb::EMPTY, |all, item| all.grow(center2(item)));
     let axis = all.extent().max_position();
-    let middle = all.center()[axis];
+    let middle = Vec3A::splat(all.center()[axis]);
     let mut split = 0;
     for i in 0..items.len() {
-        if bounds(&items[i]).center2()[axis] < middle {
-            items.swap(i, split);
-            split += 1;
-        }
+        let is_before = center2(&items[i]).cmplt(middle).bitmask() >> axis & 1 == 1;
+        // No branch: it could not be foreseen.
+        items.swap(i, if is_before { split } else { i });
+        split += usize::from(is_before);
     }
     if (1..items.len()).contains(&split) { split } else { items.len() / 2 }
 }

@@ -5,6 +5,7 @@ use super::bins::Bins;
 use super::small_sweep::{self, Isa};
 use super::split_cost::Weight;
 use crate::geometry::Aabb;
+use glam::Vec3A;
 
 /// The best object split of a cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,13 +33,27 @@ impl ObjectSplit {
                 && (self.axis, self.left) < (other.axis, other.left))
     }
 
+    /// What the boxes of both sides have in common; all of space if there is no split.
+    pub fn overlap(&self, nodes: &[Node]) -> Aabb {
+        if self.left == 0 {
+            return Aabb::new(Vec3A::NEG_INFINITY, Vec3A::INFINITY);
+        }
+        let is_left = self.members(nodes);
+        let mut sides = [Aabb::EMPTY; 2];
+        for (i, node) in nodes.iter().enumerate() {
+            let side = &mut sides[usize::from(is_left(i, node))];
+            *side = side.union(node.bounds());
+        }
+        sides[0].intersection(sides[1])
+    }
+
     /// Tells of every node of the cut, given with its position, whether it is on the left.
     pub fn members(&self, nodes: &[Node]) -> impl Fn(usize, &Node) -> bool + use<> {
         let (axis, last) = (self.axis, self.last);
         let border = center(&nodes[last], axis);
         move |i, node| {
             let own = center(node, axis);
-            own < border || (own == border && i <= last)
+            (own < border) | ((own == border) & (i <= last))
         }
     }
 }
@@ -46,8 +61,7 @@ impl ObjectSplit {
 /// Twice the centroid's coordinate along an axis.
 #[inline]
 pub(super) fn center(node: &Node, axis: usize) -> f32 {
-    let [min, max] = node.corners();
-    min[axis] + max[axis]
+    node.lower(axis) + node.upper(axis)
 }
 
 /// From this length on bins are faster than sorting.

@@ -3,6 +3,8 @@
 
 #![allow(unsafe_code)]
 
+use std::mem::MaybeUninit;
+
 /// Below this the kernel has no huge page to give.
 const HUGE_PAGE: usize = 2 << 20;
 
@@ -21,6 +23,16 @@ pub(super) fn reserve<T>(array: &mut Vec<T>, len: usize) {
 pub(super) fn resize<T: Clone>(array: &mut Vec<T>, len: usize, value: T) {
     reserve(array, len);
     array.resize(len, value);
+}
+
+/// Room for `len` others in the memory of an empty array, until it is filled.
+pub(super) fn lend<T, U: Copy>(array: &mut Vec<T>, len: usize) -> &mut [MaybeUninit<U>] {
+    array.clear();
+    // One more, should the first be ill aligned.
+    reserve(array, (size_of::<U>() * (len + 1)).div_ceil(size_of::<T>()));
+    // SAFETY: memory that holds nothing may hold nothing of another type.
+    let (_, others, _) = unsafe { array.spare_capacity_mut().align_to_mut::<MaybeUninit<U>>() };
+    &mut others[..len]
 }
 
 #[cfg(target_os = "linux")]
@@ -53,5 +65,8 @@ mod tests {
         super::resize(&mut array, 2, 0);
         super::reserve(&mut array, 10);
         assert_eq!(array, [1, 2]);
+        assert_eq!(super::lend::<u64, u16>(&mut array, 5).len(), 5);
+        assert_eq!(super::lend::<u64, [u64; 3]>(&mut array, 50).len(), 50);
+        assert!(array.is_empty());
     }
 }

@@ -1,11 +1,12 @@
 //! Progressive Hierarchical Refinement (Hendrich, Meister, Bittner 2017): the paper's builder.
 
-use super::binary::{BinaryTree, Node};
-use super::cut::open;
+use super::binary::BinaryTree;
+use super::cut::{Growing, open};
 use super::cut_recursion::{Refine, Rules};
 use super::hierarchy::Hierarchy;
+use super::lbvh::{AuxiliaryConfig, Clusters};
 use super::presplit::PresplitConfig;
-use super::{Build, Builder};
+use super::{Build, Builder, subtree_sweep};
 use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};
 
@@ -23,6 +24,9 @@ pub struct PhrConfig {
     pub cut_share: f32,
     /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3").
     pub spatial_threshold: f32,
+    /// Spatial splits are tried only where the sides of the best object split overlap in a box whose area relative
+    /// to the scene's exceeds this (cf. Stich et al. 2009, 4.5): 0, whether they overlap or not, in the paper.
+    pub overlap_threshold: f32,
     /// Most references per triangle that spatial splits may make: a bound on memory, not in the paper.
     pub max_references: f32,
     /// Most triangles of a leaf. Up to four always are one; more where the cost model has a leaf of several
@@ -30,9 +34,14 @@ pub struct PhrConfig {
     pub max_leaf: u32,
     /// References that a leaf of the auxiliary BVH holds at most: 1 in the paper, up to 4.
     pub auxiliary_leaf: u32,
+    /// Larger subtrees that are leaves of the auxiliary BVH too: none in the paper.
+    pub clusters: Option<Clusters>,
     /// Cuts of at most so many references are opened down to them, and their splits count the quartets that
     /// leaves cost: 0 in the paper.
     pub leaf_sweep: u32,
+    /// Cuts of at most so many references, whose boxes are too small for spatial splits, are split down to leaves
+    /// in one go by sweeps over all of them: 0 in the paper, up to 256.
+    pub subtree_sweep: u32,
     /// Which triangles are split before the Morton sort (paper 5.3); `None` for none.
     pub presplit: Option<PresplitConfig>,
     /// Where a spatial split cuts a node of a single triangle, the triangle is clipped and not only its box.
@@ -51,6 +60,9 @@ impl PhrConfig {
         max_leaf: 8,
         auxiliary_leaf: 1,
         leaf_sweep: 0,
+        subtree_sweep: 0,
+        clusters: None,
+        overlap_threshold: 0.0,
         presplit: None,
         clip_triangles: false,
     };
@@ -61,6 +73,12 @@ impl PhrConfig {
     pub(super) fn initial_cut(&self, triangles: usize) -> Option<(f32, usize)> {
         let len = (triangles as f32 * self.cut_share) as usize;
         (self.cut_share > 0.0).then(|| (0.0, len.max(2048).min(self.max_cut)))
+    }
+
+    /// Of the auxiliary BVH.
+    pub(super) fn auxiliary(&self) -> AuxiliaryConfig {
+        let Self { presplit, auxiliary_leaf: leaf, clusters, .. } = *self;
+        AuxiliaryConfig { presplit, leaf, clusters }
     }
 
     /// The rules for a scene of so many triangles with the given box.
@@ -76,6 +94,9 @@ impl PhrConfig {
             max_references: self.max_references,
             max_leaf: self.max_leaf,
             leaf_sweep: self.leaf_sweep,
+            overlap_above: (self.overlap_threshold > 0.0)
+                .then_some(scene.half_area() * self.overlap_threshold),
+            subtree_sweep: self.subtree_sweep.min(subtree_sweep::MOST as u32),
             clip_triangles: self.clip_triangles,
         }
     }
@@ -102,16 +123,11 @@ impl Threshold {
 }
 
 impl Refine for Threshold {
-    fn refine(
-        &self,
-        tree: &BinaryTree,
-        clip: &Aabb,
-        depth: u32,
-        side: &mut Vec<Node>,
-        refined: &mut Vec<Node>,
-    ) {
+    #[inline]
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &[u32], refined: &mut Growing<'_>) {
         let threshold = self.at(depth);
-        for node in side.drain(..) {
+        for &place in side {
+            let node = refined.arena[place as usize];
             if node.is_leaf() || node.bounds().half_area() <= threshold {
                 refined.push(node);
             } else {
@@ -155,9 +171,7 @@ impl Builder for Phr {
     }
 
     fn build(&mut self, mesh: &Mesh) -> Build {
-        let PhrConfig { presplit, auxiliary_leaf, .. } = &self.config;
-        self.hierarchy
-            .build(mesh, presplit.as_ref(), *auxiliary_leaf, |scene| self.config.rules(mesh.len(), scene))
+        self.hierarchy.build(mesh, &self.config.auxiliary(), |scene| self.config.rules(mesh.len(), scene))
     }
 
     fn recycle(&mut self, tree: Bvh4) {

@@ -51,8 +51,10 @@ pub(super) fn append_node(children: &[(Aabb, Link)], nodes: &mut Vec<WideNode<WI
 /// Built by one task.
 #[derive(Default)]
 pub(super) struct Piece {
-    nodes: Vec<WideNode<WIDTH>>,
-    blocks: Vec<TriangleBlock>,
+    /// Children before parents.
+    pub nodes: Vec<WideNode<WIDTH>>,
+    /// Those of a leaf in a row.
+    pub blocks: Vec<TriangleBlock>,
 }
 
 impl Piece {

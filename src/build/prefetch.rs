@@ -5,6 +5,7 @@
 use super::binary::{BinaryTree, Node};
 use super::morton_order::{Key, reference};
 use super::references::References;
+use crate::geometry::Mesh;
 
 /// Brings near the triangles below `node`, which one thread is about to build: their addresses depend on loads
 /// themselves, and here many such are on their way at once.
@@ -25,6 +26,20 @@ pub(super) fn warm(tree: &BinaryTree, keys: &[Key], references: &References<'_>,
         if let Some(triangle) = triangles.get(reference(*key) as usize) {
             line(vertices, triangle[0] as usize);
         }
+    }
+}
+
+/// Brings near triangles that the walk along `keys` that is at `i` comes to next.
+#[inline]
+pub(super) fn triangle(mesh: &Mesh, keys: &[Key], i: usize) {
+    const AHEAD: usize = 16;
+    if let Some(&key) = keys.get(i + 2 * AHEAD) {
+        line(mesh.triangles(), reference(key) as usize);
+    }
+    if let Some(&key) = keys.get(i + AHEAD)
+        && let Some(triangle) = mesh.triangles().get(reference(key) as usize)
+    {
+        triangle.iter().for_each(|&vertex| line(mesh.padded_vertices(), vertex as usize));
     }
 }
 

@@ -1,8 +1,8 @@
 //! The builders by name: those of the paper, ours, and ours with one step less or more.
 
 use super::{
-    Aac, AacConfig, Best, BestConfig, Builder, Hunt, HuntConfig, Lbvh, OptimiseConfig, Phr, PhrConfig,
-    PresplitConfig,
+    Aac, AacConfig, Best, BestConfig, Builder, Clusters, Hunt, HuntConfig, Lbvh, OptimiseConfig, Phr,
+    PhrConfig, PresplitConfig,
 };
 
 /// Names of the builders of a table, in its order.
@@ -13,7 +13,11 @@ pub const NAMES: &[&str] =
 /// They are run where they are asked for.
 pub const ABLATION: &[&str] = &[
     "phr-fast-coarse",
+    "phr-fast-clusters",
+    "phr-fast-subtrees",
     "phr-hq-coarse",
+    "phr-hq-overlap",
+    "phr-hq-subtrees",
     "phr-hq-clip",
     "phr-hq-presplit",
     "phr-hq-sweep",
@@ -22,18 +26,33 @@ pub const ABLATION: &[&str] = &[
 ];
 
 impl PhrConfig {
-    /// For speed: PHR-Fast over an auxiliary BVH whose leaves are quartets, with needles presplit and triangles
-    /// clipped at spatial splits, which cost little and save scenes of rods and pipes.
+    /// For speed: PHR-Fast over an auxiliary BVH whose leaves are quartets or small clusters, subtrees near the
+    /// leaves swept in one go, spatial splits only of what is large and overlaps, with needles presplit and
+    /// triangles clipped, which costs little and saves scenes of rods and pipes.
     pub const SPEED: Self = Self {
+        spatial_threshold: 1e-2,
+        overlap_threshold: 1e-3,
         auxiliary_leaf: 4,
+        clusters: Some(Clusters { most: 32, area: 3e-4 }),
+        subtree_sweep: 32,
         presplit: Some(PresplitConfig::NEEDLES),
         clip_triangles: true,
         ..Self::FAST
     };
 
-    /// For quality: the same over single triangles, all of which spatial splits can clip, with cuts between
-    /// PHR-Fast's and PHR-HQ's, and splits near the leaves judged by the quartets that leaves cost.
-    pub const QUALITY: Self = Self { delta: 7.0, auxiliary_leaf: 1, leaf_sweep: 16, ..Self::SPEED };
+    /// For quality: single triangles in the auxiliary BVH, all of which spatial splits can clip, cuts between
+    /// PHR-Fast's and PHR-HQ's, and larger subtrees swept in one go.
+    pub const QUALITY: Self = Self {
+        alpha: 0.55,
+        delta: 7.0,
+        spatial_threshold: 1e-3,
+        overlap_threshold: 1e-4,
+        auxiliary_leaf: 1,
+        clusters: None,
+        leaf_sweep: 16,
+        subtree_sweep: 64,
+        ..Self::SPEED
+    };
 }
 
 impl BestConfig {
@@ -67,6 +86,10 @@ pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
         "phr-quality" => phr(PhrConfig::QUALITY),
         "phr-best" => Box::new(Best::new(name, BestConfig::DEFAULT)),
         "phr-fast-coarse" => phr(PhrConfig { auxiliary_leaf: 4, ..PhrConfig::FAST }),
+        "phr-fast-clusters" => phr(PhrConfig { clusters: PhrConfig::SPEED.clusters, ..PhrConfig::FAST }),
+        "phr-fast-subtrees" => phr(PhrConfig { subtree_sweep: 32, ..PhrConfig::FAST }),
+        "phr-hq-overlap" => phr(PhrConfig { overlap_threshold: 1e-4, ..hq }),
+        "phr-hq-subtrees" => phr(PhrConfig { subtree_sweep: 64, ..hq }),
         "phr-hq-coarse" => phr(PhrConfig { auxiliary_leaf: 4, ..hq }),
         "phr-hq-clip" => phr(PhrConfig { clip_triangles: true, ..hq }),
         "phr-hq-presplit" => phr(PhrConfig { presplit: Some(PresplitConfig::NEEDLES), ..hq }),

@@ -10,21 +10,24 @@ use rayon::prelude::*;
 const DIGIT_BITS: u32 = 11;
 const BUCKETS: usize = 1 << DIGIT_BITS;
 const PASSES: u32 = 32u32.div_ceil(DIGIT_BITS);
+const _: () = assert!(PASSES % 2 == 1);
 /// Below this the standard library's sort wins.
 const SMALL: usize = 1 << 12;
 
-/// Sorts `keys` by their upper 32 bits, equal ones in their given order.
-/// `scratch` is memory for the same number of keys.
-pub(super) fn sort(keys: &mut Vec<u64>, scratch: &mut Vec<u64>) {
+/// Sorts `keys` by their upper 32 bits, equal ones in their given order, into `sorted`, which is as long.
+pub(super) fn sort(keys: &mut [u64], sorted: &mut [u64]) {
+    assert_eq!(keys.len(), sorted.len());
     if keys.len() < SMALL {
-        keys.sort_by_key(|&key| key >> 32);
+        sorted.copy_from_slice(keys);
+        sorted.sort_by_key(|&key| key >> 32);
         return;
     }
-    scratch.resize(keys.len(), 0);
     let chunk = keys.len().div_ceil(rayon::current_num_threads()).max(SMALL);
+    let (mut from, mut to) = (keys, sorted);
+    // An odd number of passes ends in `sorted`.
     for pass in 0..PASSES {
-        scatter(keys, scratch, chunk, 32 + pass * DIGIT_BITS);
-        std::mem::swap(keys, scratch);
+        scatter(from, to, chunk, 32 + pass * DIGIT_BITS);
+        std::mem::swap(&mut from, &mut to);
     }
 }
 
@@ -83,8 +86,9 @@ mod tests {
                 let mut keys: Vec<u64> = (0..n).map(|i| mix(i) << 32 | i ^ 5).collect();
                 let mut expected = keys.clone();
                 expected.sort_by_key(|key| key >> 32);
-                sort(&mut keys, &mut Vec::new());
-                assert_eq!(keys, expected);
+                let mut sorted = vec![0; keys.len()];
+                sort(&mut keys, &mut sorted);
+                assert_eq!(sorted, expected);
             }
         }
     }

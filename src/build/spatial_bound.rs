@@ -1,77 +1,173 @@
-//! What a spatial split must cost at least: most nodes have none that beats their object split, and a look at
-//! bins tells so without sorting.
+//! What spatial splits must cost at least: the boundaries of nodes are put into bins, and only planes in the few
+//! bins that may hold one cheaper than a limit are looked at one by one.
 
 use super::binary::Node;
 use super::split_cost::Weight;
 use crate::geometry::Aabb;
-use glam::Vec3A;
+use glam::{BVec3A, Vec3A};
 
 /// Most bins along each axis.
-const BINS: usize = 16;
+pub(super) const BINS: usize = 32;
+
+/// Bins for `n` nodes: few nodes do not pay for many.
+fn bins_for(n: usize) -> usize {
+    match n {
+        ..=24 => BINS / 4,
+        25..=96 => BINS / 2,
+        _ => BINS,
+    }
+}
+
+/// Nodes that lie on one side of all planes of a bin.
+#[derive(Clone, Copy)]
+pub(super) struct Side {
+    /// Their union.
+    pub bounds: Aabb,
+    /// Their number.
+    pub count: u32,
+}
+
+impl Side {
+    const EMPTY: Self = Self { bounds: Aabb::EMPTY, count: 0 };
+
+    fn union(self, other: &Self) -> Self {
+        Self { bounds: self.bounds.union(other.bounds), count: self.count + other.count }
+    }
+
+    #[inline]
+    fn add(&mut self, bounds: Aabb) {
+        self.bounds = self.bounds.union(bounds);
+        self.count += 1;
+    }
+}
 
 /// The node boundaries within one bin.
 #[derive(Clone, Copy)]
 struct Bin {
-    /// Least and greatest boundary: planes within the bin lie between.
-    planes: [f32; 2],
-    /// Nodes that begin here: their union and number.
-    begin: (Aabb, u32),
+    /// Nodes that begin here.
+    begin: Side,
     /// Nodes that end here.
-    end: (Aabb, u32),
+    end: Side,
+    /// The greatest boundary of those that begin, and the least of those that end.
+    inner: [f32; 2],
 }
 
 impl Bin {
     const EMPTY: Self =
-        Self { planes: [f32::INFINITY, f32::NEG_INFINITY], begin: (Aabb::EMPTY, 0), end: (Aabb::EMPTY, 0) };
+        Self { begin: Side::EMPTY, end: Side::EMPTY, inner: [f32::NEG_INFINITY, f32::INFINITY] };
 
-    fn add_plane(&mut self, plane: f32) {
-        self.planes = [self.planes[0].min(plane), self.planes[1].max(plane)];
+    /// The least and the greatest boundary.
+    #[inline]
+    fn planes(&self, axis: usize) -> [f32; 2] {
+        let (begin, end) = (self.begin.bounds.min[axis], self.end.bounds.max[axis]);
+        [begin.min(self.inner[1]), end.max(self.inner[0])]
     }
 }
 
-/// By axis, whether some spatial split of `nodes`, whose union is `bounds`, may cost less than `limit`.
-///
-/// A plane within a bin has on its left all nodes that begin in bins before, and on its right all that end in
-/// bins after; their boxes, cut at the bin's outermost planes, and their numbers bound the cost from below.
-pub(super) fn may_gain(nodes: &[Node], bounds: Aabb, weight: Weight, limit: f32) -> [bool; 3] {
-    // Few nodes do not pay for many bins.
-    let used = if nodes.len() <= 48 { BINS / 2 } else { BINS };
-    let scale = Vec3A::splat(used as f32 * 0.999) / bounds.extent();
-    let scale = Vec3A::select(scale.cmplt(Vec3A::splat(f32::MAX)), scale, Vec3A::ZERO);
-    let mut bins = [[Bin::EMPTY; BINS]; 3];
-    let bin_of = |point: Vec3A| {
+/// Boundaries in bins.
+pub(super) struct SpatialBins {
+    bins: [[Bin; BINS]; 3],
+    used: usize,
+    /// The bins by axis where each node begins and ends.
+    places: Vec<[[u8; 4]; 2]>,
+}
+
+impl Default for SpatialBins {
+    fn default() -> Self {
+        Self { bins: [[Bin::EMPTY; BINS]; 3], used: BINS, places: Vec::new() }
+    }
+}
+
+impl SpatialBins {
+    /// Takes the boundaries of `nodes`, whose union is `bounds`.
+    pub fn fill(&mut self, nodes: &[Node], bounds: Aabb) {
+        self.used = bins_for(nodes.len());
+        for of_axis in &mut self.bins {
+            of_axis[..self.used].fill(Bin::EMPTY);
+        }
+        let scale = Vec3A::splat(self.used as f32 * 0.999) / bounds.extent();
+        // A flat side has one bin.
+        let scale = Vec3A::select(scale.cmplt(Vec3A::splat(f32::MAX)), scale, Vec3A::ZERO);
         // Boxes lie within the bounds; bins are monotone in the coordinate, whatever is rounded.
-        ((point - bounds.min) * scale).to_array().map(|x| (x as usize).min(used - 1))
-    };
-    for node in nodes {
-        let b = node.bounds();
-        let (begin, end) = (bin_of(b.min), bin_of(b.max));
-        for axis in 0..3 {
-            let bin = &mut bins[axis][begin[axis]];
-            bin.add_plane(b.min[axis]);
-            bin.begin = (bin.begin.0.union(b), bin.begin.1 + 1);
-            let bin = &mut bins[axis][end[axis]];
-            bin.add_plane(b.max[axis]);
-            bin.end = (bin.end.0.union(b), bin.end.1 + 1);
+        let bin_of = |point: Vec3A| {
+            let place = ((point - bounds.min) * scale - 0.5).max(Vec3A::ZERO) + ROUND;
+            [place.x, place.y, place.z, 0.0].map(|place| place.to_bits() as u8)
+        };
+        self.places.clear();
+        self.places.extend(nodes.iter().map(|node| {
+            let b = node.bounds();
+            let places = [bin_of(b.min), bin_of(b.max)];
+            for axis in 0..3 {
+                let [begin, end] = places.map(|place| usize::from(place[axis]) % BINS);
+                let bin = &mut self.bins[axis][begin];
+                bin.begin.add(b);
+                bin.inner[0] = bin.inner[0].max(b.min[axis]);
+                let bin = &mut self.bins[axis][end];
+                bin.end.add(b);
+                bin.inner[1] = bin.inner[1].min(b.max[axis]);
+            }
+            places
+        }));
+    }
+
+    /// Looks for planes normal to `axis` that may cost less than `limit`: gives `sweep` each bin that may hold
+    /// some, in order, with the nodes that lie on the left and on the right of all its planes (or reach across
+    /// them), and goes on with the limit it returns.
+    ///
+    /// A plane within a bin has on its left all nodes that begin in bins before, and on its right all that end in
+    /// bins after; their boxes, cut at the bin's outermost planes, and their numbers bound the cost from below.
+    pub fn each_below(
+        &self,
+        axis: usize,
+        mut limit: f32,
+        weight: Weight,
+        mut sweep: impl FnMut(u8, [&Side; 2]) -> f32,
+    ) {
+        let bins = &self.bins[axis][..self.used];
+        let mut after = [Side::EMPTY; BINS];
+        for b in (1..bins.len()).rev() {
+            after[b - 1] = after[b].union(&bins[b].end);
+        }
+        let mut before = Side::EMPTY;
+        for (b, (bin, after)) in bins.iter().zip(&after).enumerate() {
+            let planes = bin.planes(axis);
+            // Both sides of a split hold a node.
+            let cost = below(before.bounds, axis, planes[0]).half_area()
+                * weight.of(before.count.max(1) as usize)
+                + above(after.bounds, axis, planes[1]).half_area() * weight.of(after.count.max(1) as usize);
+            if planes[0] <= planes[1] && cost < limit {
+                limit = sweep(b as u8, [&before, after]);
+            }
+            before = before.union(&bin.begin);
         }
     }
-    [0, 1, 2].map(|axis| axis_may_gain(axis, &bins[axis][..used], weight, limit))
+
+    /// The positions of the nodes, each with whether it begins and whether it ends in a bin, if it does either.
+    pub fn members(&self, axis: usize, bin: u8) -> impl Iterator<Item = (usize, [bool; 2])> {
+        let places = self.places.iter().map(move |place| place.map(|at| at[axis] == bin)).enumerate();
+        places.filter(|(_, [begins, ends])| begins | ends)
+    }
 }
 
-fn axis_may_gain(axis: usize, bins: &[Bin], weight: Weight, limit: f32) -> bool {
-    let mut after = [(Aabb::EMPTY, 0u32); BINS];
-    for b in (1..bins.len()).rev() {
-        after[b - 1] = (after[b].0.union(bins[b].end.0), after[b].1 + bins[b].end.1);
-    }
-    let mut before = (Aabb::EMPTY, 0u32);
-    bins.iter().zip(after).any(|(bin, after)| {
-        let (mut left, mut right) = (before.0, after.0);
-        left.max[axis] = left.max[axis].min(bin.planes[0]);
-        right.min[axis] = right.min[axis].max(bin.planes[1]);
-        // Both sides of a split hold a node.
-        let cost = left.half_area() * weight.of(before.1.max(1) as usize)
-            + right.half_area() * weight.of(after.1.max(1) as usize);
-        before = (before.0.union(bin.begin.0), before.1 + bin.begin.1);
-        bin.planes[0] <= bin.planes[1] && cost < limit
-    })
+/// The part of a box below `plane` along an axis. Vectors are never written in parts: what reads them would wait.
+#[inline(always)]
+pub(super) fn below(mut bounds: Aabb, axis: usize, plane: f32) -> Aabb {
+    bounds.max = bounds.max.min(Vec3A::select(along(axis), Vec3A::splat(plane), Vec3A::INFINITY));
+    bounds
 }
+
+/// The part of a box above `plane` along an axis.
+#[inline(always)]
+pub(super) fn above(mut bounds: Aabb, axis: usize, plane: f32) -> Aabb {
+    bounds.min = bounds.min.max(Vec3A::select(along(axis), Vec3A::splat(plane), Vec3A::NEG_INFINITY));
+    bounds
+}
+
+/// True for one axis.
+#[inline(always)]
+fn along(axis: usize) -> BVec3A {
+    BVec3A::new(axis == 0, axis == 1, axis == 2)
+}
+
+/// Added to a float it leaves the nearest integer in the lowest bits.
+const ROUND: f32 = (1 << 23) as f32;

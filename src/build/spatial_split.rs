@@ -2,7 +2,7 @@
 
 use super::binary::Node;
 use super::object_split::sortable;
-use super::spatial_bound::may_gain;
+use super::spatial_bound::{Side, SpatialBins, above, below};
 use super::split_cost::Weight;
 use crate::geometry::Aabb;
 
@@ -36,102 +36,128 @@ impl SpatialSplit {
 
     /// The part of a box on the left.
     #[inline]
-    pub fn left_of(&self, mut bounds: Aabb) -> Aabb {
-        bounds.max[self.axis] = bounds.max[self.axis].min(self.plane);
-        bounds
+    pub fn left_of(&self, bounds: Aabb) -> Aabb {
+        below(bounds, self.axis, self.plane)
     }
 
     /// The part of a box on the right.
     #[inline]
-    pub fn right_of(&self, mut bounds: Aabb) -> Aabb {
-        bounds.min[self.axis] = bounds.min[self.axis].max(self.plane);
-        bounds
+    pub fn right_of(&self, bounds: Aabb) -> Aabb {
+        above(bounds, self.axis, self.plane)
     }
 }
 
 /// Memory for sweeps.
 #[derive(Default)]
 pub(super) struct SpatialSweep {
-    /// (sortable lower << 32 | sortable upper boundary, node), sorted.
-    by_lower: Vec<(u64, u32)>,
-    /// (sortable upper boundary, node), sorted.
-    by_upper: Vec<(u32, u32)>,
-    /// `right[k]`: union of all but the first k nodes by upper boundary.
-    right: Vec<Aabb>,
+    bins: SpatialBins,
+    planes: Planes,
 }
 
 impl SpatialSweep {
     /// The spatial split of `nodes`, whose union is `bounds`, of least cost, if that is below `limit`; of equal
     /// ones the first by axis, then by plane.
     pub fn below(&mut self, limit: f32, nodes: &[Node], bounds: Aabb, weight: Weight) -> SpatialSplit {
-        let axes = may_gain(nodes, bounds, weight, limit);
-        let best = self.best(nodes, bounds, weight, axes);
+        let Self { bins, planes } = self;
+        bins.fill(nodes, bounds);
+        let mut best = SpatialSplit { cost: limit, ..SpatialSplit::NONE };
+        for axis in 0..3 {
+            bins.each_below(axis, best.cost, weight, |bin, sides| {
+                planes.gather(axis, nodes, bins.members(axis, bin));
+                planes.sweep(axis, nodes, bounds, sides, weight, &mut best);
+                best.cost
+            });
+        }
         if best.cost < limit { best } else { SpatialSplit::NONE }
     }
+}
 
-    fn best(&mut self, nodes: &[Node], bounds: Aabb, weight: Weight, axes: [bool; 3]) -> SpatialSplit {
-        (0..3).filter(|&axis| axes[axis]).fold(SpatialSplit::NONE, |best, axis| {
-            let candidate = self.best_along(axis, nodes, bounds, weight);
-            if candidate.cost < best.cost { candidate } else { best }
-        })
-    }
+/// The planes of a bin: the boundaries of nodes within it.
+#[derive(Default)]
+struct Planes {
+    /// (sortable lower << 32 | sortable upper boundary, node) of nodes that begin in the bin, sorted.
+    by_lower: Vec<(u64, u32)>,
+    /// (sortable upper boundary, node) of nodes that end in it, sorted.
+    by_upper: Vec<(u32, u32)>,
+    /// `right[k]`: union of the nodes on the right of the bin and all but the first k that end in it.
+    right: Vec<Aabb>,
+}
 
-    fn best_along(&mut self, axis: usize, nodes: &[Node], bounds: Aabb, weight: Weight) -> SpatialSplit {
-        let n = nodes.len();
+impl Planes {
+    /// Takes nodes by position, each with whether it begins and whether it ends in the bin.
+    fn gather(&mut self, axis: usize, nodes: &[Node], members: impl Iterator<Item = (usize, [bool; 2])>) {
         self.by_lower.clear();
         self.by_upper.clear();
-        for (i, node) in nodes.iter().enumerate() {
-            let b = node.bounds();
-            let (lower, upper) = (sortable(b.min[axis]), sortable(b.max[axis]));
-            self.by_lower.push((u64::from(lower) << 32 | u64::from(upper), i as u32));
-            self.by_upper.push((upper, i as u32));
+        for (i, [begins, ends]) in members {
+            let (lower, upper) = (sortable(nodes[i].lower(axis)), sortable(nodes[i].upper(axis)));
+            if begins {
+                self.by_lower.push((u64::from(lower) << 32 | u64::from(upper), i as u32));
+            }
+            if ends {
+                self.by_upper.push((upper, i as u32));
+            }
         }
         self.by_lower.sort_unstable();
         self.by_upper.sort_unstable();
-        self.right.resize(n + 1, Aabb::EMPTY);
-        self.right[n] = Aabb::EMPTY;
-        for k in (0..n).rev() {
-            self.right[k] = self.right[k + 1].union(nodes[self.by_upper[k].1 as usize].bounds());
-        }
+    }
 
-        let mut best = SpatialSplit::NONE;
-        let mut left = Aabb::EMPTY;
-        // On the left so far, and past the plane on the left (wholly there).
-        let (mut on_left, mut ended) = (0, 0);
+    /// Looks for a plane cheaper than `best`; `sides` are the nodes on the left and on the right of them all.
+    fn sweep(
+        &mut self,
+        axis: usize,
+        nodes: &[Node],
+        bounds: Aabb,
+        [before, after]: [&Side; 2],
+        weight: Weight,
+        best: &mut SpatialSplit,
+    ) {
+        let Self { by_lower, by_upper, right } = self;
+        let (begins, ends) = (by_lower.len(), by_upper.len());
+        right.resize(ends + 1, Aabb::EMPTY);
+        right[ends] = after.bounds;
+        for k in (0..ends).rev() {
+            right[k] = right[k + 1].union(nodes[by_upper[k].1 as usize].bounds());
+        }
+        let mut left = before.bounds;
+        // Of those that begin here: how many begin left of the plane, or begin and end in it. Of those that end
+        // here: how many end left of it or in it.
+        let (mut begun, mut ended) = (0, 0);
         let (mut next_lower, mut next_upper) = (0, 0);
-        while next_upper < n {
+        loop {
             // The next plane: the least boundary not yet looked at.
-            let upper = nodes[self.by_upper[next_upper].1 as usize].bounds().max[axis];
-            let plane = match self.by_lower.get(next_lower) {
-                Some(&(_, i)) => nodes[i as usize].bounds().min[axis].min(upper),
-                None => upper,
+            let lower = by_lower.get(next_lower).map(|&(_, i)| nodes[i as usize].lower(axis));
+            let upper = by_upper.get(next_upper).map(|&(_, i)| nodes[i as usize].upper(axis));
+            let plane = match (lower, upper) {
+                (Some(lower), Some(upper)) => lower.min(upper),
+                (Some(plane), None) | (None, Some(plane)) => plane,
+                (None, None) => break,
             };
             let at = sortable(plane);
-            while next_lower < n && (self.by_lower[next_lower].0 >> 32) as u32 <= at {
+            while next_lower < begins && (by_lower[next_lower].0 >> 32) as u32 <= at {
                 next_lower += 1;
             }
-            while next_upper < n && self.by_upper[next_upper].0 <= at {
+            while next_upper < ends && by_upper[next_upper].0 <= at {
                 next_upper += 1;
                 ended = next_upper;
             }
             // Left of the plane is what begins before it, or begins and ends in it.
             let reach = u64::from(at) << 32 | u64::from(at);
-            while on_left < n && self.by_lower[on_left].0 <= reach {
-                left = left.union(nodes[self.by_lower[on_left].1 as usize].bounds());
-                on_left += 1;
+            while begun < begins && by_lower[begun].0 <= reach {
+                left = left.union(nodes[by_lower[begun].1 as usize].bounds());
+                begun += 1;
             }
-            let on_right = n - ended;
+            let on_left = before.count as usize + begun;
+            let on_right = after.count as usize + ends - ended;
             if on_left == 0 || on_right == 0 || plane <= bounds.min[axis] || plane >= bounds.max[axis] {
                 continue;
             }
             let split = SpatialSplit { cost: 0.0, axis, plane };
             let cost = split.left_of(left).half_area() * weight.of(on_left)
-                + split.right_of(self.right[ended]).half_area() * weight.of(on_right);
+                + split.right_of(right[ended]).half_area() * weight.of(on_right);
             if cost < best.cost {
-                best = SpatialSplit { cost, ..split };
+                *best = SpatialSplit { cost, ..split };
             }
         }
-        best
     }
 }
 
@@ -148,6 +174,10 @@ mod tests {
             .collect();
         let bounds = nodes.iter().map(Node::bounds).collect();
         (nodes, bounds)
+    }
+
+    fn cheapest(nodes: &[Node], bounds: Aabb) -> SpatialSplit {
+        SpatialSweep::default().below(f32::INFINITY, nodes, bounds, Weight::Nodes)
     }
 
     /// Equation 3 evaluated by its definition.
@@ -179,7 +209,7 @@ mod tests {
     #[test]
     fn the_sweep_finds_what_the_definition_says() {
         let (long, bounds) = nodes(&[[0., 10.], [0., 1.], [9., 10.], [5., 5.], [0., 4.]]);
-        let best = SpatialSweep::default().best(&long, bounds, Weight::Nodes, [true; 3]);
+        let best = cheapest(&long, bounds);
         assert_eq!(best, by_definition(&long));
         let mut state = 1u32;
         let mut random = || {
@@ -197,7 +227,7 @@ mod tests {
                 })
                 .collect();
             let bounds = nodes.iter().map(Node::bounds).collect();
-            let best = SpatialSweep::default().best(&nodes, bounds, Weight::Nodes, [true; 3]);
+            let best = cheapest(&nodes, bounds);
             assert_eq!(best, by_definition(&nodes));
             for share in [0.5, 0.999, 1.0, 1.001, 2.0] {
                 let limit = best.cost * share;
@@ -210,9 +240,6 @@ mod tests {
     #[test]
     fn one_box_has_no_plane() {
         let (nodes, bounds) = nodes(&[[0., 1.]]);
-        assert_eq!(
-            SpatialSweep::default().best(&nodes, bounds, Weight::Nodes, [true; 3]),
-            SpatialSplit::NONE
-        );
+        assert_eq!(cheapest(&nodes, bounds), SpatialSplit::NONE);
     }
 }

@@ -3,10 +3,10 @@
 use super::Phase;
 use super::binary::Node;
 use super::bins::Bins;
-use super::cut::{Cut, SPACE};
+use super::cut::{Cut, Growing, SPACE};
 use super::cut_recursion::Refine;
 use super::in_order::Batch;
-use super::lbvh::Auxiliary;
+use super::lbvh::{Auxiliary, AuxiliaryConfig};
 use super::morton_order::reference;
 use super::object_split::{ObjectSplit, Sweep};
 use super::phr::{PhrConfig, Threshold};
@@ -40,14 +40,14 @@ pub struct Steps<'a> {
     piece: Piece,
     initial: Vec<Node>,
     arena: Vec<Node>,
-    side: Vec<Node>,
+    side: Vec<u32>,
 }
 
 impl<'a> Steps<'a> {
     /// Of a mesh of more than four triangles; leaves of the auxiliary BVH hold at most `leaf` triangles.
     pub fn new(mesh: &'a Mesh, leaf: u32) -> Self {
         let mut auxiliary = Auxiliary::default();
-        auxiliary.build(mesh, None, leaf);
+        auxiliary.build(mesh, &AuxiliaryConfig { leaf, ..AuxiliaryConfig::PAPER });
         let children = auxiliary.tree.pairs.chunks_exact(2).map(|pairs| {
             let link = |node: &Node| (node.bounds(), Link::inner(node.pair().unwrap_or_default()));
             [link(&pairs[0][0]), link(&pairs[0][1]), link(&pairs[1][0]), link(&pairs[1][1])]
@@ -70,7 +70,7 @@ impl<'a> Steps<'a> {
     /// Builds the auxiliary BVH again; the durations of its phases, "codes", "sort" and "auxiliary tree" among
     /// them.
     pub fn auxiliary(&mut self, leaf: u32) -> Vec<Phase> {
-        self.auxiliary.build(self.mesh, None, leaf)
+        self.auxiliary.build(self.mesh, &AuxiliaryConfig { leaf, ..AuxiliaryConfig::PAPER })
     }
 
     /// Of "codes", "sort" (each key moved but once) or "auxiliary tree"; `None` of others.
@@ -121,9 +121,11 @@ impl<'a> Steps<'a> {
         }
         let mut refined = len;
         for half in [first..first + len / 2, first + len / 2..first + len] {
-            self.side.extend_from_slice(&self.arena[half]);
+            self.side.clear();
+            self.side.extend(half.map(|place| place as u32));
             let begin = self.arena.len();
-            self.threshold.refine(&self.auxiliary.tree, &SPACE, depth, &mut self.side, &mut self.arena);
+            let mut cut = Growing::new(&mut self.arena);
+            self.threshold.refine(&self.auxiliary.tree, &SPACE, depth, &self.side, &mut cut);
             refined += self.refine_halves(begin, depth + 1);
             self.arena.truncate(begin);
         }

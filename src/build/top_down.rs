@@ -40,6 +40,8 @@ pub(super) trait TopDown: Sync {
     type Part: Clone;
     /// Memory and counts of a thread.
     type Scratch: Default + Send;
+    /// How much of that memory is in use.
+    type Mark;
 
     /// Brings a subtree into a thread's memory.
     fn plant(&self, seed: Self::Seed, scratch: &mut Self::Scratch) -> Self::Part;
@@ -95,6 +97,11 @@ pub(super) trait TopDown: Sync {
     /// Appends the triangles of a leaf; returns their box, clipped like the part.
     fn leaf(&self, part: &Self::Part, prims: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb;
 
+    /// Appends the wide nodes and blocks of a part that is split already; `None` for others.
+    fn finish(&self, _: &Self::Part, _: &mut Piece, _: &Self::Scratch) -> Option<Subtree> {
+        None
+    }
+
     /// As [`TopDown::leaf`], with the box of what is to be seen of the triangles within the part; those of which
     /// nothing is are left out.
     fn visible_leaf(&self, part: &Self::Part, prims: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb {
@@ -102,16 +109,16 @@ pub(super) trait TopDown: Sync {
     }
 
     /// How much of the scratch memory is in use.
-    fn mark(&self, scratch: &Self::Scratch) -> usize;
+    fn mark(&self, scratch: &Self::Scratch) -> Self::Mark;
 
     /// Frees scratch memory taken since `mark`.
-    fn release(&self, scratch: &mut Self::Scratch, mark: usize);
+    fn release(&self, scratch: &mut Self::Scratch, mark: Self::Mark);
 }
 
 /// Memory of tasks and of trees no longer used, kept from build to build.
 pub(super) struct Memory<S> {
     /// Of threads.
-    pub workers: Spare<Worker<S>>,
+    pub workers: Spare<Box<Worker<S>>>,
     /// Of pieces.
     pub pieces: Spare<Piece>,
     tree: Option<Bvh4>,
@@ -136,12 +143,20 @@ impl<S: Default> Memory<S> {
 
     /// The arrays of a tree over `n` triangles, empty, with room for what most trees need.
     pub fn arrays(&mut self, n: usize) -> (Vec<WideNode<WIDTH>>, Vec<TriangleBlock>) {
+        self.blocks(n);
         let Bvh4 { mut nodes, mut blocks, .. } = self.tree.take().unwrap_or_default();
         nodes.clear();
         blocks.clear();
         pages::reserve(&mut nodes, n / 4 + 64);
-        pages::reserve(&mut blocks, n / 2 + 64);
         (nodes, blocks)
+    }
+
+    /// The leaf blocks that [`Memory::arrays`] is going to give, for others to use their memory before.
+    pub fn blocks(&mut self, n: usize) -> &mut Vec<TriangleBlock> {
+        let blocks = &mut self.tree.get_or_insert_default().blocks;
+        blocks.clear();
+        pages::reserve(blocks, n / 2 + 64);
+        blocks
     }
 
     /// Bytes held by pieces.
@@ -235,7 +250,7 @@ pub(super) struct Emitter<'a, T> {
 
 impl<T: TopDown> Emitter<'_, T> {
     /// Splits a part into pieces of less than `grain` references, its children in parallel.
-    fn upper(&self, seed: T::Seed, grain: u32, workers: &Spare<Worker<T::Scratch>>) -> Upper<T::Seed> {
+    fn upper(&self, seed: T::Seed, grain: u32, workers: &Spare<Box<Worker<T::Scratch>>>) -> Upper<T::Seed> {
         let mut worker = workers.take();
         let scratch = &mut worker.scratch;
         let mark = self.builder.mark(scratch);
@@ -267,6 +282,9 @@ impl<T: TopDown> Emitter<'_, T> {
 
     /// Builds a part depth first into `piece`.
     fn serial(&self, part: &T::Part, piece: &mut Piece, worker: &mut Worker<T::Scratch>) -> Subtree {
+        if let Some(subtree) = self.builder.finish(part, piece, &worker.scratch) {
+            return subtree;
+        }
         if self.builder.kind(part) != Kind::Inner {
             return self.leaf(part, piece, worker);
         }

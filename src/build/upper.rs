@@ -6,7 +6,7 @@ use super::references::References;
 use std::sync::{Mutex, MutexGuard};
 
 /// Most references of a run.
-const RUN: usize = 1 << 12;
+pub(super) const RUN: usize = 1 << 12;
 
 /// A run of keys.
 struct Run<'a> {

@@ -2,7 +2,7 @@
 //! (paper 4.5; leaf model of Table 1's caption).
 
 use crate::geometry::{Aabb, Mesh};
-use glam::{Mat4, Vec3A};
+use glam::{Mat4, Vec3A, Vec4};
 
 /// Most blocks in one leaf (28 triangles), as in Embree.
 pub const MAX_LEAF_BLOCKS: usize = 7;
@@ -158,16 +158,24 @@ impl WideNode<4> {
             boxes[slot] = bounds;
             links[slot] = link;
         }
-        Self { lower: transposed(boxes.map(|b| b.min)), upper: transposed(boxes.map(|b| b.max)), links }
+        Self::of_slots(boxes, links)
+    }
+
+    /// A node of the given slots, the used ones of which come first.
+    #[inline]
+    pub fn of_slots(boxes: [Aabb; 4], links: [Link; 4]) -> Self {
+        let [lower, upper] =
+            [boxes.map(|b| b.min), boxes.map(|b| b.max)].map(|p| transposed(p).map(Vec4::into));
+        Self { lower, upper, links }
     }
 }
 
 /// The x, the y and the z of four points.
 #[inline]
-fn transposed(points: [Vec3A; 4]) -> [[f32; 4]; 3] {
+fn transposed(points: [Vec3A; 4]) -> [Vec4; 3] {
     let [a, b, c, d] = points.map(|p| p.extend(0.0));
     let rows = Mat4::from_cols(a, b, c, d).transpose();
-    [rows.x_axis.to_array(), rows.y_axis.to_array(), rows.z_axis.to_array()]
+    [rows.x_axis, rows.y_axis, rows.z_axis]
 }
 
 /// Four triangles in structure-of-arrays form, ready for intersection: first corner and two edges.
@@ -193,17 +201,25 @@ impl TriangleBlock {
     /// A block of one to four triangles of `mesh`.
     #[inline]
     pub fn of(mesh: &Mesh, prims: &[u32]) -> Self {
-        let mut corners = [[Vec3A::ZERO; 3]; 4];
-        let mut ids = Self::EMPTY.prims;
-        for (lane, &prim) in prims.iter().enumerate() {
-            corners[lane] = mesh.corners(prim);
-            ids[lane] = prim;
-        }
+        let last = prims.len() - 1;
+        Self::of_first(prims.len(), std::array::from_fn(|lane| prims[lane.min(last)]), mesh)
+    }
+
+    /// A block of the first `count` triangles, one to four, of `prims`, all of them triangles of `mesh`.
+    #[inline]
+    pub fn of_first(count: usize, prims: [u32; 4], mesh: &Mesh) -> Self {
+        // Corners are fetched for all lanes: a branch on their number could not be foreseen.
+        let corners = prims.map(|prim| mesh.corners(prim));
+        let used = Vec4::new(0.0, 1.0, 2.0, 3.0).cmplt(Vec4::splat(count as f32));
+        let [a, b, c] = std::array::from_fn(|corner| transposed(corners.map(|corners| corners[corner])));
+        let lanes = |f: &dyn Fn(usize) -> Vec4| {
+            std::array::from_fn(|axis| Vec4::select(used, f(axis), Vec4::ZERO).to_array())
+        };
         Self {
-            v0: transposed(corners.map(|[a, _, _]| a)),
-            e1: transposed(corners.map(|[a, b, _]| a - b)),
-            e2: transposed(corners.map(|[a, _, c]| c - a)),
-            prims: ids,
+            v0: lanes(&|axis| a[axis]),
+            e1: lanes(&|axis| a[axis] - b[axis]),
+            e2: lanes(&|axis| c[axis] - a[axis]),
+            prims: std::array::from_fn(|lane| if lane < count { prims[lane] } else { u32::MAX }),
         }
     }
 

@@ -63,6 +63,7 @@ impl TopDown for Collapse<'_> {
     type Seed = u32;
     type Part = u32;
     type Scratch = ();
+    type Mark = usize;
 
     fn plant(&self, index: u32, (): &mut ()) -> u32 {
         index

@@ -130,7 +130,7 @@ fn unite(halves: [Option<Node>; 2], pairs: &mut Vec<Pair>) -> Option<Node> {
 /// Turns parts into pairs and leaves.
 struct Drawing<'a, T: TopDown> {
     builder: &'a T,
-    workers: &'a Spare<Worker<T::Scratch>>,
+    workers: &'a Spare<Box<Worker<T::Scratch>>>,
 }
 
 impl<T: TopDown> Drawing<'_, T> {

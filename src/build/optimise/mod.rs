@@ -93,6 +93,7 @@ mod samples {
     use crate::build::PhrConfig;
     use crate::build::cut_recursion::Rules;
     use crate::build::hierarchy::Hierarchy;
+    use crate::build::lbvh::AuxiliaryConfig;
     use crate::build::top_down::QUARTET;
     use crate::geometry::Mesh;
 
@@ -100,7 +101,7 @@ mod samples {
     pub fn drawn(mesh: &Mesh) -> Tree {
         let mut tree = Tree::default();
         let rules = |scene| Rules { max_leaf: QUARTET, ..PhrConfig::FAST.rules(mesh.len(), scene) };
-        Hierarchy::default().recurse(mesh, None, 1, rules, |recursion, memory| {
+        Hierarchy::default().recurse(mesh, &AuxiliaryConfig::PAPER, rules, |recursion, memory| {
             let root = recursion.root().expect("there are triangles");
             assert!(tree.draw(recursion, root, mesh.len(), memory, &Default::default()));
         });

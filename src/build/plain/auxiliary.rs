@@ -1,8 +1,10 @@
 //! The auxiliary BVH (paper 4.7), by bisection of sorted Morton codes.
 
+use super::wide::Wide;
+use crate::build::lbvh::{AuxiliaryConfig, Clusters};
 use crate::build::morton::Quantizer;
 use crate::build::morton_order::MIDDLE_DEPTH;
-use crate::build::presplit::{PresplitConfig, presplit};
+use crate::build::presplit::presplit;
 use crate::geometry::{Aabb, Mesh};
 use std::rc::Rc;
 
@@ -12,6 +14,9 @@ pub struct Reference {
     pub prim: u32,
     pub bounds: Aabb,
 }
+
+/// A code and its reference.
+type Item = (u32, Reference);
 
 /// A subtree.
 pub struct Tree {
@@ -33,6 +38,48 @@ impl Tree {
         Rc::new(Self { bounds, count, content: Content::Leaf(references.to_vec()) })
     }
 
+    /// The same with wide nodes: children of largest area are opened first (paper 4.5).
+    pub fn widened(&self) -> Wide {
+        let mut children = match &self.content {
+            Content::Node(pair) => pair.to_vec(),
+            Content::Leaf(references) => {
+                let mut prims: Vec<u32> = references.iter().map(|reference| reference.prim).collect();
+                prims.sort_unstable();
+                return Wide::Leaf(self.bounds, prims);
+            }
+        };
+        while children.len() < 4 {
+            let mut largest = None;
+            for (i, child) in children.iter().enumerate() {
+                let area = child.bounds.half_area();
+                if let Content::Node(pair) = &child.content
+                    && largest.as_ref().is_none_or(|(_, most, _)| area > *most)
+                {
+                    largest = Some((i, area, pair.clone()));
+                }
+            }
+            let Some((i, _, pair)) = largest else { break };
+            children.splice(i..=i, pair);
+        }
+        Wide::Node(self.bounds, children.iter().map(|child| child.widened()).collect())
+    }
+
+    /// The tree whose subtrees of at most `most` references and half `area` are leaves.
+    fn clustered(self: Rc<Self>, most: u32, area: f32) -> Rc<Self> {
+        let Content::Node([left, right]) = &self.content else { return self };
+        if self.count <= most && self.bounds.half_area() <= area {
+            return Self::leaf(&self.references());
+        }
+        Self::node(left.clone().clustered(most, area), right.clone().clustered(most, area))
+    }
+
+    fn references(&self) -> Vec<Reference> {
+        match &self.content {
+            Content::Leaf(references) => references.clone(),
+            Content::Node(children) => children.iter().flat_map(|child| child.references()).collect(),
+        }
+    }
+
     fn node(left: Rc<Self>, right: Rc<Self>) -> Rc<Self> {
         let bounds = left.bounds.union(right.bounds);
         let count = left.count + right.count;
@@ -40,12 +87,12 @@ impl Tree {
     }
 }
 
-/// The tree over the triangles of `mesh` with at most `leaf` references in a leaf; `None` without triangles.
-pub fn lbvh(mesh: &Mesh, config: Option<&PresplitConfig>, leaf: u32) -> Option<Rc<Tree>> {
+/// The tree over the triangles of `mesh`; `None` without triangles.
+pub fn lbvh(mesh: &Mesh, config: &AuxiliaryConfig) -> Option<Rc<Tree>> {
     let triangles = (0..mesh.len() as u32).map(|prim| Reference { prim, bounds: mesh.bounds_of(prim) });
     let mut references: Vec<Reference> = triangles.collect();
     let mut centers: Aabb = references.iter().fold(Aabb::EMPTY, |all, r| all.grow(r.bounds.center2()));
-    let pieces = config.map_or(Vec::new(), |config| presplit(mesh, mesh.bounds(), config));
+    let pieces = config.presplit.map_or(Vec::new(), |config| presplit(mesh, mesh.bounds(), &config));
     let mut is_split = vec![false; mesh.len()];
     for piece in pieces {
         centers = centers.grow(piece.bounds.center2());
@@ -58,14 +105,20 @@ pub fn lbvh(mesh: &Mesh, config: Option<&PresplitConfig>, leaf: u32) -> Option<R
         }
     }
     let quantizer = Quantizer::new(centers);
-    let mut run: Vec<(u32, Reference)> =
-        references.iter().map(|r| (quantizer.code(r.bounds.center2()), *r)).collect();
+    let mut run: Vec<Item> = references.iter().map(|r| (quantizer.code(r.bounds.center2()), *r)).collect();
     run.sort_by_key(|(code, _)| *code);
-    (!run.is_empty()).then(|| subtree(&run, 0, leaf))
+    if run.is_empty() {
+        return None;
+    }
+    let root = subtree(&run, 0, config.leaf);
+    Some(match &config.clusters {
+        None => root,
+        Some(Clusters { most, area }) => root.clustered(*most, area * mesh.bounds().half_area()),
+    })
 }
 
 /// The subtree over a run of sorted codes that has been parted `depth` times by the middle.
-fn subtree(run: &[(u32, Reference)], depth: u32, leaf: u32) -> Rc<Tree> {
+fn subtree(run: &[Item], depth: u32, leaf: u32) -> Rc<Tree> {
     if run.len() <= leaf as usize {
         return Tree::leaf(&run.iter().map(|(_, reference)| *reference).collect::<Vec<_>>());
     }
@@ -90,8 +143,8 @@ fn subtree(run: &[(u32, Reference)], depth: u32, leaf: u32) -> Rc<Tree> {
 }
 
 /// Swaps to the front what lies before the middle of the longest edge of the centroids' bounds; returns how many.
-fn to_front(run: &mut [(u32, Reference)]) -> usize {
-    let center = |item: &(u32, Reference)| item.1.bounds.center2();
+fn to_front(run: &mut [Item]) -> usize {
+    let center = |item: &Item| item.1.bounds.center2();
     let centers = run.iter().fold(Aabb::EMPTY, |all, item| all.grow(center(item)));
     let axis = centers.extent().max_position();
     let middle = centers.center()[axis];

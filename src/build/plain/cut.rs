@@ -1,6 +1,7 @@
 //! Cuts of the auxiliary BVH (paper 4.1) and their clipping (4.4).
 
 use super::auxiliary::{Content, Tree};
+use super::subtree::Swept;
 use crate::geometry::Aabb;
 use glam::Vec3A;
 use std::rc::Rc;
@@ -88,13 +89,16 @@ pub struct Cut {
     pub is_near_leaves: bool,
     /// A leaf was found to be no dearer than a split.
     pub is_soft: bool,
+    /// How it is split, where it is split down to leaves.
+    pub swept: Option<Rc<Swept>>,
 }
 
 impl Cut {
     /// The whole scene.
     pub fn whole(members: Vec<Member>, max_references: f32) -> Self {
         let clip = Aabb::new(Vec3A::NEG_INFINITY, Vec3A::INFINITY);
-        let mut cut = Self { members, clip, capacity: 0, depth: 0, is_near_leaves: false, is_soft: false };
+        let mut cut =
+            Self { members, clip, capacity: 0, depth: 0, is_near_leaves: false, is_soft: false, swept: None };
         cut.capacity = (cut.count() as f32 * max_references) as u32;
         cut
     }

@@ -6,9 +6,11 @@ mod compare;
 mod cut;
 mod meshes;
 pub(super) mod splits;
+mod subtree;
 mod wide;
 
 use super::hunt::HuntConfig;
+use super::lbvh::AuxiliaryConfig;
 use super::phr::PhrConfig;
 use super::reference_split::split_reference;
 use super::split_cost::Weight;
@@ -24,7 +26,8 @@ const MAX_DEPTH: u32 = 50;
 /// PHR.
 pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
     let scene = mesh.bounds().half_area();
-    let root = lbvh(mesh, config.presplit.as_ref(), config.auxiliary_leaf)?;
+    let PhrConfig { presplit, auxiliary_leaf: leaf, clusters, .. } = *config;
+    let root = lbvh(mesh, &AuxiliaryConfig { presplit, leaf, clusters })?;
     let threshold = |depth: u32| {
         // Equation 2.
         let divisor = f64::from(config.alpha * depth as f32 + config.delta).exp2();
@@ -35,6 +38,8 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
         spatial_above: scene * config.spatial_threshold,
         max_leaf: config.max_leaf,
         leaf_sweep: config.leaf_sweep,
+        subtree_sweep: config.subtree_sweep,
+        overlap_above: (config.overlap_threshold > 0.0).then_some(scene * config.overlap_threshold),
         clip_triangles: config.clip_triangles,
         refine: &|side, clip, depth| {
             side.into_iter()
@@ -50,14 +55,21 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
     builder.subtree(&Cut::whole(members, config.max_references))
 }
 
+/// The LBVH itself.
+pub fn linear(mesh: &Mesh) -> Option<Wide> {
+    lbvh(mesh, &AuxiliaryConfig { leaf: 4, ..AuxiliaryConfig::PAPER }).map(|root| root.widened())
+}
+
 /// The method of Hunt et al. 2007 with cuts of constant length.
 pub fn hunt(mesh: &Mesh, config: &HuntConfig) -> Option<Wide> {
-    let root = lbvh(mesh, None, 1)?;
+    let root = lbvh(mesh, &AuxiliaryConfig::PAPER)?;
     let builder = Plain {
         mesh,
         spatial_above: f32::INFINITY,
         max_leaf: config.max_leaf,
         leaf_sweep: 0,
+        subtree_sweep: 0,
+        overlap_above: None,
         clip_triangles: false,
         refine: &|mut side, clip, _| {
             loop {
@@ -86,6 +98,8 @@ struct Plain<'a> {
     spatial_above: f32,
     max_leaf: u32,
     leaf_sweep: u32,
+    subtree_sweep: u32,
+    overlap_above: Option<f32>,
     clip_triangles: bool,
     refine: &'a Refine<'a>,
 }
@@ -125,6 +139,15 @@ impl Plain<'_> {
     /// Splits a cut in two (paper 3.2, Figure 3): find the split, reorder, refine both sides. One of them may be
     /// clipped away, and an inner cut may be found to be a leaf.
     fn split(&self, part: &Cut) -> Vec<Cut> {
+        if part.swept.is_none()
+            && part.count() <= self.subtree_sweep
+            && part.bounds().half_area() <= self.spatial_above
+        {
+            return self.sweep(part);
+        }
+        if let Some(swept) = &part.swept {
+            return swept.sides.iter().map(|side| self.swept(part, side)).collect();
+        }
         let cut = self.open_for_split(part.clone());
         match cut.kind() {
             _ if cut.members.is_empty() => return vec![],
@@ -167,15 +190,46 @@ impl Plain<'_> {
             if !members.is_empty() {
                 let capacity = (share as u32).max(own);
                 let is_near_leaves = cut.is_near_leaves;
-                cuts.push(Cut { members, clip, capacity, depth, is_near_leaves, is_soft: false });
+                cuts.push(Cut {
+                    members,
+                    clip,
+                    capacity,
+                    depth,
+                    is_near_leaves,
+                    is_soft: false,
+                    swept: None,
+                });
             }
         }
         cuts
     }
 
+    /// Splits a cut of few references, none of which is to be split spatially, down to its leaves.
+    fn sweep(&self, cut: &Cut) -> Vec<Cut> {
+        let references = cut.references();
+        if references.is_empty() {
+            return vec![];
+        }
+        let whole = self.swept(cut, &subtree::sweep(references));
+        if whole.kind() == Kind::Inner { self.split(&whole) } else { vec![whole] }
+    }
+
+    /// One side of a split of such a cut.
+    fn swept(&self, like: &Cut, side: &subtree::Side) -> Cut {
+        let subtree::Side { members, below } = side.clone();
+        let mut cut = Cut { members, swept: below, is_soft: false, clip: like.clip, ..*like };
+        if let Some(below) = &cut.swept {
+            let sides = below.sides.each_ref().map(|side| side.members.clone());
+            cut.is_soft = self.leaf_is_cheaper(&cut, &sides);
+        }
+        cut
+    }
+
     /// Opens what has to be for a split: a lone member, and all near the leaves or in too deep a tree.
     fn open_for_split(&self, mut cut: Cut) -> Cut {
-        if !cut.is_near_leaves && (cut.count() <= self.leaf_sweep || cut.depth >= MAX_DEPTH) {
+        let is_lone_leaf = cut.members.len() == 1 && cut.members[0].is_leaf();
+        let is_small = cut.count() <= self.leaf_sweep || is_lone_leaf;
+        if !cut.is_near_leaves && (is_small || cut.depth >= MAX_DEPTH) {
             cut.members = cut.references();
             cut.is_near_leaves = true;
         }
@@ -196,6 +250,7 @@ impl Plain<'_> {
         let object = splits::object(&boxes, weight);
         let area = cut.bounds().half_area();
         if area > self.spatial_above
+            && self.may_overlap(object.as_ref(), &boxes)
             && let Some((cost, plane)) = splits::spatial(&boxes, weight)
             && cost < object.as_ref().map_or(f32::INFINITY, |object| object.cost)
             && cost < area * weight.of(boxes.len())
@@ -209,6 +264,16 @@ impl Plain<'_> {
             }
         }
         object.map_or(Split::Halves, |object| Split::Object(object.is_left))
+    }
+
+    /// Whether the sides of an object split have enough in common for a spatial split to be tried.
+    fn may_overlap(&self, object: Option<&splits::Object>, boxes: &[Aabb]) -> bool {
+        let (Some(least), Some(object)) = (self.overlap_above, object) else { return true };
+        let side = |is_left: bool| -> Aabb {
+            let members = boxes.iter().zip(&object.is_left);
+            members.filter(|(_, left)| **left == is_left).map(|(bounds, _)| *bounds).collect()
+        };
+        side(true).intersection(side(false)).half_area() > least
     }
 
     /// What of a member's box is on both sides of a plane; of a single triangle perhaps the boxes of its parts.
