@@ -56,9 +56,15 @@ impl PhrConfig {
 }
 
 impl BestConfig {
-    /// The tree of [`PhrConfig::QUALITY`] from a larger initial cut that shrinks more slowly, optimised.
+    /// The tree of [`PhrConfig::QUALITY`] from larger cuts, optimised.
     pub const DEFAULT: Self = Self {
-        phr: PhrConfig { alpha: 0.55, max_cut: 1 << 14, cut_share: 1.0 / 64.0, ..PhrConfig::QUALITY },
+        phr: PhrConfig {
+            alpha: 0.55,
+            delta: 8.0,
+            max_cut: 1 << 14,
+            cut_share: 1.0 / 64.0,
+            ..PhrConfig::QUALITY
+        },
         optimise: OptimiseConfig::DEFAULT,
     };
 }
