@@ -3,6 +3,7 @@
 use super::binary::{BinaryTree, Node};
 use super::morton_order::{Key, reference};
 use super::references::References;
+use super::split_cost::Weight;
 use super::top_down::{Kind, QUARTET};
 use crate::geometry::Aabb;
 use std::collections::BinaryHeap;
@@ -12,12 +13,14 @@ pub(super) const SPACE: Aabb = Aabb::new(glam::Vec3A::NEG_INFINITY, glam::Vec3A:
 
 /// A cut: disjoint subtrees of the auxiliary BVH in its depth-first order, which is that of the Morton codes.
 /// Their boxes are clipped, and stand in the arena of a thread.
+///
+/// All fields are of four bytes or vectors: cuts are copied often, and copies of single bytes are slow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cut {
     /// Place of the first subtree in the arena.
-    pub first: usize,
+    pub first: u32,
     /// Number of subtrees.
-    pub len: usize,
+    pub len: u32,
     /// What spatial splits above have left of space; each finite face lies in a split plane.
     pub clip: Aabb,
     /// The union of the nodes' clipped boxes.
@@ -30,8 +33,8 @@ pub(super) struct Cut {
     pub capacity: u32,
     /// Binary splits above.
     pub depth: u32,
-    /// The nodes are single references, and splits count quartets.
-    pub is_near_leaves: bool,
+    /// What splits count: quartets where the nodes are single references.
+    pub weight: Weight,
     /// What is to become of it.
     pub kind: Kind,
 }
@@ -71,8 +74,8 @@ impl<'a> Growing<'a> {
     pub fn finish(self, like: &Cut) -> Cut {
         let kind = if self.count <= QUARTET { Kind::Leaf } else { Kind::Inner };
         Cut {
-            first: self.first,
-            len: self.arena.len() - self.first,
+            first: self.first as u32,
+            len: (self.arena.len() - self.first) as u32,
             bounds: self.bounds,
             area: self.bounds.half_area(),
             count: self.count,
@@ -94,7 +97,7 @@ impl Cut {
             count: 0,
             capacity: 0,
             depth: 0,
-            is_near_leaves: false,
+            weight: Weight::Nodes,
             kind: Kind::Inner,
         };
         let mut own = Vec::with_capacity(nodes.len());
@@ -105,9 +108,14 @@ impl Cut {
         OwnCut { nodes: own, cut }
     }
 
+    /// Whether the nodes are single references.
+    pub fn is_near_leaves(&self) -> bool {
+        self.weight == Weight::Quartets
+    }
+
     /// The places of its nodes in the arena.
     pub fn places(&self) -> std::ops::Range<usize> {
-        self.first..self.first + self.len
+        self.first as usize..(self.first + self.len) as usize
     }
 
     /// Takes the cut out of the arena.
@@ -185,7 +193,7 @@ impl Eq for Queued {}
 impl OwnCut {
     /// Puts the cut at the end of `arena`.
     pub fn plant(self, arena: &mut Vec<Node>) -> Cut {
-        let first = arena.len();
+        let first = arena.len() as u32;
         arena.extend(self.nodes);
         Cut { first, ..self.cut }
     }

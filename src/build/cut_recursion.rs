@@ -97,7 +97,7 @@ impl Side {
         right.places.resize(nodes.len(), 0);
         let mut on_left = 0;
         for (i, node) in nodes.iter().enumerate() {
-            let place = (cut.first + i) as u32;
+            let place = cut.first + i as u32;
             left.places[on_left] = place;
             right.places[i - on_left] = place;
             let is_left = is_left(i, node);
@@ -122,13 +122,13 @@ impl<R: Refine> CutRecursion<'_, R> {
     /// leaves or where the tree gets too deep.
     fn open_for_split(&self, cut: &Cut, arena: &mut Vec<Node>) -> Cut {
         let near_leaves = cut.count <= self.rules.leaf_sweep;
-        if !cut.is_near_leaves && (near_leaves || cut.depth >= MAX_DEPTH) {
+        if !cut.is_near_leaves() && (near_leaves || cut.depth >= MAX_DEPTH) {
             let mut opened = Growing::new(arena);
             for place in cut.places() {
                 let node = opened.arena[place];
                 self.order.each(self.tree, &node, &cut.clip, &mut |child| opened.push(child));
             }
-            return opened.finish(&Cut { is_near_leaves: true, ..*cut });
+            return opened.finish(&Cut { weight: Weight::Quartets, ..*cut });
         }
         let mut cut = *cut;
         while cut.len == 1 {
@@ -225,7 +225,7 @@ impl<R: Refine> CutRecursion<'_, R> {
             0
         };
         let mut cut = Growing::new(arena);
-        if parent.is_near_leaves {
+        if parent.is_near_leaves() {
             for &place in &side.places {
                 let node = cut.arena[place as usize];
                 cut.push(node);
@@ -281,7 +281,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         counts.splits += 1;
         counts.swept += cut.len as u64;
         let nodes = &arena[cut.places()];
-        let weight = if cut.is_near_leaves { Weight::Quartets } else { Weight::Nodes };
+        let weight = cut.weight;
 
         // Find: the cheapest object split, and a spatial one where it is cheaper still.
         let halve = cut.depth >= MAX_DEPTH;
