@@ -7,6 +7,7 @@ use super::cut::{Cut, Growing, Order, OwnCut, is_whole, open};
 use super::object_split::{ObjectSplit, Sweep};
 use super::prefetch::warm;
 use super::reference_split::split_reference;
+use super::side::Side;
 use super::small_sweep::Isa;
 use super::spatial_split::{SpatialSplit, SpatialSweep};
 use super::split_cost::Weight;
@@ -66,48 +67,6 @@ pub(super) struct Scratch {
     sweep: Sweep,
     spatial_sweep: SpatialSweep,
     sides: [Side; 2],
-}
-
-/// A side of a split.
-#[derive(Default)]
-struct Side {
-    /// Places of its nodes in the arena, ascending.
-    places: Vec<u32>,
-    /// References below them.
-    count: u32,
-}
-
-impl Side {
-    fn clear(&mut self) {
-        self.places.clear();
-        self.count = 0;
-    }
-
-    #[inline]
-    fn push(&mut self, place: usize, node: &Node) {
-        self.places.push(place as u32);
-        self.count += node.count();
-    }
-
-    /// Parts the nodes of a cut. Nobody can guess the side of a node, and so there is no branch.
-    #[inline]
-    fn part(sides: &mut [Self; 2], cut: &Cut, nodes: &[Node], is_left: impl Fn(usize, &Node) -> bool) {
-        let [left, right] = sides;
-        left.places.resize(nodes.len(), 0);
-        right.places.resize(nodes.len(), 0);
-        let mut on_left = 0;
-        for (i, node) in nodes.iter().enumerate() {
-            let place = cut.first + i as u32;
-            left.places[on_left] = place;
-            right.places[i - on_left] = place;
-            let is_left = is_left(i, node);
-            on_left += usize::from(is_left);
-            left.count += node.count() * u32::from(is_left);
-        }
-        left.places.truncate(on_left);
-        right.places.truncate(nodes.len() - on_left);
-        right.count = cut.count - left.count;
-    }
 }
 
 impl<R: Refine> CutRecursion<'_, R> {
