@@ -12,12 +12,14 @@ pub(super) const SPACE: Aabb = Aabb::new(glam::Vec3A::NEG_INFINITY, glam::Vec3A:
 
 /// A cut: disjoint subtrees of the auxiliary BVH in its depth-first order, which is that of the Morton codes.
 /// Their boxes are clipped, and stand in the arena of a thread.
+///
+/// All fields are of four bytes or vectors: cuts are copied often, and copies of single bytes are slow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cut {
     /// Place of the first subtree in the arena.
-    pub first: usize,
+    pub first: u32,
     /// Number of subtrees.
-    pub len: usize,
+    pub len: u32,
     /// What spatial splits above have left of space; each finite face lies in a split plane.
     pub clip: Aabb,
     /// The union of the nodes' clipped boxes.
@@ -38,6 +40,7 @@ pub(super) struct Cut {
 
 /// What the nodes of a cut are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 pub(super) enum Stage {
     /// Subtrees of the auxiliary BVH.
     Nodes,
@@ -82,8 +85,8 @@ impl<'a> Growing<'a> {
     pub fn finish(self, like: &Cut) -> Cut {
         let kind = if self.count <= QUARTET { Kind::Leaf } else { Kind::Inner };
         Cut {
-            first: self.first,
-            len: self.arena.len() - self.first,
+            first: self.first as u32,
+            len: (self.arena.len() - self.first) as u32,
             bounds: self.bounds,
             area: self.bounds.half_area(),
             count: self.count,
@@ -118,7 +121,7 @@ impl Cut {
 
     /// The places of its nodes in the arena.
     pub fn places(&self) -> std::ops::Range<usize> {
-        self.first..self.first + self.len
+        self.first as usize..(self.first + self.len) as usize
     }
 
     /// Takes the cut out of the arena.
@@ -196,7 +199,7 @@ impl Eq for Queued {}
 impl OwnCut {
     /// Puts the cut at the end of `arena`.
     pub fn plant(self, arena: &mut Vec<Node>) -> Cut {
-        let first = arena.len();
+        let first = arena.len() as u32;
         arena.extend(self.nodes);
         Cut { first, ..self.cut }
     }

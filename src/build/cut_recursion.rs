@@ -9,6 +9,7 @@ use super::piece::{Piece, Subtree};
 use super::prefetch::warm;
 use super::reference_split::{split_reference, visible};
 use super::references::References;
+use super::side::Side;
 use super::small_sweep::Isa;
 use super::spatial_split::{SpatialSplit, SpatialSweep};
 use super::split_cost::Weight;
@@ -78,48 +79,6 @@ pub(super) struct Scratch {
     subtrees: Subtrees,
 }
 
-/// A side of a split.
-#[derive(Default)]
-struct Side {
-    /// Places of its nodes in the arena, ascending.
-    places: Vec<u32>,
-    /// References below them.
-    count: u32,
-}
-
-impl Side {
-    fn clear(&mut self) {
-        self.places.clear();
-        self.count = 0;
-    }
-
-    #[inline]
-    fn push(&mut self, place: usize, node: &Node) {
-        self.places.push(place as u32);
-        self.count += node.count();
-    }
-
-    /// Parts the nodes of a cut. Nobody can guess the side of a node, and so there is no branch.
-    #[inline]
-    fn part(sides: &mut [Self; 2], cut: &Cut, nodes: &[Node], is_left: impl Fn(usize, &Node) -> bool) {
-        let [left, right] = sides;
-        left.places.resize(nodes.len(), 0);
-        right.places.resize(nodes.len(), 0);
-        let mut on_left = 0;
-        for (i, node) in nodes.iter().enumerate() {
-            let place = (cut.first + i) as u32;
-            left.places[on_left] = place;
-            right.places[i - on_left] = place;
-            let is_left = is_left(i, node);
-            on_left += usize::from(is_left);
-            left.count += node.count() * u32::from(is_left);
-        }
-        left.places.truncate(on_left);
-        right.places.truncate(nodes.len() - on_left);
-        right.count = cut.count - left.count;
-    }
-}
-
 impl<R: Refine> CutRecursion<'_, R> {
     /// The whole scene as a cut.
     pub fn root(&self) -> Option<(OwnCut, Subtrees)> {
@@ -131,7 +90,7 @@ impl<R: Refine> CutRecursion<'_, R> {
     /// Opens what must be before a cut can be split: a lone node, whatever the threshold; all nodes, near the
     /// leaves or where the tree gets too deep.
     fn open_for_split(&self, cut: &Cut, arena: &mut Vec<Node>) -> Cut {
-        let is_lone_leaf = cut.len == 1 && arena[cut.first].is_leaf();
+        let is_lone_leaf = cut.len == 1 && arena[cut.places().start].is_leaf();
         let is_small = cut.count <= self.rules.leaf_sweep || is_lone_leaf;
         if cut.stage == Stage::Nodes && (is_small || cut.depth >= MAX_DEPTH) {
             let mut opened = Growing::new(arena);
@@ -292,7 +251,7 @@ impl<R: Refine> CutRecursion<'_, R> {
     fn swept(&self, like: &Cut, node: Node, subtrees: &Subtrees, arena: &mut Vec<Node>) -> Option<Cut> {
         arena.push(node);
         Some(Cut {
-            first: arena.len() - 1,
+            first: arena.len() as u32 - 1,
             len: 1,
             bounds: node.bounds(),
             area: node.bounds().half_area(),
@@ -335,7 +294,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
     fn plant(&self, (seed, from): (OwnCut, Subtrees), scratch: &mut Scratch) -> Cut {
         let cut = seed.plant(&mut scratch.arena);
         if cut.stage == Stage::Swept {
-            let node = &mut scratch.arena[cut.first];
+            let node = &mut scratch.arena[cut.places().start];
             *node = scratch.subtrees.graft(node, &from);
         }
         cut
@@ -373,7 +332,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
 
     fn split(&self, part: &Cut, scratch: &mut Scratch) -> [Option<Cut>; 2] {
         if part.stage == Stage::Swept {
-            return self.children_swept(part, scratch.arena[part.first], scratch);
+            return self.children_swept(part, scratch.arena[part.places().start], scratch);
         }
         if part.count <= self.rules.subtree_sweep && part.area <= self.rules.spatial_above {
             return self.sweep_subtree(part, scratch);
@@ -443,7 +402,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         }
         let References { mesh, fragments } = self.order.references;
         let leaves = Leaves { mesh, most: self.rules.max_leaf, may_repeat: !fragments.is_empty() };
-        Some(scratch.subtrees.wide(&scratch.arena[cut.first], cut.kind, &leaves, piece))
+        Some(scratch.subtrees.wide(&scratch.arena[cut.places().start], cut.kind, &leaves, piece))
     }
 
     fn mark(&self, scratch: &Scratch) -> Self::Mark {

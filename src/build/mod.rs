@@ -33,6 +33,7 @@ mod reference_split;
 mod references;
 mod run;
 mod same_code;
+mod side;
 // Vectors are written for x86-64 so far; elsewhere all cuts are sorted.
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod small_sweep;

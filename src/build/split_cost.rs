@@ -2,6 +2,7 @@
 
 /// How the nodes of a side are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 pub(super) enum Weight {
     /// Every node of the cut is one, as in equation 1.
     Nodes,

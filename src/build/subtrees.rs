@@ -3,7 +3,7 @@
 use super::binary::Node;
 use super::piece::{Piece, Subtree};
 use super::top_down::{Kind, QUARTET, WIDTH};
-use crate::bvh::Link;
+use crate::bvh::{Link, MAX_LEAF_BLOCKS};
 use crate::geometry::{Aabb, Mesh};
 use arrayvec::ArrayVec;
 
@@ -110,9 +110,11 @@ impl Leaves<'_> {
         if !self.may_repeat {
             return piece.leaf(self.mesh, prims);
         }
-        let mut distinct = prims.to_vec();
+        let mut distinct =
+            ArrayVec::<u32, { QUARTET as usize * MAX_LEAF_BLOCKS }>::from_iter(prims.iter().copied());
         distinct.sort_unstable();
-        distinct.dedup();
+        let mut last = None;
+        distinct.retain(|prim| last.replace(*prim) != Some(*prim));
         piece.leaf(self.mesh, &distinct)
     }
 }

@@ -22,6 +22,7 @@ pub(super) const QUARTET: u32 = 4;
 
 /// What becomes of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 pub(super) enum Kind {
     /// A node: it is split.
     Inner,
