@@ -26,7 +26,7 @@ const MAX_DEPTH: u32 = 50;
 pub(super) trait Refine: Sync {
     /// Appends the nodes at the places `side` of the arena, a side of a split at binary depth `depth`, some of
     /// them opened ([`open`]).
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &[u32], refined: &mut Growing<'_>);
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &[Node], refined: &mut Growing<'_>);
 }
 
 /// What one builder over cuts does otherwise than another.
@@ -107,7 +107,10 @@ impl<R: Refine> CutRecursion<'_, R> {
                 break;
             }
             let mut opened = Growing::new(arena);
-            open(self.tree, &node, &cut.clip, |child| opened.push(child));
+            open(self.tree, &node, &cut.clip, |child| {
+                self.tree.prefetch(&child);
+                opened.push(child);
+            });
             cut = opened.finish(&cut);
         }
         cut
@@ -115,13 +118,13 @@ impl<R: Refine> CutRecursion<'_, R> {
 
     /// Whether a leaf costs no more than a node with the two sides as leaves, in the cost model of Table 1: a
     /// leaf costs its quartets, a node one.
-    fn leaf_is_cheaper(&self, cut: &Cut, sides: &[Side; 2], arena: &[Node]) -> bool {
+    fn leaf_is_cheaper(&self, cut: &Cut, sides: &[Side; 2]) -> bool {
         if cut.count > self.rules.max_leaf {
             return false;
         }
         let leaf = |area: f32, count: u32| area * count.div_ceil(QUARTET) as f32;
         let side_cost = |side: &Side| {
-            let bounds: Aabb = side.places.iter().map(|&place| arena[place as usize].bounds()).collect();
+            let bounds: Aabb = side.nodes.iter().map(Node::bounds).collect();
             leaf(bounds.half_area(), side.count)
         };
         leaf(cut.area, cut.count) <= cut.area + (side_cost(&sides[0]) + side_cost(&sides[1]))
@@ -199,12 +202,9 @@ impl<R: Refine> CutRecursion<'_, R> {
         };
         let mut cut = Growing::new(arena);
         if parent.stage == Stage::References {
-            for &place in &side.places {
-                let node = cut.arena[place as usize];
-                cut.push(node);
-            }
+            side.nodes.iter().for_each(|node| cut.push(*node));
         } else {
-            self.rules.refine.refine(self.tree, &clip, depth, &side.places, &mut cut);
+            self.rules.refine.refine(self.tree, &clip, depth, &side.nodes, &mut cut);
         }
         let cut = cut.finish(&Cut { clip, capacity: capacity.max(side.count), depth, ..*parent });
         (cut.len > 0).then_some(cut)
@@ -364,21 +364,18 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
             for place in cut.places() {
                 let parts = self.parts(&arena[place], &split);
                 for (side, part) in sides.iter_mut().zip(parts) {
-                    if let Some(part) = part {
-                        side.push(arena.len(), &part);
-                        arena.push(part);
-                    }
+                    part.into_iter().for_each(|part| side.push(part));
                 }
             }
             clips = [split.left_of(cut.clip), split.right_of(cut.clip)];
         } else if object.left > 0 {
-            Side::part(sides, &cut, nodes, object.members(nodes));
+            Side::part(sides, nodes, object.members(nodes));
         } else {
             // Nothing is gained by any split: halve in the order of the Morton codes.
-            Side::part(sides, &cut, nodes, |i, _| i < nodes.len() / 2);
+            Side::part(sides, nodes, |i, _| i < nodes.len() / 2);
         }
 
-        if part.kind != Kind::SoftLeaf && self.leaf_is_cheaper(&cut, sides, arena) {
+        if part.kind != Kind::SoftLeaf && self.leaf_is_cheaper(&cut, sides) {
             return [Some(Cut { kind: Kind::SoftLeaf, ..cut }), None];
         }
 

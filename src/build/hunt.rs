@@ -23,8 +23,8 @@ pub struct HuntConfig {
 struct ConstantLength(usize);
 
 impl Refine for ConstantLength {
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, _: u32, side: &[u32], refined: &mut Growing<'_>) {
-        let mut side: Vec<Node> = side.iter().map(|&place| refined.arena[place as usize]).collect();
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, _: u32, side: &[Node], refined: &mut Growing<'_>) {
+        let mut side = side.to_vec();
         let mut opened_once = Vec::new();
         // Opening a node makes a cut one longer; several rounds are needed after an uneven split.
         while side.len() < self.0 {

@@ -1,6 +1,6 @@
 //! Progressive Hierarchical Refinement (Hendrich, Meister, Bittner 2017): the paper's builder.
 
-use super::binary::BinaryTree;
+use super::binary::{BinaryTree, Node};
 use super::cut::{Growing, open};
 use super::cut_recursion::{Refine, Rules};
 use super::hierarchy::Hierarchy;
@@ -124,10 +124,13 @@ impl Threshold {
 
 impl Refine for Threshold {
     #[inline]
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &[u32], refined: &mut Growing<'_>) {
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &[Node], refined: &mut Growing<'_>) {
         let threshold = self.at(depth);
-        for &place in side {
-            let node = refined.arena[place as usize];
+        if let [node] = side {
+            // Alone it is going to be opened, whatever its area.
+            tree.prefetch(node);
+        }
+        for &node in side {
             if node.is_leaf() || node.bounds().half_area() <= threshold {
                 refined.push(node);
             } else {

@@ -1,13 +1,12 @@
-//! The two sides of a split: lists of nodes that stay where they are.
+//! The two sides of a split.
 
 use super::binary::Node;
-use super::cut::Cut;
 
 /// A side of a split.
 #[derive(Default)]
 pub(super) struct Side {
-    /// Places of its nodes in the arena, ascending.
-    pub places: Vec<u32>,
+    /// Its nodes, in the order of the cut.
+    pub nodes: Vec<Node>,
     /// References below them.
     pub count: u32,
 }
@@ -15,34 +14,22 @@ pub(super) struct Side {
 impl Side {
     /// Forgets the nodes.
     pub fn clear(&mut self) {
-        self.places.clear();
+        self.nodes.clear();
         self.count = 0;
     }
 
-    /// Appends the node at a place.
+    /// Appends a node.
     #[inline]
-    pub fn push(&mut self, place: usize, node: &Node) {
-        self.places.push(place as u32);
+    pub fn push(&mut self, node: Node) {
         self.count += node.count();
+        self.nodes.push(node);
     }
 
-    /// Parts the nodes of a cut. Nobody can guess the side of a node, and so there is no branch.
+    /// Parts the nodes of a cut.
     #[inline]
-    pub fn part(sides: &mut [Self; 2], cut: &Cut, nodes: &[Node], is_left: impl Fn(usize, &Node) -> bool) {
-        let [left, right] = sides;
-        left.places.resize(nodes.len(), 0);
-        right.places.resize(nodes.len(), 0);
-        let mut on_left = 0;
+    pub fn part(sides: &mut [Self; 2], nodes: &[Node], is_left: impl Fn(usize, &Node) -> bool) {
         for (i, node) in nodes.iter().enumerate() {
-            let place = cut.first + i as u32;
-            left.places[on_left] = place;
-            right.places[i - on_left] = place;
-            let is_left = is_left(i, node);
-            on_left += usize::from(is_left);
-            left.count += node.count() * u32::from(is_left);
+            sides[usize::from(!is_left(i, node))].push(*node);
         }
-        left.places.truncate(on_left);
-        right.places.truncate(nodes.len() - on_left);
-        right.count = cut.count - left.count;
     }
 }

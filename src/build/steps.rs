@@ -40,7 +40,7 @@ pub struct Steps<'a> {
     piece: Piece,
     initial: Vec<Node>,
     arena: Vec<Node>,
-    side: Vec<u32>,
+    side: Vec<Node>,
 }
 
 impl<'a> Steps<'a> {
@@ -122,7 +122,7 @@ impl<'a> Steps<'a> {
         let mut refined = len;
         for half in [first..first + len / 2, first + len / 2..first + len] {
             self.side.clear();
-            self.side.extend(half.map(|place| place as u32));
+            self.side.extend_from_slice(&self.arena[half]);
             let begin = self.arena.len();
             let mut cut = Growing::new(&mut self.arena);
             self.threshold.refine(&self.auxiliary.tree, &SPACE, depth, &self.side, &mut cut);
