@@ -16,6 +16,7 @@ pub const ABLATION: &[&str] = &[
     "phr-fast-clusters",
     "phr-fast-subtrees",
     "phr-hq-coarse",
+    "phr-hq-cut",
     "phr-hq-overlap",
     "phr-hq-subtrees",
     "phr-hq-clip",
@@ -26,14 +27,16 @@ pub const ABLATION: &[&str] = &[
 ];
 
 impl PhrConfig {
-    /// For speed: PHR-Fast over an auxiliary BVH whose leaves are quartets or small clusters, subtrees near the
-    /// leaves swept in one go, spatial splits only of what is large and overlaps, with needles presplit and
-    /// triangles clipped, which costs little and saves scenes of rods and pipes.
+    /// For speed: PHR-Fast from an initial cut of 2048 nodes in any scene, over an auxiliary BVH whose leaves are
+    /// quartets or small clusters; subtrees near the leaves are swept in one go, spatial splits tried only of what is
+    /// large and overlaps. Needles are presplit and triangles clipped, which costs little and saves scenes of rods
+    /// and pipes.
     pub const SPEED: Self = Self {
+        cut_share: 1.0 / 256.0,
         spatial_threshold: 1e-2,
         overlap_threshold: 1e-3,
         auxiliary_leaf: 4,
-        clusters: Some(Clusters { most: 32, area: 3e-4 }),
+        clusters: Some(Clusters { most: 32, area: 1e-3 }),
         subtree_sweep: 32,
         presplit: Some(PresplitConfig::NEEDLES),
         clip_triangles: true,
@@ -45,6 +48,8 @@ impl PhrConfig {
     pub const QUALITY: Self = Self {
         alpha: 0.55,
         delta: 7.0,
+        max_cut: 1 << 12,
+        cut_share: 1.0 / 64.0,
         spatial_threshold: 1e-3,
         overlap_threshold: 1e-4,
         auxiliary_leaf: 1,
@@ -58,13 +63,7 @@ impl PhrConfig {
 impl BestConfig {
     /// The tree of [`PhrConfig::QUALITY`] from larger cuts, optimised.
     pub const DEFAULT: Self = Self {
-        phr: PhrConfig {
-            alpha: 0.55,
-            delta: 8.0,
-            max_cut: 1 << 14,
-            cut_share: 1.0 / 64.0,
-            ..PhrConfig::QUALITY
-        },
+        phr: PhrConfig { delta: 8.0, max_cut: 1 << 14, ..PhrConfig::QUALITY },
         optimise: OptimiseConfig::DEFAULT,
     };
 }
@@ -88,6 +87,7 @@ pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
         "phr-fast-coarse" => phr(PhrConfig { auxiliary_leaf: 4, ..PhrConfig::FAST }),
         "phr-fast-clusters" => phr(PhrConfig { clusters: PhrConfig::SPEED.clusters, ..PhrConfig::FAST }),
         "phr-fast-subtrees" => phr(PhrConfig { subtree_sweep: 32, ..PhrConfig::FAST }),
+        "phr-hq-cut" => phr(PhrConfig { max_cut: 1 << 12, cut_share: 1.0 / 64.0, ..hq }),
         "phr-hq-overlap" => phr(PhrConfig { overlap_threshold: 1e-4, ..hq }),
         "phr-hq-subtrees" => phr(PhrConfig { subtree_sweep: 64, ..hq }),
         "phr-hq-coarse" => phr(PhrConfig { auxiliary_leaf: 4, ..hq }),
