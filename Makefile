@@ -22,8 +22,9 @@ BARS = results/bars
 # Builders that have bars, and sizes over which they grow.
 BARRED = lbvh|phr-fast|phr-hq|phr-speed|phr-quality|phr-best|embree-[a-z-]+
 GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
-# PHR-HQ, and with one extension each (`phr ablation`).
-ABLATED = phr-hq $(addprefix phr-hq-,coarse clip presplit sweep leaf-28 optimised)
+# PHR-Fast and PHR-HQ, and each with one extension (`phr ablation`).
+ABLATED = phr-fast $(addprefix phr-fast-,coarse clusters subtrees) phr-hq \
+	$(addprefix phr-hq-,coarse cut overlap subtrees sweep leaf-28 clip presplit optimised)
 GROWTH = $(foreach size,1 2 4 8 16 32,scalable-$(size)M)
 PACKAGES = libembree-dev libclang-dev
 # Cargo's own tests run by nextest where it is installed.

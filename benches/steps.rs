@@ -79,7 +79,7 @@ fn sweeps(criterion: &mut Criterion, scene: &str, steps: &Steps<'_>) {
     }
 }
 
-/// Refining, leaf blocks, wide nodes.
+/// Refining, subtrees swept in one go, leaf blocks, wide nodes.
 fn cuts(criterion: &mut Criterion, scene: &str, steps: &mut Steps<'_>) {
     let refined = steps.refine();
     let mut refine = group(criterion, &format!("refine/{scene}"), refined);
@@ -87,6 +87,14 @@ fn cuts(criterion: &mut Criterion, scene: &str, steps: &mut Steps<'_>) {
     // A node is 32 bytes and goes from one array to another.
     floor(&mut refine, Traffic { read: 32 * refined, written: 32 * refined });
     refine.finish();
+
+    for len in [16, 32, 64, 256] {
+        steps.subtrees(len);
+        let mut subtrees = group(criterion, &format!("subtree-sweep/{scene}/{len}"), steps.triangles());
+        subtrees.bench_function("step", |bencher| bencher.iter(|| steps.subtrees(len)));
+        floor(&mut subtrees, steps.subtree_traffic());
+        subtrees.finish();
+    }
 
     let blocks = steps.leaf_blocks();
     let mut emit = group(criterion, &format!("leaf-blocks/{scene}"), blocks);

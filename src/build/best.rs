@@ -1,8 +1,8 @@
 //! As good as it gets: a tree of PHR, made better afterwards.
 
-use super::cut_recursion::Rules;
 use super::hierarchy::Hierarchy;
 use super::optimise::{OptimiseConfig, Optimiser};
+use super::rules::Rules;
 use super::top_down::QUARTET;
 use super::{Build, Builder, PhrConfig, Stopwatch};
 use crate::bvh::Bvh4;

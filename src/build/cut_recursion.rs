@@ -3,12 +3,13 @@
 
 use super::Counts;
 use super::binary::{BinaryTree, Node};
-use super::cut::{Cut, Growing, Order, OwnCut, Stage, is_whole, open};
+use super::cut::{Cut, Growing, Order, OwnCut, Stage, open};
 use super::object_split::{ObjectSplit, Sweep};
 use super::piece::{Piece, Subtree};
 use super::prefetch::warm;
 use super::reference_split::{split_reference, visible};
 use super::references::References;
+use super::rules::{Refine, Rules};
 use super::side::Side;
 use super::small_sweep::Isa;
 use super::spatial_split::{SpatialSplit, SpatialSweep};
@@ -21,37 +22,6 @@ use crate::geometry::Aabb;
 /// From this many binary splits on, the references left are halved by count: no input makes the tree deeper
 /// than traversal stacks allow.
 const MAX_DEPTH: u32 = 50;
-
-/// How a cut is refined after a split.
-pub(super) trait Refine: Sync {
-    /// Appends the nodes at the places `side` of the arena, a side of a split at binary depth `depth`, some of
-    /// them opened ([`open`]).
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &[Node], refined: &mut Growing<'_>);
-}
-
-/// What one builder over cuts does otherwise than another.
-pub(super) struct Rules<R> {
-    /// How cuts are refined.
-    pub refine: R,
-    /// Nodes of a larger half area are opened for the initial cut,
-    pub initial_threshold: f32,
-    /// while it has fewer nodes than this.
-    pub initial_len: usize,
-    /// Spatial splits are tried for nodes of a larger half area; infinite for none.
-    pub spatial_above: f32,
-    /// They are tried only where the sides of the object split overlap by a larger half area, if this is given.
-    pub overlap_above: Option<f32>,
-    /// Most references per reference that spatial splits may make.
-    pub max_references: f32,
-    /// Most triangles of a leaf.
-    pub max_leaf: u32,
-    /// Cuts of at most so many references are opened down to them, and their splits count quartets.
-    pub leaf_sweep: u32,
-    /// Cuts of at most so many references, too small for spatial splits, are handed to [`SubtreeSweep`].
-    pub subtree_sweep: u32,
-    /// Where a spatial split cuts a node of a single reference, its triangle is clipped and not only its box.
-    pub clip_triangles: bool,
-}
 
 /// The recursion over cuts.
 pub(super) struct CutRecursion<'a, R> {
@@ -71,12 +41,14 @@ pub(super) struct Scratch {
     /// What was counted since it was last taken.
     pub counts: Counts,
     /// The nodes of all cuts in use.
-    arena: Vec<Node>,
+    pub arena: Vec<Node>,
     sweep: Sweep,
     spatial_sweep: SpatialSweep,
     sides: [Side; 2],
-    subtree_sweep: SubtreeSweep,
-    subtrees: Subtrees,
+    /// For small cuts.
+    pub subtree_sweep: SubtreeSweep,
+    /// Those swept.
+    pub subtrees: Subtrees,
 }
 
 impl<R: Refine> CutRecursion<'_, R> {
@@ -208,80 +180,6 @@ impl<R: Refine> CutRecursion<'_, R> {
         }
         let cut = cut.finish(&Cut { clip, capacity: capacity.max(side.count), depth, ..*parent });
         (cut.len > 0).then_some(cut)
-    }
-
-    /// Appends the triangles of a leaf; returns their box. Of a triangle that is not wholly inside the clip box
-    /// `seen` tells what the leaf sees, given the box of its part.
-    fn gather(
-        &self,
-        cut: &Cut,
-        prims: &mut Vec<u32>,
-        scratch: &Scratch,
-        seen: impl Fn(u32, Aabb) -> Option<Aabb>,
-    ) -> Aabb {
-        let mut bounds = Aabb::EMPTY;
-        for node in &scratch.arena[cut.places()] {
-            if cut.stage == Stage::Swept {
-                bounds = node.bounds();
-                prims.extend(scratch.subtrees.prims(node));
-            } else if is_whole(node, &cut.clip) {
-                bounds = bounds.union(node.bounds());
-                prims.extend(self.tree.run(node).map(|place| self.order.prim(place)));
-            } else {
-                self.order.each(self.tree, node, &cut.clip, &mut |reference| {
-                    let prim = self.order.prim(reference.run().start);
-                    if let Some(part) = seen(prim, reference.bounds()) {
-                        bounds = bounds.union(part);
-                        prims.push(prim);
-                    }
-                });
-            }
-        }
-        if !self.order.references.fragments.is_empty() {
-            // Parts of one triangle may meet in a leaf.
-            prims.sort_unstable();
-            prims.dedup();
-        }
-        bounds
-    }
-}
-
-impl<R: Refine> CutRecursion<'_, R> {
-    /// The subtree of `node` as a part of the recursion.
-    fn swept(&self, like: &Cut, node: Node, subtrees: &Subtrees, arena: &mut Vec<Node>) -> Option<Cut> {
-        arena.push(node);
-        Some(Cut {
-            first: arena.len() as u32 - 1,
-            len: 1,
-            bounds: node.bounds(),
-            area: node.bounds().half_area(),
-            count: node.count(),
-            stage: Stage::Swept,
-            kind: subtrees.kind(&node, self.rules.max_leaf),
-            ..*like
-        })
-    }
-
-    /// The children of a swept subtree.
-    fn children_swept(&self, cut: &Cut, node: Node, scratch: &mut Scratch) -> [Option<Cut>; 2] {
-        let Scratch { arena, subtrees, .. } = scratch;
-        subtrees.children(&node).map(|child| self.swept(cut, child, subtrees, arena))
-    }
-
-    /// Splits a cut of few references down to its leaves.
-    fn sweep_subtree(&self, cut: &Cut, scratch: &mut Scratch) -> [Option<Cut>; 2] {
-        let Scratch { arena, subtree_sweep, subtrees, .. } = scratch;
-        subtree_sweep.clear();
-        for node in &arena[cut.places()] {
-            self.order.each(self.tree, node, &cut.clip, &mut |reference| {
-                subtree_sweep.push(reference.bounds(), self.order.prim(reference.run().start));
-            });
-        }
-        let Some(node) = subtree_sweep.build(self.isa, subtrees) else { return [None, None] };
-        match subtrees.kind(&node, self.rules.max_leaf) {
-            Kind::Inner => self.children_swept(cut, node, scratch),
-            Kind::SoftLeaf | Kind::Leaf => [self.swept(cut, node, subtrees, arena), None],
-        }
     }
 }
 

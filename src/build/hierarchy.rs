@@ -1,8 +1,9 @@
 //! An auxiliary BVH and a build over its cuts: what PHR and the method of Hunt et al. have in common.
 
 use super::cut::Order;
-use super::cut_recursion::{CutRecursion, Refine, Rules, Scratch};
+use super::cut_recursion::{CutRecursion, Scratch};
 use super::lbvh::{Auxiliary, AuxiliaryConfig};
+use super::rules::{Refine, Rules};
 use super::small_sweep::Isa;
 use super::top_down::{self, Memory};
 use super::{Build, Counts, Phase, Stopwatch};

@@ -3,9 +3,9 @@
 
 use super::binary::{BinaryTree, Node};
 use super::cut::{Growing, open};
-use super::cut_recursion::{Refine, Rules};
 use super::hierarchy::Hierarchy;
 use super::lbvh::AuxiliaryConfig;
+use super::rules::{Refine, Rules};
 use super::{Build, Builder};
 use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};

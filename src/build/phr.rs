@@ -2,10 +2,10 @@
 
 use super::binary::{BinaryTree, Node};
 use super::cut::{Growing, open};
-use super::cut_recursion::{Refine, Rules};
 use super::hierarchy::Hierarchy;
 use super::lbvh::{AuxiliaryConfig, Clusters};
 use super::presplit::PresplitConfig;
+use super::rules::{Refine, Rules};
 use super::{Build, Builder, subtree_sweep};
 use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};

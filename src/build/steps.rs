@@ -4,16 +4,18 @@ use super::Phase;
 use super::binary::Node;
 use super::bins::Bins;
 use super::cut::{Cut, Growing, SPACE};
-use super::cut_recursion::Refine;
 use super::in_order::Batch;
 use super::lbvh::{Auxiliary, AuxiliaryConfig};
 use super::morton_order::reference;
 use super::object_split::{ObjectSplit, Sweep};
 use super::phr::{PhrConfig, Threshold};
 use super::piece::Piece;
+use super::rules::Refine;
 use super::small_sweep::{self, Isa};
 use super::spatial_split::SpatialSweep;
 use super::split_cost::Weight;
+use super::subtree_sweep::SubtreeSweep;
+use super::subtrees::Subtrees;
 use super::top_down::{QUARTET, WIDTH};
 use crate::bvh::{Link, TriangleBlock, WideNode};
 use crate::geometry::{Aabb, Mesh};
@@ -41,6 +43,8 @@ pub struct Steps<'a> {
     initial: Vec<Node>,
     arena: Vec<Node>,
     side: Vec<Node>,
+    subtree_sweep: SubtreeSweep,
+    subtrees: Subtrees,
 }
 
 impl<'a> Steps<'a> {
@@ -64,7 +68,14 @@ impl<'a> Steps<'a> {
             piece: Piece::default(),
             arena: Vec::new(),
             side: Vec::new(),
+            subtree_sweep: SubtreeSweep::default(),
+            subtrees: Subtrees::default(),
         }
+    }
+
+    /// Number of triangles.
+    pub fn triangles(&self) -> usize {
+        self.mesh.len()
     }
 
     /// Builds the auxiliary BVH again; the durations of its phases, "codes", "sort" and "auxiliary tree" among
@@ -130,6 +141,24 @@ impl<'a> Steps<'a> {
             self.arena.truncate(begin);
         }
         refined
+    }
+
+    /// Splits runs of `len` triangles in Morton order down to quartets, each in one go; `len` is at most 256. Returns
+    /// the number of pairs of siblings.
+    pub fn subtrees(&mut self, len: usize) -> usize {
+        self.subtrees.release([0; 2]);
+        for prims in self.prims.chunks(len) {
+            self.subtree_sweep.clear();
+            prims.iter().for_each(|&prim| self.subtree_sweep.push(self.mesh.bounds_of(prim), prim));
+            self.subtree_sweep.build(Isa::best(), &mut self.subtrees);
+        }
+        self.subtrees.pairs.len()
+    }
+
+    /// Of [`Steps::subtrees`], once for runs of that length.
+    pub fn subtree_traffic(&self) -> Traffic {
+        let Traffic { read, .. } = self.leaf_block_traffic();
+        Traffic { read, written: size_of_val(&self.subtrees.pairs[..]) + size_of_val(&self.prims[..]) }
     }
 
     /// Writes all triangles into leaf blocks, in Morton order; returns the number of blocks.

@@ -91,9 +91,9 @@ impl Optimiser {
 mod samples {
     use super::Tree;
     use crate::build::PhrConfig;
-    use crate::build::cut_recursion::Rules;
     use crate::build::hierarchy::Hierarchy;
     use crate::build::lbvh::AuxiliaryConfig;
+    use crate::build::rules::Rules;
     use crate::build::top_down::QUARTET;
     use crate::geometry::Mesh;
 

@@ -1,0 +1,36 @@
+//! What builders over cuts do otherwise than one another.
+
+use super::binary::{BinaryTree, Node};
+use super::cut::Growing;
+use crate::geometry::Aabb;
+
+/// How a cut is refined after a split.
+pub(super) trait Refine: Sync {
+    /// Appends the nodes of a side of a split at binary depth `depth` to `refined`, some of them opened
+    /// ([`super::cut::open`]).
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &[Node], refined: &mut Growing<'_>);
+}
+
+/// What one builder over cuts does otherwise than another.
+pub(super) struct Rules<R> {
+    /// How cuts are refined.
+    pub refine: R,
+    /// Nodes of a larger half area are opened for the initial cut,
+    pub initial_threshold: f32,
+    /// while it has fewer nodes than this.
+    pub initial_len: usize,
+    /// Spatial splits are tried for nodes of a larger half area; infinite for none.
+    pub spatial_above: f32,
+    /// They are tried only where the sides of the object split overlap by a larger half area, if this is given.
+    pub overlap_above: Option<f32>,
+    /// Most references per reference that spatial splits may make.
+    pub max_references: f32,
+    /// Most triangles of a leaf.
+    pub max_leaf: u32,
+    /// Cuts of at most so many references are opened down to them, and their splits count quartets.
+    pub leaf_sweep: u32,
+    /// Cuts of at most so many references, too small for spatial splits, are handed to [`super::subtree_sweep`].
+    pub subtree_sweep: u32,
+    /// Where a spatial split cuts a node of a single reference, its triangle is clipped and not only its box.
+    pub clip_triangles: bool,
+}
