@@ -62,16 +62,6 @@ impl<R: Refine> CutRecursion<'_, R> {
     /// Opens what must be before a cut can be split: a lone node, whatever the threshold; all nodes, near the
     /// leaves or where the tree gets too deep.
     fn open_for_split(&self, cut: &Cut, arena: &mut Vec<Node>) -> Cut {
-        let is_lone_leaf = cut.len == 1 && arena[cut.places().start].is_leaf();
-        let is_small = cut.count <= self.rules.leaf_sweep || is_lone_leaf;
-        if cut.stage == Stage::Nodes && (is_small || cut.depth >= MAX_DEPTH) {
-            let mut opened = Growing::new(arena);
-            for place in cut.places() {
-                let node = opened.arena[place];
-                self.order.each(self.tree, &node, &cut.clip, &mut |child| opened.push(child));
-            }
-            return opened.finish(&Cut { stage: Stage::References, ..*cut });
-        }
         let mut cut = *cut;
         while cut.len == 1 {
             let node = arena[cut.places().start];
@@ -84,6 +74,16 @@ impl<R: Refine> CutRecursion<'_, R> {
                 opened.push(child);
             });
             cut = opened.finish(&cut);
+        }
+        let is_lone_leaf = cut.len == 1 && arena[cut.places().start].is_leaf();
+        let is_small = cut.count <= self.rules.leaf_sweep || is_lone_leaf;
+        if cut.stage == Stage::Nodes && (is_small || cut.depth >= MAX_DEPTH) {
+            let mut opened = Growing::new(arena);
+            for place in cut.places() {
+                let node = opened.arena[place];
+                self.order.each(self.tree, &node, &cut.clip, &mut |child| opened.push(child));
+            }
+            return opened.finish(&Cut { stage: Stage::References, ..cut });
         }
         cut
     }

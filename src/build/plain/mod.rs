@@ -227,16 +227,16 @@ impl Plain<'_> {
 
     /// Opens what has to be for a split: a lone member, and all near the leaves or in too deep a tree.
     fn open_for_split(&self, mut cut: Cut) -> Cut {
+        while let [lone] = &cut.members[..]
+            && !lone.is_leaf()
+        {
+            cut.members = lone.open(&cut.clip);
+        }
         let is_lone_leaf = cut.members.len() == 1 && cut.members[0].is_leaf();
         let is_small = cut.count() <= self.leaf_sweep || is_lone_leaf;
         if !cut.is_near_leaves && (is_small || cut.depth >= MAX_DEPTH) {
             cut.members = cut.references();
             cut.is_near_leaves = true;
-        }
-        while let [lone] = &cut.members[..]
-            && !lone.is_leaf()
-        {
-            cut.members = lone.open(&cut.clip);
         }
         cut
     }

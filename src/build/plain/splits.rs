@@ -35,7 +35,7 @@ pub fn object(boxes: &[Aabb], weight: Weight) -> Option<Object> {
 }
 
 /// The unions of the first 0, 1, 2, ... boxes.
-fn unions<'a>(boxes: impl Iterator<Item = &'a Aabb>) -> Vec<Aabb> {
+pub(super) fn unions<'a>(boxes: impl Iterator<Item = &'a Aabb>) -> Vec<Aabb> {
     let mut all = vec![Aabb::EMPTY];
     for bounds in boxes {
         all.push(all[all.len() - 1].union(*bounds));

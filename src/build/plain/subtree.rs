@@ -1,6 +1,7 @@
 //! The binary tree over few references by sweeps down to quartets, as simple as it can be.
 
 use super::cut::Member;
+use super::splits::unions;
 use crate::build::split_cost::Weight;
 use crate::build::subtree_sweep::{HALVE, STEPS};
 use crate::geometry::Aabb;
@@ -44,10 +45,10 @@ fn side(all: &[Member], order: [Vec<usize>; 3], depth: u32) -> Side {
         return Side { members, below: None };
     }
     let (axis, n) = if depth < HALVE { best(all, &order) } else { (0, order[0].len() / 2) };
-    let left = order[axis][..n].to_vec();
+    let mut on_left = vec![false; all.len()];
+    order[axis][..n].iter().for_each(|&i| on_left[i] = true);
     let below = |is_left: bool| {
-        let of_side =
-            |order: &Vec<usize>| order.iter().copied().filter(|i| left.contains(i) == is_left).collect();
+        let of_side = |order: &Vec<usize>| order.iter().copied().filter(|&i| on_left[i] == is_left).collect();
         side(all, order.each_ref().map(of_side), depth + 1)
     };
     Side { members, below: Some(Rc::new(Swept { sides: [below(true), below(false)] })) }
@@ -57,14 +58,13 @@ fn side(all: &[Member], order: [Vec<usize>; 3], depth: u32) -> Side {
 fn best(all: &[Member], order: &[Vec<usize>; 3]) -> (usize, usize) {
     let (mut least, mut best) = (f32::INFINITY, (0, 1));
     for (axis, order) in order.iter().enumerate() {
+        let sorted: Vec<Aabb> = order.iter().map(|&i| all[i].bounds).collect();
+        let (left, right) = (unions(sorted.iter()), unions(sorted.iter().rev()));
+        let cost = |side: &[Aabb], n: usize| side[n].half_area() * Weight::Quartets.of(n);
         for n in 1..order.len() {
-            let (left, right) = order.split_at(n);
-            let cost = |side: &[usize]| {
-                let bounds: Aabb = side.iter().map(|&i| all[i].bounds).collect();
-                bounds.half_area() * Weight::Quartets.of(side.len())
-            };
-            if cost(left) + cost(right) < least {
-                least = cost(left) + cost(right);
+            let both = cost(&left, n) + cost(&right, order.len() - n);
+            if both < least {
+                least = both;
                 best = (axis, n);
             }
         }
