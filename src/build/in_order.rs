@@ -9,7 +9,7 @@
 use std::collections::VecDeque;
 use std::mem::MaybeUninit;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Places in, or lengths of, the two arrays.
 pub(super) type Place = [usize; 2];
@@ -69,6 +69,7 @@ pub(super) fn append<T: Batch>(
     let chain = Chain::new(tasks, [a.len(), b.len()]);
     let next = AtomicUsize::new(0);
     let left_over = Mutex::new(Vec::new());
+    let failed = AtomicBool::new(false);
     let (room_a, room_b) = (Room::new(a), Room::new(b));
     let put = |mut batch: T, at: Place| {
         let (from_a, from_b) = batch.elements();
@@ -89,6 +90,7 @@ pub(super) fn append<T: Batch>(
         spare.put(batch);
     };
     let work = || {
+        let _alarm = Alarm(&failed);
         let mut waiting: VecDeque<(usize, T)> = VecDeque::new();
         loop {
             // Tasks are begun in order, so that whoever waits for an earlier one waits for one that runs.
@@ -104,6 +106,8 @@ pub(super) fn append<T: Batch>(
                 if let Some(at) = chain.place(first) {
                     let (_, batch) = waiting.pop_front().expect("there is a front");
                     put(batch, at);
+                } else if failed.load(Ordering::Relaxed) {
+                    return;
                 } else if task < tasks && waiting.len() < PATIENCE {
                     break;
                 } else {
@@ -132,6 +136,17 @@ pub(super) fn append<T: Batch>(
         b.extend_from_slice(from_b);
         batch.clear();
         spare.put(batch);
+    }
+}
+
+/// Tells the other threads when one panics: the task they wait for will never be done.
+struct Alarm<'a>(&'a AtomicBool);
+
+impl Drop for Alarm<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.store(true, Ordering::Relaxed);
+        }
     }
 }
 
@@ -218,6 +233,18 @@ mod tests {
             self.0.clear();
             self.1.clear();
         }
+    }
+
+    #[test]
+    fn a_panic_ends_the_whole() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let append = || {
+            pool.install(|| {
+                let make = |task: usize, _: &mut Numbers| assert!(task != 3);
+                append(100, &Spare::default(), &mut vec![7], &mut Vec::new(), make);
+            });
+        };
+        assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(append)).is_err());
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::hierarchy::Hierarchy;
 use super::lbvh::{AuxiliaryConfig, Clusters};
 use super::presplit::PresplitConfig;
 use super::rules::{Refine, Rules};
+use super::top_down::QUARTET;
 use super::{Build, Builder, subtree_sweep};
 use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};
@@ -77,8 +78,8 @@ impl PhrConfig {
 
     /// Of the auxiliary BVH.
     pub(super) fn auxiliary(&self) -> AuxiliaryConfig {
-        let Self { presplit, auxiliary_leaf: leaf, clusters, .. } = *self;
-        AuxiliaryConfig { presplit, leaf, clusters }
+        let Self { presplit, auxiliary_leaf, clusters, .. } = *self;
+        AuxiliaryConfig { presplit, leaf: auxiliary_leaf.clamp(1, QUARTET), clusters }
     }
 
     /// The rules for a scene of so many triangles with the given box.
