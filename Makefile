@@ -2,7 +2,7 @@
 # make bench-paper  the same on the paper's nine scenes or their stand-ins, into results/paper-scenes: hours
 # make bench-builders
 #                   what the bars are judged by (`phr bars`), into results/bars: all builders on the files SCENES and
-#                   the built-in scenes with two threads, their builds with one, their growth over scenes of 1 to 32
+#                   the built-in scenes with two threads, their builds with one beside two, their growth over scenes of 1 to 32
 #                   million triangles, and single extensions: some fifty minutes on two cores, 16 GiB of memory
 # cargo bench --bench steps
 #                   the steps of a build one by one (codes, sort, auxiliary tree, sweeps by length of the cut,
@@ -42,7 +42,7 @@ bench-builders: packages
 	./target/release/phr bench $(GROWTH) --build-only --filter ' ($(GROWING)) 4 ' \
 		--rounds $(ROUNDS) --threads 2 --out $(BARS)/growth $(ARGS)
 	./target/release/phr bench --set builtin $(SCENES) --build-only --filter ' ($(BARRED)) 4 ' \
-		--rounds $(ROUNDS) --threads 1 --out $(BARS)/threads-1 $(ARGS)
+		--rounds $(ROUNDS) --threads 2 --one-thread --out $(BARS)/threads $(ARGS)
 	./target/release/phr bench --set builtin $(SCENES) --size $(SIZE) \
 		--rounds $(ROUNDS) --threads 2 --out $(BARS) $(ARGS)
 	./target/release/phr bench --set builtin $(SCENES) --size $(SIZE) $(addprefix --builder ,$(ABLATED)) \

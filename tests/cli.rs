@@ -249,6 +249,7 @@ fn bad_input_is_one_line_and_code_2() {
         (&["bench", "sheet.ply", "./sheet.ply"], &["two scenes", "sheet"]),
         (&["bench", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh", "phr-hq"]),
         (&["bench", "sheet.ply", "--threads", "0"], &["--threads 0"]),
+        (&["bench", "sheet.ply", "--threads", "2", "--one-thread"], &["--one-thread", "--build-only"]),
         (&["bench", "sheet.ply", "--threads", "99999"], &["--threads 99999"]),
         (&["bench", "sheet.ply", "--rounds", "0"], &["--rounds 0"]),
         (&["bench", "sheet.ply", "--views", "0"], &["--views 0"]),

@@ -1,9 +1,10 @@
 //! The records of a run on disk, brought up to date after every visit.
 
-use super::contender::{self, Cell, Facts};
+use super::contender::{self, Cell};
 use super::embree_side;
 use super::environment::{ENVIRONMENT, Environment, Machine, Moment, Program, State};
-use super::plan::PlannedScene;
+use super::facts::Facts;
+use super::planned_scene::PlannedScene;
 use super::random::SplitMix;
 use super::records::{self, ROWS, RecordsError, Row, SCHEMA};
 use super::run::{Run, RunError};

@@ -1,13 +1,15 @@
 //! Who is measured: a cell is a builder at a width with the kernels that trace its tree. A contender builds
 //! in its own way, in its own clock, and shows the finished tree to the observer who traces it.
 
-use super::load::{Accounts, Load};
+use super::facts::{Builds, Facts, OnOneThread};
+use super::load::Accounts;
+use super::plan::Settings;
 use crate::build::{self, Build, Builder};
 use crate::bvh::{Statistics, WideBvh};
 use crate::geometry::{Mesh, Ray, Tracer};
 use crate::trace::{BvhTracer, Isa, RayKind, TraversalCounts};
-use rayon::ThreadPool;
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
@@ -104,64 +106,6 @@ pub fn cells(build_only: bool) -> Vec<Cell> {
     cells
 }
 
-/// Durations of one visit's builds.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Builds {
-    /// The first build of a fresh builder object or device, in fresh memory, ms.
-    pub cold_ms: f64,
-    /// The builds after it, ours in the memory of the tree before, ms.
-    pub warm_ms: Vec<f64>,
-    /// Parts of the last build, ms; empty for Embree, which does not tell.
-    pub phases: Vec<(String, f64)>,
-    /// Bytes held at the peak of the last build.
-    pub peak_bytes: Option<u64>,
-    /// What the processors did during the warm builds.
-    pub load: Load,
-}
-
-/// What is known of a tree beside its speed; what could not be had is absent.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Facts {
-    /// Who built it, with version.
-    pub engine: String,
-    /// The builder's parameters.
-    pub config: String,
-    /// SAH cost.
-    pub sah: Option<f64>,
-    /// End-point overlap.
-    pub epo: Option<f64>,
-    /// Inner nodes.
-    pub nodes: Option<u64>,
-    /// Leaves.
-    pub leaves: Option<u64>,
-    /// Levels of inner nodes.
-    pub depth: Option<u64>,
-    /// Used lanes of leaf blocks.
-    pub leaf_fill: Option<f64>,
-    /// References per triangle.
-    pub refs_per_tri: Option<f64>,
-    /// Bytes of the tree.
-    pub bytes: Option<u64>,
-}
-
-impl Facts {
-    /// Those of a tree in our own form.
-    pub fn of(statistics: &Statistics, engine: String, config: String) -> Self {
-        Self {
-            engine,
-            config,
-            sah: Some(statistics.sah),
-            epo: Some(statistics.epo),
-            nodes: Some(statistics.nodes as u64),
-            leaves: Some(statistics.leaves as u64),
-            depth: Some(statistics.depth as u64),
-            leaf_fill: Some(statistics.leaf_fill),
-            refs_per_tri: Some(statistics.references_per_triangle),
-            bytes: Some(statistics.bytes as u64),
-        }
-    }
-}
-
 /// A tree under one kernel.
 pub struct View<'a> {
     /// The kernel.
@@ -188,12 +132,41 @@ impl<const N: usize> Counter for BvhTracer<'_, N> {
     }
 }
 
+/// The threads that ours build with and all trace with; Embree makes as many of its own.
+pub struct Pools {
+    /// As many as were asked for.
+    pub all: ThreadPool,
+    /// One, where builds are timed on one thread too.
+    pub one: Option<ThreadPool>,
+}
+
+impl Pools {
+    /// Starts the threads.
+    ///
+    /// # Errors
+    /// The system's, if it has no more threads.
+    pub fn new(settings: &Settings) -> Result<Self, ThreadPoolBuildError> {
+        let pool = |threads| {
+            let builder = ThreadPoolBuilder::new().num_threads(threads);
+            builder.thread_name(|index| format!("phr-{index}")).build()
+        };
+        let one = settings.one_thread.then(|| pool(1)).transpose()?;
+        Ok(Self { all: pool(settings.threads)?, one })
+    }
+}
+
+impl From<ThreadPool> for Pools {
+    fn from(all: ThreadPool) -> Self {
+        Self { all, one: None }
+    }
+}
+
 /// What a visit asks of a contender.
 pub struct Visit<'a> {
     /// The geometry.
     pub mesh: &'a Mesh,
-    /// The threads that ours build with; Embree makes as many of its own.
-    pub pool: &'a ThreadPool,
+    /// The threads.
+    pub pools: &'a Pools,
     /// Kernels wanted.
     pub kernels: &'a [Kernel],
     /// Whether facts are wanted (they take time, untimed).
@@ -227,8 +200,8 @@ pub fn visit(cell: &Cell, visit: &Visit<'_>, observer: &mut dyn FnMut(Shown<'_>)
 /// Our side: in the clock is what leads from the mesh in memory to a traversable tree with its leaf data.
 fn ours(mut builder: Box<dyn Builder>, visit: &Visit<'_>, observer: &mut dyn FnMut(Shown<'_>)) {
     // Each build has the memory of the tree before it; the first has none.
-    let mut build = |no_longer_needed: Option<Build>| {
-        visit.pool.install(|| {
+    let mut build = |pool: &ThreadPool, no_longer_needed: Option<Build>| {
+        pool.install(|| {
             if let Some(Build { tree, .. }) = no_longer_needed {
                 builder.recycle(tree);
             }
@@ -237,24 +210,37 @@ fn ours(mut builder: Box<dyn Builder>, visit: &Visit<'_>, observer: &mut dyn FnM
             (start.elapsed(), built)
         })
     };
-    let (cold, mut built) = build(None);
-    let accounts = Accounts::read();
-    let mut warm = Vec::new();
-    while !is_enough(&warm) {
-        let (duration, next) = build(Some(built));
-        warm.push(duration);
-        built = next;
-    }
+    let (cold, mut built) = build(&visit.pools.all, None);
+    let mut repeat = |pool: &ThreadPool, mut built: Build| {
+        let accounts = Accounts::read();
+        let mut warm = Vec::new();
+        while !is_enough(&warm) {
+            let (duration, next) = build(pool, Some(built));
+            warm.push(duration);
+            built = next;
+        }
+        (warm.into_iter().map(ms).collect(), accounts.since(), built)
+    };
+    let one_thread;
+    (one_thread, built) = match &visit.pools.one {
+        Some(pool) => {
+            let (warm_ms, load, built) = repeat(pool, built);
+            (Some(OnOneThread { warm_ms, load }), built)
+        }
+        None => (None, built),
+    };
+    let (warm_ms, load, built) = repeat(&visit.pools.all, built);
     let builds = Builds {
         cold_ms: ms(cold),
-        warm_ms: warm.into_iter().map(ms).collect(),
+        warm_ms,
         phases: built.phases.iter().map(|phase| (phase.name.into(), ms(phase.duration))).collect(),
         peak_bytes: Some(built.counts.peak_bytes).filter(|&bytes| bytes > 0),
-        load: accounts.since(),
+        load,
+        one_thread,
     };
     let facts = visit.facts.then(|| {
         let engine = format!("phr {}", env!("CARGO_PKG_VERSION"));
-        let statistics = visit.pool.install(|| Statistics::of(&built.tree, visit.mesh));
+        let statistics = visit.pools.all.install(|| Statistics::of(&built.tree, visit.mesh));
         Facts::of(&statistics, engine, builder.config().to_string())
     });
     present(visit, Ok(&built.tree), None, builds, facts, observer);

@@ -1,7 +1,7 @@
 //! One visit to a cell: builds in the builder's own clock, then every batch of recorded rays through every
 //! kernel. The first visit verifies each answer; every later one must hash to the same distances.
 
-use super::contender::{self, Cell, Shown, View, Visit};
+use super::contender::{self, Cell, Pools, Shown, View, Visit};
 use super::load::Accounts;
 use super::plan::Settings;
 use super::rays::{Answers, ViewRays};
@@ -10,7 +10,6 @@ use crate::geometry::Tracer;
 use crate::scene::Scene;
 use crate::trace::verify::Verdict;
 use crate::trace::{self, RayKind};
-use rayon::ThreadPool;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -24,7 +23,7 @@ pub struct Bench<'a> {
     /// Whose hits are right; absent where nothing is traced.
     reference: Option<&'a dyn Tracer>,
     settings: &'a Settings,
-    pool: &'a ThreadPool,
+    pools: &'a Pools,
     stop: &'a AtomicBool,
     /// Where tracers write, kept so that no page is touched for the first time in a timed trace.
     scratch: Vec<Vec<Answers>>,
@@ -41,11 +40,11 @@ impl<'a> Bench<'a> {
         rays: &'a [ViewRays],
         reference: Option<&'a dyn Tracer>,
         settings: &'a Settings,
-        pool: &'a ThreadPool,
+        pools: &'a Pools,
         stop: &'a AtomicBool,
     ) -> Self {
         let scratch = rays.iter().map(|view| view.reference.clone()).collect();
-        Self { scene, rays, reference, settings, pool, stop, scratch }
+        Self { scene, rays, reference, settings, pools, stop, scratch }
     }
 
     /// Visits `cell` in `round`, as the `place`-th of it, and adds the samples to `samples`. A builder that
@@ -62,7 +61,7 @@ impl<'a> Bench<'a> {
     ) -> Result<(), Stopped> {
         let visit = Visit {
             mesh: &self.scene.mesh,
-            pool: self.pool,
+            pools: self.pools,
             kernels: &cell.kernels,
             facts: samples.visits.is_empty(),
         };
@@ -81,7 +80,7 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// A builder that failed, in one line.
     pub fn verify(&mut self, cell: &Cell) -> Result<Vec<KernelChecks>, String> {
-        let visit = Visit { mesh: &self.scene.mesh, pool: self.pool, kernels: &cell.kernels, facts: true };
+        let visit = Visit { mesh: &self.scene.mesh, pools: self.pools, kernels: &cell.kernels, facts: true };
         let mut checks = Vec::new();
         contender::visit(cell, &visit, &mut |shown| {
             checks = shown.views.iter().filter_map(|view| self.check(view).ok()).collect();
@@ -149,10 +148,10 @@ impl<'a> Bench<'a> {
                 let rays = view_rays.batches.get(kind);
                 let answers = &mut self.scratch[index][slot];
                 answers.reset();
-                self.pool.install(|| answers.fill(tracer, rays));
+                self.pools.all.install(|| answers.fill(tracer, rays));
                 let verdict = self.verdict(tracer, index, slot);
                 let answers = &self.scratch[index][slot];
-                let counts = view.counter.map(|counter| self.pool.install(|| counter.count(kind, rays)));
+                let counts = view.counter.map(|counter| self.pools.all.install(|| counter.count(kind, rays)));
                 kernel.checks.push(Check {
                     view: index,
                     kind: Some(kind),
@@ -184,7 +183,7 @@ impl<'a> Bench<'a> {
         let rays = self.rays[view].batches.get(RayKind::ALL[slot]);
         let (answers, right) = (&self.scratch[view][slot], &self.rays[view].reference[slot]);
         let tracers = [self.reference.unwrap_or(tracer), tracer];
-        self.pool.install(|| answers.compare(&self.scene.mesh, rays, right, tracers))
+        self.pools.all.install(|| answers.compare(&self.scene.mesh, rays, right, tracers))
     }
 
     /// Traces each batch against the clock. Answers that hash to other distances than at first are compared
@@ -199,7 +198,7 @@ impl<'a> Bench<'a> {
                 answers.reset();
                 std::thread::sleep(SETTLE);
                 let start = Instant::now();
-                self.pool.install(|| answers.fill(tracer, rays));
+                self.pools.all.install(|| answers.fill(tracer, rays));
                 let ms = start.elapsed().as_secs_f64() * 1e3;
                 timings.push(Timing { kernel: checks.kernel, view: index, kind: Some(kind), ms });
 
@@ -219,7 +218,7 @@ impl<'a> Bench<'a> {
                 std::thread::sleep(SETTLE);
                 let start = Instant::now();
                 let path = self.settings.path();
-                let image = self.pool.install(|| trace::render(tracer, &self.scene.mesh, view, &path));
+                let image = self.pools.all.install(|| trace::render(tracer, &self.scene.mesh, view, &path));
                 let ms = start.elapsed().as_secs_f64() * 1e3;
                 drop(image);
                 timings.push(Timing { kernel: checks.kernel, view: index, kind: None, ms });
@@ -231,7 +230,8 @@ impl<'a> Bench<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::contender::{Builds, Facts, Kernel};
+    use super::super::contender::Kernel;
+    use super::super::facts::{Builds, Facts};
     use super::super::rays;
     use super::*;
     use crate::build;
@@ -288,12 +288,13 @@ mod tests {
             threads: 1,
             seed: 1,
             build_only: false,
+            one_thread: false,
             frames: true,
         };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        let recorded = pool.install(|| rays::record(&tracer, &scene, &settings));
+        let pools = Pools::new(&settings).unwrap();
+        let recorded = pools.all.install(|| rays::record(&tracer, &scene, &settings));
         let stop = AtomicBool::new(false);
-        let mut bench = Bench::new(&scene, &recorded, Some(&tracer), &settings, &pool, &stop);
+        let mut bench = Bench::new(&scene, &recorded, Some(&tracer), &settings, &pools, &stop);
         test(&mut bench, &tracer);
     }
 

@@ -2,7 +2,8 @@
 //! Everything that can be wrong with a request is found here, before anything is timed or written.
 
 use super::contender::{self, Cell};
-use crate::scene::{self, Scene, SceneError};
+use super::planned_scene::{PlannedScene, Source};
+use crate::scene::{self, SceneError};
 use crate::trace::PathSettings;
 use regex::Regex;
 use serde::{Deserialize, Serialize};
@@ -44,100 +45,15 @@ pub enum PlanError {
         /// The most it may be.
         most: usize,
     },
+    /// One thread is all there is, or Embree's devices that trace would keep more of its threads awake.
+    #[error("--one-thread {0}")]
+    OneThread(&'static str),
     /// The filter leaves nothing.
     #[error("--filter {0}: matches no \"scene builder width kernel\"; see `phr bench --list`")]
     NothingLeft(String),
     /// The folder of `--scenes` is none.
     #[error("{}: not a folder; --scenes takes the folder that holds the paper's scene files", .0.display())]
     NotAFolder(PathBuf),
-}
-
-/// Where a scene comes from.
-#[derive(Clone, Debug)]
-pub enum Source {
-    /// A file.
-    File(PathBuf),
-    /// A generator, by name.
-    Generated(&'static str),
-    /// The generated scene of any size, by its triangles.
-    Scalable(usize),
-}
-
-/// Seed of the scenes of any size: one of a size, so that its name says which.
-const SCALABLE_SEED: u64 = 1;
-
-/// A scene to be run.
-#[derive(Clone, Debug)]
-pub struct PlannedScene {
-    /// Name in the records.
-    pub name: String,
-    /// Where it comes from.
-    pub source: Source,
-    /// Triangles, as far as known without loading; the progress bar's weight.
-    pub triangles: usize,
-}
-
-impl PlannedScene {
-    /// The scene called `name` on a command line: a file if there is one, else a generator's.
-    ///
-    /// # Errors
-    /// Neither, or a folder.
-    pub fn find(name: &str) -> Result<Self, PlanError> {
-        let path = Path::new(name);
-        if let Some(generator) = scene::generator(name).filter(|_| !path.is_file()) {
-            return Ok(Self::generated(generator));
-        }
-        if let Some(triangles) = scene::scalable_triangles(name).filter(|_| !path.is_file()) {
-            let name = scene::scalable_name(triangles);
-            return Ok(Self { name, source: Source::Scalable(triangles), triangles });
-        }
-        if path.is_dir() {
-            return Err(PlanError::Directory(path.to_owned()));
-        }
-        if !path.exists() {
-            return Err(PlanError::NoSuchScene(name.into()));
-        }
-        Ok(Self::file(path))
-    }
-
-    fn generated(generator: &'static scene::Generator) -> Self {
-        let name = generator.name;
-        Self { name: name.into(), source: Source::Generated(name), triangles: generator.triangles }
-    }
-
-    fn file(path: &Path) -> Self {
-        // A triangle takes some six bytes compressed, thirty plain; this only weighs the progress bar.
-        let compressed = path.extension().is_some_and(|ending| ending == "gz" || ending == "zst");
-        let bytes = path.metadata().map_or(0, |metadata| metadata.len() as usize);
-        let file = path.file_name().unwrap_or_default().to_string_lossy();
-        let name = file.split('.').next().unwrap_or_default().to_owned();
-        let triangles = bytes / if compressed { 6 } else { 30 };
-        Self { name, source: Source::File(path.to_owned()), triangles }
-    }
-
-    /// Where it comes from, without folders.
-    pub fn origin(&self) -> String {
-        match &self.source {
-            Source::File(path) => format!("file {}", path.file_name().unwrap_or_default().to_string_lossy()),
-            Source::Generated(name) => format!("generated: {name}"),
-            Source::Scalable(_) => format!("generated: {}", self.name),
-        }
-    }
-
-    /// Loads or generates it.
-    ///
-    /// # Errors
-    /// Those of [`scene::load`].
-    pub fn load(&self) -> Result<Scene, SceneError> {
-        match &self.source {
-            Source::File(path) => scene::load(path),
-            Source::Generated(name) => Ok(scene::generator(name).map_or_else(
-                || unreachable!("{name} was found when the plan was made"),
-                scene::Generator::generate,
-            )),
-            Source::Scalable(triangles) => Ok(scene::scalable(*triangles, SCALABLE_SEED)),
-        }
-    }
 }
 
 /// What can be set about a run, and must be the same where one is resumed (but for `rounds`).
@@ -159,6 +75,9 @@ pub struct Settings {
     pub seed: u64,
     /// Only builds are timed.
     pub build_only: bool,
+    /// Builds are timed on one thread too.
+    #[serde(default)]
+    pub one_thread: bool,
     /// Whole path-traced frames are timed beside the recorded rays.
     pub frames: bool,
 }
@@ -185,7 +104,16 @@ impl Settings {
                 return Err(PlanError::TooMuch { option, value, most });
             }
         }
-        Ok(())
+        match self {
+            Self { one_thread: true, threads: 1, .. } => {
+                Err(PlanError::OneThread("beside --threads 1: the same twice; leave it out"))
+            }
+            // Embree's devices share threads, as many as the device of most: what traces would lend its own.
+            Self { one_thread: true, build_only: false, .. } => Err(PlanError::OneThread(
+                "without --build-only: Embree would build with the threads that trace",
+            )),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -339,9 +267,22 @@ mod tests {
                 threads: 1,
                 seed: 1,
                 build_only: false,
+                one_thread: false,
                 frames: false,
             },
         }
+    }
+
+    #[test]
+    fn builds_on_one_thread_stand_beside_those_on_more() {
+        let plan = |threads, build_only| {
+            let request = request(&["scalable-2k"], None);
+            let settings = Settings { threads, build_only, one_thread: true, ..request.settings.clone() };
+            Plan::new(&Request { settings, ..request })
+        };
+        assert!(plan(2, true).is_ok());
+        assert!(matches!(plan(1, true), Err(PlanError::OneThread(_))));
+        assert!(matches!(plan(2, false), Err(PlanError::OneThread(_))));
     }
 
     #[test]

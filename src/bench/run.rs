@@ -2,15 +2,15 @@
 //! visit so that neither Ctrl-C nor a kill loses a finished one.
 
 use super::book::Book;
-use super::contender::Cell;
+use super::contender::{Cell, Pools};
 use super::measure::Bench;
-use super::plan::{Plan, PlannedScene};
+use super::plan::Plan;
+use super::planned_scene::PlannedScene;
 use super::random::SplitMix;
 use super::records::{RecordsError, Row};
 use super::{embree_side, rays, summary};
 use crate::geometry::Tracer;
 use crate::scene::{Scene, SceneError};
-use rayon::ThreadPool;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -97,10 +97,7 @@ impl Run<'_> {
     /// Those of [`RunError`]; what was finished before stays on disk, marked as part of a run.
     pub fn make(&self, progress: &mut dyn Progress) -> Result<Outcome, RunError> {
         let threads = self.plan.settings.threads;
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .thread_name(|index| format!("phr-{index}"))
-            .build()
+        let pools = Pools::new(&self.plan.settings)
             .map_err(|error| RunError::Threads { threads, reason: error.to_string() })?;
         let mut book = Book::open(self)?;
         let visits = |cells: &[Cell]| cells.len() as u64 * self.plan.settings.rounds as u64;
@@ -111,7 +108,7 @@ impl Run<'_> {
                 progress.advance(weight(scene) * visits(cells));
                 continue;
             }
-            ended = self.scene(scene, cells, &pool, &mut book, progress);
+            ended = self.scene(scene, cells, &pools, &mut book, progress);
             if ended.is_err() || self.stopped() {
                 break;
             }
@@ -131,7 +128,7 @@ impl Run<'_> {
         &self,
         planned: &PlannedScene,
         cells: &[Cell],
-        pool: &ThreadPool,
+        pools: &Pools,
         book: &mut Book<'_>,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
@@ -144,16 +141,16 @@ impl Run<'_> {
         if settings.build_only {
             return self.rounds(
                 &Measured { planned, cells, scene: &scene, reference: None },
-                pool,
+                pools,
                 book,
                 progress,
             );
         }
         progress.at(&format!("{}: reference tree", planned.name));
         let mut done = Ok(());
-        embree_side::reference(&scene.mesh, pool, &mut |tracer| {
+        embree_side::reference(&scene.mesh, &pools.all, &mut |tracer| {
             let measured = Measured { planned, cells, scene: &scene, reference: Some(tracer) };
-            done = self.rounds(&measured, pool, book, progress);
+            done = self.rounds(&measured, pools, book, progress);
         })
         .map_err(|reason| RunError::Reference { scene: planned.name.clone(), reason })?;
         done
@@ -162,7 +159,7 @@ impl Run<'_> {
     fn rounds(
         &self,
         measured: &Measured<'_>,
-        pool: &ThreadPool,
+        pools: &Pools,
         book: &mut Book<'_>,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
@@ -171,11 +168,11 @@ impl Run<'_> {
         let mut rays = Vec::new();
         if let Some(tracer) = reference {
             progress.at(&format!("{}: recording rays", planned.name));
-            rays = pool.install(|| rays::record(tracer, scene, settings));
+            rays = pools.all.install(|| rays::record(tracer, scene, settings));
         }
         let invalid = rays.iter().map(|view| view.invalid as u64).sum();
         let index = book.scene(planned, scene, cells, rays.len(), invalid)?;
-        let mut bench = Bench::new(scene, &rays, reference, settings, pool, self.stop);
+        let mut bench = Bench::new(scene, &rays, reference, settings, pools, self.stop);
         for round in 0..settings.rounds {
             for (place, cell) in order(cells, &planned.name, settings.seed, round).into_iter().enumerate() {
                 if self.stopped() {

@@ -1,7 +1,8 @@
 //! `samples.json`: every sample of a run, in the order in which it was taken. The rows are made from it, and
 //! a run that was stopped goes on from it.
 
-use super::contender::{Builds, Cell, Facts, Kernel};
+use super::contender::{Cell, Kernel};
+use super::facts::{Builds, Facts};
 use super::load::Load;
 use super::records::{RecordsError, write_whole};
 use crate::geometry::Dropped;

@@ -4,7 +4,7 @@ use super::contender::Kernel;
 use super::load::Load;
 use super::records::{ALL, COLD, NO_KERNEL, Row, SCHEMA, WARM, figures};
 use super::samples::{CellSamples, Check, KernelChecks, Samples, SceneSamples, VisitSamples};
-use super::statistics::Summary;
+use super::statistics::{Summary, median};
 use super::warnings::Warning;
 use crate::trace::RayKind;
 
@@ -87,6 +87,7 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
     let colds = builds(cell, COLD);
     let cold = with_builds(Row { regime: COLD.into(), ..known.clone() }, &colds, of_run(&colds));
     let mut rows = vec![cold];
+    rows.extend(one_thread(cell, &known, &of_run));
 
     let warms = builds(cell, WARM);
     let mut warnings = of_run(&warms);
@@ -110,6 +111,17 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
         }
     }
     rows
+}
+
+/// The row of warm builds on one thread, where they were timed.
+fn one_thread(cell: &CellSamples, row: &Row, of_run: &dyn Fn(&[f64]) -> Vec<Warning>) -> Option<Row> {
+    let visits = || cell.visits.iter().filter_map(|visit| visit.builds.one_thread.as_ref());
+    let samples: Vec<f64> = visits().filter_map(|builds| median(&builds.warm_ms)).collect();
+    let mut warnings = of_run(&samples);
+    warnings.extend(Warning::of_load(&sum(visits().map(|builds| builds.load)), 1));
+    // The peak is that of the builds on all threads.
+    let row = Row { threads: 1, peak_bytes: None, ..row.clone() };
+    (!samples.is_empty()).then(|| with_builds(row, &samples, warnings))
 }
 
 fn with_builds(row: Row, samples: &[f64], warnings: Vec<Warning>) -> Row {
@@ -195,7 +207,7 @@ pub fn builds(cell: &CellSamples, regime: &str) -> Vec<f64> {
     if regime == COLD {
         return cell.visits.iter().map(|visit| visit.builds.cold_ms).collect();
     }
-    cell.visits.iter().filter_map(|visit| super::statistics::median(&visit.builds.warm_ms)).collect()
+    cell.visits.iter().filter_map(|visit| median(&visit.builds.warm_ms)).collect()
 }
 
 /// Per visit, the time of all matching traces together; visits without any are left out.
@@ -226,7 +238,8 @@ fn sum(loads: impl Iterator<Item = Load>) -> Load {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::contender::{Builds, Cell, Facts};
+    use crate::bench::contender::Cell;
+    use crate::bench::facts::{Builds, Facts, OnOneThread};
     use crate::bench::samples::Timing;
     use crate::geometry::Dropped;
 
@@ -323,6 +336,21 @@ mod tests {
         assert!(rows.iter().all(|row| row.is_good() && row.sah == Some(12.0)));
         let cold = rows.iter().find(|row| row.regime == COLD).unwrap();
         assert_eq!((cold.build_ms_median, cold.kernel.as_str()), (Some(30.0), NO_KERNEL));
+    }
+
+    #[test]
+    fn builds_on_one_thread_have_a_row_of_their_own() {
+        let mut scene = scene();
+        for (visit, ms) in scene.cells[0].visits.iter_mut().zip([19.0, 30.0, 20.0]) {
+            let warm_ms = vec![ms + 1.0, ms, ms - 1.0];
+            visit.builds.one_thread = Some(OnOneThread { warm_ms, load: Load::default() });
+        }
+        let rows = scene_rows(&scene, &header());
+        let alone: Vec<&Row> = rows.iter().filter(|row| row.threads == 1).collect();
+        let [alone] = alone[..] else { panic!("one row, not {}", alone.len()) };
+        assert_eq!((alone.build_ms_median, alone.kernel.as_str()), (Some(20.0), NO_KERNEL));
+        assert_eq!((alone.sah, alone.trace_ms_median, alone.regime.as_str()), (Some(12.0), None, WARM));
+        assert_eq!(rows.len(), 1 + scene_rows(&self::scene(), &header()).len());
     }
 
     #[test]

@@ -49,6 +49,9 @@ pub struct Arguments {
     /// Time builds only
     #[arg(long)]
     build_only: bool,
+    /// Time builds on one thread too, beside those on all; with --build-only
+    #[arg(long)]
+    one_thread: bool,
     /// Time whole path-traced frames too
     #[arg(long)]
     frames: bool,
@@ -101,6 +104,7 @@ impl Arguments {
             threads: self.threads.unwrap_or_else(super::all_threads),
             seed: self.seed,
             build_only: self.build_only,
+            one_thread: self.one_thread,
             frames: self.frames,
         };
         let regex = |text: &String| {

@@ -2,7 +2,7 @@
 
 use super::{Failure, say};
 use crate::bench::contender::{self, Shown, Visit};
-use crate::bench::plan::PlannedScene;
+use crate::bench::planned_scene::PlannedScene;
 use crate::bench::statistics::Summary;
 use crate::report::grid::short;
 
@@ -24,7 +24,7 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let pool = super::pool(arguments.threads.unwrap_or_else(super::all_threads))?;
+    let pools = super::pools(arguments.threads.unwrap_or_else(super::all_threads))?;
     let cells = if arguments.builders.is_empty() {
         let all = contender::cells(true);
         all.into_iter().filter(|cell| arguments.width.is_none_or(|width| cell.width == width)).collect()
@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         eprintln!("phr: {}: {}", scene.name, scene.dropped);
     }
     say(&format!("{}: {} triangles ({})", scene.name, scene.mesh.len(), scene.source))?;
-    let visit = Visit { mesh: &scene.mesh, pool: &pool, kernels: &[], facts: true };
+    let visit = Visit { mesh: &scene.mesh, pools: &pools, kernels: &[], facts: true };
     for cell in cells {
         let mut text = String::new();
         contender::visit(&cell, &visit, &mut |shown| text = describe(&shown)).map_err(Failure::Wrong)?;

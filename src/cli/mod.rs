@@ -15,7 +15,7 @@ mod scenes;
 mod table;
 mod verify;
 
-use crate::bench::contender::{self, Cell};
+use crate::bench::contender::{self, Cell, Pools};
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::Write;
@@ -120,13 +120,14 @@ fn all_threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// A pool of `threads`, for verbs that take them from the user.
-fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
+/// The pool of `threads`, for verbs that take them from the user.
+fn pools(threads: usize) -> Result<Pools, Failure> {
     if threads == 0 {
         return Err(Failure::Bad("--threads 0: nothing could run; give 1 or more".into()));
     }
     let build = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    build.map_err(|error| Failure::Bad(format!("--threads {threads}: {error}; give fewer")))
+    let pool = build.map_err(|error| Failure::Bad(format!("--threads {threads}: {error}; give fewer")))?;
+    Ok(pool.into())
 }
 
 /// The cell of `builder` at `width`, or at its only or smallest one.

@@ -2,7 +2,7 @@
 
 use super::{Failure, say};
 use crate::bench::contender::{self, Visit};
-use crate::bench::plan::PlannedScene;
+use crate::bench::planned_scene::PlannedScene;
 use crate::trace::{self, Image, PathSettings};
 use std::path::{Path, PathBuf};
 
@@ -33,7 +33,7 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let pool = super::pool(arguments.threads.unwrap_or_else(super::all_threads))?;
+    let pools = super::pools(arguments.threads.unwrap_or_else(super::all_threads))?;
     for (option, value) in [("size", arguments.size), ("samples", arguments.samples)] {
         if value == 0 || value > 1 << 14 {
             return Err(Failure::Bad(format!("--{option} {value}: give 1 to {}", 1 << 14)));
@@ -51,7 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         )));
     };
     let mut image = Err("the builder has no kernel".to_owned());
-    let visit = Visit { mesh: &scene.mesh, pool: &pool, kernels: &cell.kernels[..1], facts: false };
+    let visit = Visit { mesh: &scene.mesh, pools: &pools, kernels: &cell.kernels[..1], facts: false };
     contender::visit(&cell, &visit, &mut |shown| {
         let Some(seen) = shown.views.first() else { return };
         image = seen.tracer.clone().map(|tracer| {
@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 let seed = 1 + u64::from(sample);
                 let settings =
                     PathSettings { width: arguments.size, height: arguments.size, max_depth: 8, seed };
-                let frame = pool.install(|| trace::render(tracer, &scene.mesh, view, &settings));
+                let frame = pools.all.install(|| trace::render(tracer, &scene.mesh, view, &settings));
                 sum.add(&frame, 1.0 / arguments.samples as f32);
             }
             sum

@@ -39,6 +39,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         rounds: 1,
         threads: arguments.threads.unwrap_or_else(super::all_threads),
         seed: 1,
+        one_thread: false,
         build_only: false,
         frames: false,
     };
@@ -51,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         settings,
     };
     let plan = Plan::new(&request)?;
-    let pool = super::pool(plan.settings.threads)?;
+    let pools = super::pools(plan.settings.threads)?;
     let mut wrong = 0;
     for (planned, cells) in &plan.scenes {
         let scene = planned.load()?;
@@ -60,9 +61,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         let mut grid = Grid::new([&scene.name, "kernel", "rays", "equal", "ties", "edges", "verdict"]);
         let stop = AtomicBool::new(false);
-        embree_side::reference(&scene.mesh, &pool, &mut |reference| {
-            let rays = pool.install(|| rays::record(reference, &scene, &plan.settings));
-            let mut bench = Bench::new(&scene, &rays, Some(reference), &plan.settings, &pool, &stop);
+        embree_side::reference(&scene.mesh, &pools.all, &mut |reference| {
+            let rays = pools.all.install(|| rays::record(reference, &scene, &plan.settings));
+            let mut bench = Bench::new(&scene, &rays, Some(reference), &plan.settings, &pools, &stop);
             for cell in cells {
                 let name = format!("{} / {}", cell.builder, cell.width);
                 match bench.verify(cell) {

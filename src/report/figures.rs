@@ -191,9 +191,10 @@ pub struct SceneFigures<'a> {
 }
 
 impl<'a> SceneFigures<'a> {
-    /// Those of `scene` among `rows`.
+    /// Those of `scene` among `rows`, with as many threads as any of them has.
     pub fn of(rows: &'a [Row], scene: &str) -> Self {
-        let of_scene = || rows.iter().filter(|row| row.scene == scene);
+        let threads = rows.iter().filter(|row| row.scene == scene).map(|row| row.threads).max();
+        let of_scene = || rows.iter().filter(|row| row.scene == scene && Some(row.threads) == threads);
         let mut views: Vec<&str> =
             of_scene().map(|row| row.view.as_str()).filter(|&view| view != ALL).collect();
         views.sort_unstable();

@@ -1,8 +1,9 @@
 //! The driver's view of Embree where it is there.
 
-use crate::bench::contender::{Builds, Cell, Facts, Kernel, Shown, Visit, is_enough, ms, present};
+use crate::bench::contender::{Cell, Kernel, Shown, Visit, is_enough, ms, present};
 use crate::bench::environment::Library;
-use crate::bench::load::Accounts;
+use crate::bench::facts::{Builds, Facts, OnOneThread};
+use crate::bench::load::{Accounts, Load};
 use crate::bvh::{Statistics, WideBvh};
 use crate::embree::{self, Config, Device, EmbreeBuilder, EmbreeError, EmbreeScene, Inspection, Width};
 use crate::geometry::{Mesh, Tracer};
@@ -31,52 +32,69 @@ pub fn kernels_of_ours() -> Vec<Kernel> {
 /// # Errors
 /// Embree's own words, or a builder that is not the one asked for.
 pub fn visit(cell: &Cell, visit: &Visit<'_>, observer: &mut dyn FnMut(Shown<'_>)) -> Result<(), String> {
-    let config = config(cell, visit.pool.current_num_threads())?;
+    let config = config(cell, visit.pools.all.current_num_threads())?;
     let inspection =
         if visit.facts { Some(embree::inspect(visit.mesh, &config).map_err(told)?) } else { None };
+    // Devices share threads, as many as the device of most has: that of one must be gone before there are more.
+    let mut one_thread = None;
+    if visit.pools.one.is_some() {
+        let device = Device::new(&Config { threads: 1, ..config }).map_err(told)?;
+        let Committed { warm_ms, load, .. } = commits(&device, visit.mesh).map_err(told)?;
+        one_thread = Some(OnOneThread { warm_ms, load });
+    }
     let device = Device::new(&config).map_err(told)?;
-    let commit = || {
-        let prepared = device.prepare(visit.mesh)?;
-        device.reset_peak();
-        let start = Instant::now();
-        let scene = prepared.commit()?;
-        Ok((start.elapsed(), scene))
-    };
-    let (cold, first) = commit().map_err(told)?;
-    drop(first);
-    let accounts = Accounts::read();
-    let mut warm = Vec::new();
-    let scene = loop {
-        let (duration, scene) = commit().map_err(told)?;
-        warm.push(duration);
-        if is_enough(&warm) {
-            break scene;
-        }
-    };
-    let builds = Builds {
-        cold_ms: ms(cold),
-        warm_ms: warm.into_iter().map(ms).collect(),
-        phases: Vec::new(),
-        peak_bytes: Some(device.memory().peak_bytes as u64),
-        load: accounts.since(),
-    };
-    let committed = Committed { scene: &scene, config, inspection, builds };
+    let Committed { cold_ms, warm_ms, load, scene } = commits(&device, visit.mesh).map_err(told)?;
+    let peak_bytes = Some(device.memory().peak_bytes as u64);
+    let builds = Builds { cold_ms, warm_ms, phases: Vec::new(), peak_bytes, load, one_thread };
+    let built = Built { scene: &scene, config, inspection, builds };
     match config.width {
-        Width::Four => committed.show::<4>(visit, read::four, observer),
-        Width::Eight => committed.show::<8>(visit, read::eight, observer),
+        Width::Four => built.show::<4>(visit, read::four, observer),
+        Width::Eight => built.show::<8>(visit, read::eight, observer),
     }
     Ok(())
 }
 
-/// A tree of Embree's, before it is shown.
+/// The commits of one visit on a device, in the clock.
 struct Committed<'a> {
+    cold_ms: f64,
+    warm_ms: Vec<f64>,
+    load: Load,
+    /// What the last of them built.
+    scene: EmbreeScene<'a>,
+}
+
+/// Commits fresh scenes of `mesh`: once with a cold device, then warm.
+fn commits<'a>(device: &'a Device, mesh: &'a Mesh) -> Result<Committed<'a>, EmbreeError> {
+    let commit = || {
+        let prepared = device.prepare(mesh)?;
+        device.reset_peak();
+        let start = Instant::now();
+        let scene = prepared.commit()?;
+        Ok::<_, EmbreeError>((start.elapsed(), scene))
+    };
+    let (cold, first) = commit()?;
+    drop(first);
+    let accounts = Accounts::read();
+    let mut warm = Vec::new();
+    loop {
+        let (duration, scene) = commit()?;
+        warm.push(duration);
+        if is_enough(&warm) {
+            let warm_ms = warm.into_iter().map(ms).collect();
+            return Ok(Committed { cold_ms: ms(cold), warm_ms, load: accounts.since(), scene });
+        }
+    }
+}
+
+/// A tree of Embree's, before it is shown.
+struct Built<'a> {
     scene: &'a EmbreeScene<'a>,
     config: Config,
     inspection: Option<Inspection>,
     builds: Builds,
 }
 
-impl Committed<'_> {
+impl Built<'_> {
     fn show<const N: usize>(
         self,
         visit: &Visit<'_>,
@@ -88,7 +106,7 @@ impl Committed<'_> {
         let mut facts = None;
         if let Some(inspection) = &self.inspection {
             let statistics =
-                tree.as_ref().ok().map(|tree| visit.pool.install(|| Statistics::of(tree, visit.mesh)));
+                tree.as_ref().ok().map(|tree| visit.pools.all.install(|| Statistics::of(tree, visit.mesh)));
             if let Some(found) = statistics.as_ref().filter(|found| !is_same(found.sah, inspection.sah)) {
                 let (found, printed) = (found.sah, inspection.sah);
                 tree = Err(format!("the tree read has a SAH cost of {found}, Embree printed {printed}"));
@@ -174,7 +192,7 @@ fn graft<const N: usize>(
     observer: &mut dyn FnMut(Result<&dyn Tracer, String>),
 ) -> Result<(), String> {
     let width = if N == 8 { Width::Eight } else { Width::Four };
-    let threads = visit.pool.current_num_threads();
+    let threads = visit.pools.all.current_num_threads();
     let device = Device::new(&Config { builder: EmbreeBuilder::Morton, width, threads }).map_err(told)?;
     let host = device.prepare(visit.mesh).and_then(embree::Prepared::commit).map_err(told)?;
     let graft = embree::graft::Graft::new(host, tree).map_err(|unavailable| unavailable.why)?;

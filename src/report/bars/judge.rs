@@ -144,10 +144,11 @@ impl Judge {
             Measure::Peak => per_triangle(|row| row.peak_bytes),
             Measure::Tree => per_triangle(|row| row.bytes),
             Measure::Threads => {
-                let one = SceneFigures::of(&self.one_thread, scene).build(tree).value();
-                SceneFigures::of(&self.two_threads, scene).build(tree).and_then(|two| {
-                    // Two geometries of one name are two scenes.
-                    let one = one.filter(|one| one.scene_sha == two.scene_sha)?;
+                let one = SceneFigures::of(&self.one_thread, scene).build(tree);
+                one.and_then(|one| {
+                    // Times of two runs are not compared.
+                    let of_run = only(&self.two_threads, |two| two.run_id == one.run_id);
+                    let two = SceneFigures::of(&of_run, scene).build(tree).value()?;
                     Some(one.build_ms_median? / two.build_ms_median?)
                 })
             }
