@@ -102,7 +102,7 @@ impl<R: Refine> CutRecursion<'_, R> {
         leaf(cut.area, cut.count) <= cut.area + (side_cost(&sides[0]) + side_cost(&sides[1]))
     }
 
-    /// A spatial split, if the rules allow one that is cheaper than `object`.
+    /// A spatial split, if the rules allow one and prefer it to `object`.
     fn spatial_split(
         &self,
         cut: &Cut,
@@ -117,7 +117,7 @@ impl<R: Refine> CutRecursion<'_, R> {
         if self.rules.overlap_above.is_some_and(|least| object.overlap(nodes).half_area() <= least) {
             return None;
         }
-        let limit = object.cost.min(cut.area * weight.of(nodes.len()));
+        let limit = (object.cost * self.rules.spatial_bias).min(cut.area * weight.of(nodes.len()));
         let split = sweep.below(limit, nodes, cut.bounds, weight);
         if split == SpatialSplit::NONE {
             return None;
@@ -176,7 +176,7 @@ impl<R: Refine> CutRecursion<'_, R> {
         if parent.stage == Stage::References {
             side.nodes.iter().for_each(|node| cut.push(*node));
         } else {
-            self.rules.refine.refine(self.tree, &clip, depth, &side.nodes, &mut cut);
+            self.rules.refine.refine(self.tree, &clip, depth, side, &mut cut);
         }
         let cut = cut.finish(&Cut { clip, capacity: capacity.max(side.count), depth, ..*parent });
         (cut.len > 0).then_some(cut)

@@ -1,11 +1,12 @@
 //! Build-from-hierarchy with cuts of constant length (Hunt, Mark, Fussell 2007, adapted to BVHs as in paper 5):
 //! PHR's recursion, refined by opening the largest nodes until the cut is long enough, without spatial splits.
 
-use super::binary::{BinaryTree, Node};
+use super::binary::BinaryTree;
 use super::cut::{Growing, open};
 use super::hierarchy::Hierarchy;
 use super::lbvh::AuxiliaryConfig;
 use super::rules::{Refine, Rules};
+use super::side::Side;
 use super::{Build, Builder};
 use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};
@@ -23,8 +24,8 @@ pub struct HuntConfig {
 struct ConstantLength(usize);
 
 impl Refine for ConstantLength {
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, _: u32, side: &[Node], refined: &mut Growing<'_>) {
-        let mut side = side.to_vec();
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, _: u32, side: &Side, refined: &mut Growing<'_>) {
+        let mut side = side.nodes.clone();
         let mut opened_once = Vec::new();
         // Opening a node makes a cut one longer; several rounds are needed after an uneven split.
         while side.len() < self.0 {
@@ -96,6 +97,7 @@ impl Builder for Hunt {
             leaf_sweep: 0,
             subtree_sweep: 0,
             overlap_above: None,
+            spatial_bias: 1.0,
             clip_triangles: false,
         })
     }

@@ -56,7 +56,7 @@ pub use hunt::{Hunt, HuntConfig};
 pub use lbvh::Clusters;
 pub use linear::Lbvh;
 pub use optimise::{Costs, OptimiseConfig};
-pub use phr::{Phr, PhrConfig};
+pub use phr::{OwnThreshold, Phr, PhrConfig};
 pub use presets::{ABLATION, NAMES, by_name};
 pub use presplit::PresplitConfig;
 

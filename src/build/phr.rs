@@ -6,6 +6,7 @@ use super::hierarchy::Hierarchy;
 use super::lbvh::{AuxiliaryConfig, Clusters};
 use super::presplit::PresplitConfig;
 use super::rules::{Refine, Rules};
+use super::side::Side;
 use super::top_down::QUARTET;
 use super::{Build, Builder, subtree_sweep};
 use crate::bvh::Bvh4;
@@ -23,11 +24,15 @@ pub struct PhrConfig {
     /// Nodes of the initial cut per triangle, at least 2048 and at most `max_cut`, however small they are: in a scene
     /// of a few huge triangles all else is smaller than a threshold taken from the scene's area. 0 in the paper.
     pub cut_share: f32,
+    /// Large parts of the scene are opened by their own area too: `None` in the paper.
+    pub own_threshold: Option<OwnThreshold>,
     /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3").
     pub spatial_threshold: f32,
     /// Spatial splits are tried only where the sides of the best object split overlap in a box whose area relative
     /// to the scene's exceeds this (cf. Stich et al. 2009, 4.5): 0, whether they overlap or not, in the paper.
     pub overlap_threshold: f32,
+    /// A spatial split is taken if it costs less than so many times the best object split: 1 in the paper.
+    pub spatial_bias: f32,
     /// Most references per triangle that spatial splits may make: a bound on memory, not in the paper.
     pub max_references: f32,
     /// Most triangles of a leaf. Up to four always are one; more where the cost model has a leaf of several
@@ -49,6 +54,16 @@ pub struct PhrConfig {
     pub clip_triangles: bool,
 }
 
+/// A threshold beside that of equation 2, taken from what is split and not from the scene: a part that is small in the
+/// scene has few nodes large enough for equation 2, however much there is in it.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct OwnThreshold {
+    /// It is for sides of splits with at least so many references;
+    pub references: u32,
+    /// nodes of a larger area, relative to the side's, are opened too.
+    pub area: f32,
+}
+
 impl PhrConfig {
     /// PHR-Fast (paper 4.3).
     pub const FAST: Self = Self {
@@ -56,7 +71,9 @@ impl PhrConfig {
         delta: 6.0,
         max_cut: 2048,
         cut_share: 0.0,
+        own_threshold: None,
         spatial_threshold: 1e-3,
+        spatial_bias: 1.0,
         max_references: 2.0,
         max_leaf: 8,
         auxiliary_leaf: 1,
@@ -92,6 +109,7 @@ impl PhrConfig {
             refine,
             initial_len,
             spatial_above: scene.half_area() * self.spatial_threshold,
+            spatial_bias: self.spatial_bias,
             max_references: self.max_references,
             max_leaf: self.max_leaf,
             leaf_sweep: self.leaf_sweep,
@@ -107,6 +125,7 @@ impl PhrConfig {
 pub(super) struct Threshold {
     /// Half of `t_d` by depth d: areas are compared halved.
     by_depth: Vec<f32>,
+    own: Option<OwnThreshold>,
 }
 
 impl Threshold {
@@ -114,24 +133,37 @@ impl Threshold {
     pub fn new(scene: Aabb, config: &PhrConfig) -> Self {
         let at =
             |d: u32| f64::from(scene.half_area()) / f64::from(config.alpha * d as f32 + config.delta).exp2();
-        Self { by_depth: (0..=128).map(|d| at(d) as f32).collect() }
+        Self { by_depth: (0..=128).map(|d| at(d) as f32).collect(), own: config.own_threshold }
     }
 
     /// Half of `t_d` at depth `depth`.
     pub fn at(&self, depth: u32) -> f32 {
         self.by_depth[(depth as usize).min(self.by_depth.len() - 1)]
     }
+
+    /// That for a side of a split at depth `depth`.
+    #[inline]
+    fn of(&self, depth: u32, side: &Side) -> f32 {
+        let threshold = self.at(depth);
+        match self.own {
+            Some(own) if side.count >= own.references => {
+                let bounds: Aabb = side.nodes.iter().map(Node::bounds).collect();
+                threshold.min(bounds.half_area() * own.area)
+            }
+            _ => threshold,
+        }
+    }
 }
 
 impl Refine for Threshold {
     #[inline]
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &[Node], refined: &mut Growing<'_>) {
-        let threshold = self.at(depth);
-        if let [node] = side {
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &Side, refined: &mut Growing<'_>) {
+        let threshold = self.of(depth, side);
+        if let [node] = side.nodes[..] {
             // Alone it is going to be opened, whatever its area.
-            tree.prefetch(node);
+            tree.prefetch(&node);
         }
-        for &node in side {
+        for &node in &side.nodes {
             if node.is_leaf() || node.bounds().half_area() <= threshold {
                 refined.push(node);
             } else {

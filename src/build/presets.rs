@@ -1,8 +1,8 @@
 //! The builders by name: those of the paper, ours, and ours with one step less or more.
 
 use super::{
-    Aac, AacConfig, Best, BestConfig, Builder, Clusters, Hunt, HuntConfig, Lbvh, OptimiseConfig, Phr,
-    PhrConfig, PresplitConfig,
+    Aac, AacConfig, Best, BestConfig, Builder, Clusters, Hunt, HuntConfig, Lbvh, OptimiseConfig,
+    OwnThreshold, Phr, PhrConfig, PresplitConfig,
 };
 
 /// Names of the builders of a table, in its order.
@@ -17,6 +17,8 @@ pub const ABLATION: &[&str] = &[
     "phr-fast-subtrees",
     "phr-hq-coarse",
     "phr-hq-cut",
+    "phr-hq-own",
+    "phr-hq-bias",
     "phr-hq-overlap",
     "phr-hq-subtrees",
     "phr-hq-clip",
@@ -33,7 +35,9 @@ impl PhrConfig {
     /// and pipes.
     pub const SPEED: Self = Self {
         cut_share: 1.0 / 256.0,
+        own_threshold: Some(OwnThreshold { references: 1 << 14, area: 1.0 / 256.0 }),
         spatial_threshold: 1e-2,
+        spatial_bias: 1.1,
         overlap_threshold: 1e-3,
         auxiliary_leaf: 4,
         clusters: Some(Clusters { most: 32, area: 1e-3 }),
@@ -48,9 +52,11 @@ impl PhrConfig {
     pub const QUALITY: Self = Self {
         alpha: 0.55,
         delta: 7.0,
-        max_cut: 1 << 12,
-        cut_share: 1.0 / 64.0,
+        max_cut: 1 << 14,
+        cut_share: 1.0 / 32.0,
+        own_threshold: Some(OwnThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
         spatial_threshold: 1e-3,
+        spatial_bias: 1.06,
         overlap_threshold: 1e-4,
         auxiliary_leaf: 1,
         clusters: None,
@@ -63,7 +69,7 @@ impl PhrConfig {
 impl BestConfig {
     /// The tree of [`PhrConfig::QUALITY`] from larger cuts, optimised.
     pub const DEFAULT: Self = Self {
-        phr: PhrConfig { delta: 8.0, max_cut: 1 << 14, ..PhrConfig::QUALITY },
+        phr: PhrConfig { delta: 8.0, max_cut: 1 << 15, ..PhrConfig::QUALITY },
         optimise: OptimiseConfig::DEFAULT,
     };
 }
@@ -88,6 +94,8 @@ pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
         "phr-fast-clusters" => phr(PhrConfig { clusters: PhrConfig::SPEED.clusters, ..PhrConfig::FAST }),
         "phr-fast-subtrees" => phr(PhrConfig { subtree_sweep: 32, ..PhrConfig::FAST }),
         "phr-hq-cut" => phr(PhrConfig { max_cut: 1 << 12, cut_share: 1.0 / 64.0, ..hq }),
+        "phr-hq-own" => phr(PhrConfig { own_threshold: PhrConfig::QUALITY.own_threshold, ..hq }),
+        "phr-hq-bias" => phr(PhrConfig { spatial_bias: PhrConfig::QUALITY.spatial_bias, ..hq }),
         "phr-hq-overlap" => phr(PhrConfig { overlap_threshold: 1e-4, ..hq }),
         "phr-hq-subtrees" => phr(PhrConfig { subtree_sweep: 64, ..hq }),
         "phr-hq-coarse" => phr(PhrConfig { auxiliary_leaf: 4, ..hq }),

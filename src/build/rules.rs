@@ -1,14 +1,15 @@
 //! What builders over cuts do otherwise than one another.
 
-use super::binary::{BinaryTree, Node};
+use super::binary::BinaryTree;
 use super::cut::Growing;
+use super::side::Side;
 use crate::geometry::Aabb;
 
 /// How a cut is refined after a split.
 pub(super) trait Refine: Sync {
     /// Appends the nodes of a side of a split at binary depth `depth` to `refined`, some of them opened
     /// ([`super::cut::open`]).
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &[Node], refined: &mut Growing<'_>);
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &Side, refined: &mut Growing<'_>);
 }
 
 /// What one builder over cuts does otherwise than another.
@@ -21,8 +22,10 @@ pub(super) struct Rules<R> {
     pub initial_len: usize,
     /// Spatial splits are tried for nodes of a larger half area; infinite for none.
     pub spatial_above: f32,
-    /// They are tried only where the sides of the object split overlap by a larger half area, if this is given.
+    /// They are tried only where the sides of the object split overlap by a larger half area, if this is given,
     pub overlap_above: Option<f32>,
+    /// and taken if they cost less than so many times that split.
+    pub spatial_bias: f32,
     /// Most references per reference that spatial splits may make.
     pub max_references: f32,
     /// Most triangles of a leaf.

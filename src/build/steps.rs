@@ -11,6 +11,7 @@ use super::object_split::{ObjectSplit, Sweep};
 use super::phr::{PhrConfig, Threshold};
 use super::piece::Piece;
 use super::rules::Refine;
+use super::side::Side;
 use super::small_sweep::{self, Isa};
 use super::spatial_split::SpatialSweep;
 use super::split_cost::Weight;
@@ -42,7 +43,7 @@ pub struct Steps<'a> {
     piece: Piece,
     initial: Vec<Node>,
     arena: Vec<Node>,
-    side: Vec<Node>,
+    side: Side,
     subtree_sweep: SubtreeSweep,
     subtrees: Subtrees,
 }
@@ -67,7 +68,7 @@ impl<'a> Steps<'a> {
             auxiliary,
             piece: Piece::default(),
             arena: Vec::new(),
-            side: Vec::new(),
+            side: Side::default(),
             subtree_sweep: SubtreeSweep::default(),
             subtrees: Subtrees::default(),
         }
@@ -133,7 +134,7 @@ impl<'a> Steps<'a> {
         let mut refined = len;
         for half in [first..first + len / 2, first + len / 2..first + len] {
             self.side.clear();
-            self.side.extend_from_slice(&self.arena[half]);
+            self.arena[half].iter().for_each(|node| self.side.push(*node));
             let begin = self.arena.len();
             let mut cut = Growing::new(&mut self.arena);
             self.threshold.refine(&self.auxiliary.tree, &SPACE, depth, &self.side, &mut cut);

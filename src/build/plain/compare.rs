@@ -7,7 +7,9 @@ use super::wide::Wide;
 use super::{hunt, linear, phr};
 use crate::build::small_sweep::Isa;
 use crate::build::upper::RUN;
-use crate::build::{Build, Builder, Clusters, Hunt, HuntConfig, Lbvh, Phr, PhrConfig, PresplitConfig};
+use crate::build::{
+    Build, Builder, Clusters, Hunt, HuntConfig, Lbvh, OwnThreshold, Phr, PhrConfig, PresplitConfig,
+};
 use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
 use crate::scene::scalable;
@@ -15,6 +17,7 @@ use crate::scene::scalable;
 /// Configurations that between them use all that there is.
 fn configs() -> Vec<(&'static str, PhrConfig)> {
     let presplit = Some(PresplitConfig::NEEDLES);
+    let own_threshold = Some(OwnThreshold { references: 30, area: 1e-2 });
     vec![
         ("fast", PhrConfig::FAST),
         ("hq", PhrConfig::HQ),
@@ -26,6 +29,8 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
         ("clusters", PhrConfig { clusters: Some(Clusters { most: 20, area: 3e-2 }), ..PhrConfig::FAST }),
         ("subtree sweep", PhrConfig { subtree_sweep: 256, ..PhrConfig::FAST }),
         ("overlap", PhrConfig { overlap_threshold: 1e-2, spatial_threshold: 1e-4, ..PhrConfig::FAST }),
+        ("own threshold", PhrConfig { own_threshold, delta: 2.0, ..PhrConfig::FAST }),
+        ("spatial bias", PhrConfig { spatial_bias: 1.2, spatial_threshold: 1e-4, ..PhrConfig::FAST }),
         ("speed", PhrConfig::SPEED),
         ("quality", PhrConfig::QUALITY),
         (
@@ -39,6 +44,8 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
                 presplit,
                 clip_triangles: true,
                 spatial_threshold: 1e-6,
+                spatial_bias: 1.1,
+                own_threshold,
                 max_references: 4.0,
                 ..PhrConfig::FAST
             },

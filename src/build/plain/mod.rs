@@ -41,10 +41,16 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
         subtree_sweep: config.subtree_sweep,
         overlap_above: (config.overlap_threshold > 0.0).then_some(scene * config.overlap_threshold),
         clip_triangles: config.clip_triangles,
+        spatial_bias: config.spatial_bias,
         refine: &|side, clip, depth| {
+            let count: u32 = side.iter().map(|member| member.tree.count).sum();
+            let bounds: Aabb = side.iter().map(|member| member.bounds).collect();
+            let own = config.own_threshold.filter(|own| count >= own.references);
+            let threshold =
+                threshold(depth).min(own.map_or(f32::INFINITY, |own| bounds.half_area() * own.area));
             side.into_iter()
                 .flat_map(|member| {
-                    let stays = member.is_leaf() || member.bounds.half_area() <= threshold(depth);
+                    let stays = member.is_leaf() || member.bounds.half_area() <= threshold;
                     if stays { vec![member] } else { member.open(clip) }
                 })
                 .collect()
@@ -70,6 +76,7 @@ pub fn hunt(mesh: &Mesh, config: &HuntConfig) -> Option<Wide> {
         leaf_sweep: 0,
         subtree_sweep: 0,
         overlap_above: None,
+        spatial_bias: 1.0,
         clip_triangles: false,
         refine: &|mut side, clip, _| {
             loop {
@@ -100,6 +107,7 @@ struct Plain<'a> {
     leaf_sweep: u32,
     subtree_sweep: u32,
     overlap_above: Option<f32>,
+    spatial_bias: f32,
     clip_triangles: bool,
     refine: &'a Refine<'a>,
 }
@@ -252,7 +260,7 @@ impl Plain<'_> {
         if area > self.spatial_above
             && self.may_overlap(object.as_ref(), &boxes)
             && let Some((cost, plane)) = splits::spatial(&boxes, weight)
-            && cost < object.as_ref().map_or(f32::INFINITY, |object| object.cost)
+            && cost < object.as_ref().map_or(f32::INFINITY, |object| object.cost * self.spatial_bias)
             && cost < area * weight.of(boxes.len())
         {
             let counted = |member: &Member| {
