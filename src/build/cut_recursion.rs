@@ -130,7 +130,11 @@ impl<R: Refine> CutRecursion<'_, R> {
                 u64::from(node.count()) * sides
             })
             .sum();
-        (references <= u64::from(cut.capacity)).then_some(split)
+        // What is dearer than the object split has to pay for the references that it makes.
+        let growth = references as f32 / cut.count as f32;
+        let is_preferred =
+            split.cost < object.cost || split.cost * growth < object.cost * self.rules.spatial_bias;
+        (is_preferred && references <= u64::from(cut.capacity)).then_some(split)
     }
 
     /// Whether spatial splits are tried in a cut. If not, they are not in any below it.

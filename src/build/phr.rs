@@ -31,7 +31,8 @@ pub struct PhrConfig {
     /// Spatial splits are tried only where the sides of the best object split overlap in a box whose area relative
     /// to the scene's exceeds this (cf. Stich et al. 2009, 4.5): 0, whether they overlap or not, in the paper.
     pub overlap_threshold: f32,
-    /// A spatial split is taken if it costs less than so many times the best object split: 1 in the paper.
+    /// A spatial split is taken if it costs less than the best object split, as in the paper, or if its cost times the
+    /// growth in references is less than so many times the object split's: 1 in the paper.
     pub spatial_bias: f32,
     /// Most references per triangle that spatial splits may make: a bound on memory, not in the paper.
     pub max_references: f32,

@@ -56,7 +56,7 @@ impl PhrConfig {
         cut_share: 1.0 / 32.0,
         own_threshold: Some(OwnThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
         spatial_threshold: 1e-3,
-        spatial_bias: 1.06,
+        spatial_bias: 1.08,
         overlap_threshold: 1e-4,
         auxiliary_leaf: 1,
         clusters: None,

@@ -24,7 +24,8 @@ pub(super) struct Rules<R> {
     pub spatial_above: f32,
     /// They are tried only where the sides of the object split overlap by a larger half area, if this is given,
     pub overlap_above: Option<f32>,
-    /// and taken if they cost less than so many times that split.
+    /// and taken if they cost less than that split, or, times the references they make per reference, less than so many
+    /// times that split.
     pub spatial_bias: f32,
     /// Most references per reference that spatial splits may make.
     pub max_references: f32,

@@ -260,14 +260,17 @@ impl Plain<'_> {
         if area > self.spatial_above
             && self.may_overlap(object.as_ref(), &boxes)
             && let Some((cost, plane)) = splits::spatial(&boxes, weight)
-            && cost < object.as_ref().map_or(f32::INFINITY, |object| object.cost * self.spatial_bias)
             && cost < area * weight.of(boxes.len())
         {
+            let object_cost = object.as_ref().map_or(f32::INFINITY, |object| object.cost);
             let counted = |member: &Member| {
                 let sides = plane.cut(member.bounds).iter().flatten().count();
                 sides as u64 * u64::from(member.tree.count)
             };
-            if cut.members.iter().map(counted).sum::<u64>() <= u64::from(cut.capacity) {
+            let references = cut.members.iter().map(counted).sum::<u64>();
+            let growth = references as f32 / cut.count() as f32;
+            let is_preferred = cost < object_cost || cost * growth < object_cost * self.spatial_bias;
+            if is_preferred && references <= u64::from(cut.capacity) {
                 return Split::Spatial(plane);
             }
         }
