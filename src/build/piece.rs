@@ -126,8 +126,9 @@ impl Batch for Piece {
 unsafe impl Vectors<8> for WideNode<WIDTH> {
     #[inline(always)]
     fn vectors(&self) -> [Vec4; 8] {
-        let ([a, b, c], [d, e, f], [p, q, r, s]) = (self.lower, self.upper, self.links);
-        let links = [p.bits(), q.bits(), r.bits(), s.bits()].map(f32::from_bits);
+        let ([a, b, c], [d, e, f]) = (self.lower, self.upper);
+        let link = |slot: usize| f32::from_bits(self.links[slot].bits());
+        let links = [link(0), link(1), link(2), link(3)];
         [a.into(), b.into(), c.into(), d.into(), e.into(), f.into(), links.into(), Vec4::ZERO]
     }
 }
@@ -138,7 +139,19 @@ unsafe impl Vectors<10> for TriangleBlock {
     #[inline(always)]
     fn vectors(&self) -> [Vec4; 10] {
         let ([a, b, c], [d, e, f], [g, h, i]) = (self.v0, self.e1, self.e2);
-        let prims = self.prims.map(f32::from_bits);
-        [a, b, c, d, e, f, g, h, i, prims].map(Vec4::from_array)
+        let prim = |lane: usize| f32::from_bits(self.prims[lane]);
+        let prims = [prim(0), prim(1), prim(2), prim(3)];
+        [
+            a.into(),
+            b.into(),
+            c.into(),
+            d.into(),
+            e.into(),
+            f.into(),
+            g.into(),
+            h.into(),
+            i.into(),
+            prims.into(),
+        ]
     }
 }

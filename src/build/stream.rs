@@ -19,7 +19,8 @@ pub(super) unsafe trait Vectors<const N: usize>: Sized {
 pub(super) fn write<T: Vectors<N>, const N: usize>(to: &mut MaybeUninit<T>, from: &T) {
     const { assert!(size_of::<T>() == N * size_of::<Vec4>() && align_of::<T>() >= align_of::<Vec4>()) };
     let to: *mut Vec4 = to.as_mut_ptr().cast();
-    for (i, vector) in from.vectors().into_iter().enumerate() {
+    let vectors = from.vectors();
+    for (i, &vector) in vectors.iter().enumerate() {
         // SAFETY: the element has as many vectors, as was just asserted, and is borrowed to be written; the
         // processor has these instructions, as every x86-64 has.
         unsafe {
