@@ -56,7 +56,7 @@ impl SameCode {
         self.groups.push(group);
     }
 
-    /// Parts all groups down to leaves of `leaf` references, and tells at which heights. The run has been parted by
+    /// Parts all groups, of three or more, down to leaves of `leaf` references, and tells at which heights. The run has been parted by
     /// the middle `depth` times before.
     pub fn part(&mut self, [depth, leaf]: [u32; 2], heights: &mut Heights) {
         let Self { centers, groups, large, small, .. } = self;
@@ -64,23 +64,25 @@ impl SameCode {
         parts.small.clear();
         for group in groups {
             parts.push(group.start as u32, group.len() as u32, depth);
-            while let Some(Part { first, len, depth }) = parts.large.pop() {
-                let part = &mut centers[first as usize..][..len as usize];
-                let split = if depth >= MIDDLE_DEPTH { part.len() / 2 } else { part_by_middle(part) };
-                heights.part_by_middle(first as usize + split, depth);
-                parts.push(first, split as u32, depth + 1);
-                parts.push(first + split as u32, len - split as u32, depth + 1);
+            while let Some(part) = parts.large.pop() {
+                let Part { first, len, depth } = part;
+                let row = &mut centers[first as usize..][..len as usize];
+                let split = if depth >= MIDDLE_DEPTH { row.len() / 2 } else { part_by_middle(row) };
+                for (first, len) in parts.halves(part, split as u32, heights) {
+                    parts.push(first, len, depth + 1);
+                }
             }
         }
         let mut next = 0;
         while next < parts.found {
-            let Part { first, len, depth } = parts.small[next];
+            let part = parts.small[next];
+            let Part { first, len, depth } = part;
             next += 1;
             let window = centers[first as usize..].first_chunk_mut().expect("there are more beyond the end");
             let split = part_few(window, len, depth >= MIDDLE_DEPTH);
-            heights.part_by_middle((first + split) as usize, depth);
-            parts.push_small(first, split, depth + 1);
-            parts.push_small(first + split, len - split, depth + 1);
+            for (first, len) in parts.halves(part, split, heights) {
+                parts.push_small(first, len, depth + 1);
+            }
         }
     }
 
@@ -107,6 +109,23 @@ struct Parts<'a> {
 }
 
 impl Parts<'_> {
+    /// The first references and the lengths of what a part is parted into. Tells at which height that is, and of
+    /// halves that are pairs, which need no comparison, as well.
+    #[inline(always)]
+    fn halves(&self, part: Part, split: u32, heights: &mut Heights) -> [(u32, u32); 2] {
+        let Part { first, len, depth } = part;
+        let middle = first + split;
+        heights.part_by_middle(middle as usize, depth);
+        let halves = [(first, split), (middle, len - split)];
+        for (first, len) in halves {
+            // If it is none, the same is told again.
+            let is_pair = (len == 2) & (self.leaf == 1);
+            let (at, depth) = if is_pair { (first + 1, depth + 1) } else { (middle, depth) };
+            heights.part_by_middle(at as usize, depth);
+        }
+        halves
+    }
+
     fn push(&mut self, first: u32, len: u32, depth: u32) {
         if len as usize > SMALL {
             self.large.push(Part { first, len, depth });
@@ -115,14 +134,14 @@ impl Parts<'_> {
         }
     }
 
-    /// Appends a part, to be overwritten by the next if it is a leaf.
+    /// Appends a part, to be overwritten by the next if it is a leaf or a pair.
     #[inline]
     fn push_small(&mut self, first: u32, len: u32, depth: u32) {
         if self.found == self.small.len() {
             self.small.resize(2 * self.found + 16, Part::default());
         }
         self.small[self.found] = Part { first, len, depth };
-        self.found += usize::from(len > self.leaf);
+        self.found += usize::from(len > self.leaf.max(2));
     }
 }
 
@@ -161,7 +180,7 @@ fn part_few(centers: &mut [Vec4; SMALL], len: u32, halve: bool) -> u32 {
         before |= usize::from(center.as_ref()[axis] < middle) << i;
     }
     before &= (1 << len) - 1;
-    before = if halve | (len == 2) { 0 } else { before };
+    before = if halve { 0 } else { before };
     let order = &SWAPPED[before];
     let at = |i: usize| centers[order[i] as usize % SMALL];
     let [a, b, c, d, e, f, g, h] = [at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)];
