@@ -196,8 +196,7 @@ fn middle(lower: Vec4, upper: Vec4) -> (usize, f32) {
     (axis, ((lower + upper) * 0.5).as_ref()[axis])
 }
 
-/// As [`super::morton_order::part_by_middle`], the order included. Centroids are all compared before any moves, so
-/// that none waits for others to reach the cache.
+/// As [`super::morton_order::part_by_middle`], the order included.
 fn part_by_middle(centers: &mut [Vec4]) -> usize {
     let (mut lower, mut upper) = ([centers[0]; 2], [centers[0]; 2]);
     let pairs = centers.chunks_exact(2);
