@@ -81,20 +81,6 @@ impl Node {
         self.upper[axis]
     }
 
-    /// The box, to be copied: to calculate with it is slow, as numbers in the fourth lanes are denormal floats.
-    #[inline]
-    pub fn bounds_to_copy(&self) -> Aabb {
-        Aabb::new(Vec3A::from_vec4(self.lower), Vec3A::from_vec4(self.upper))
-    }
-
-    /// Grows with the area of an inner node and is negative for leaves; no branch depends on which it is.
-    #[inline]
-    pub fn area_order(&self) -> i32 {
-        let area = self.bounds().half_area();
-        // Positive floats are ordered as their bits are.
-        (area.to_bits() | self.link() & Self::LEAF) as i32
-    }
-
     /// The lower corner and the upper one.
     #[inline]
     pub fn corners(&self) -> [[f32; 3]; 2] {

@@ -24,6 +24,16 @@ pub(super) trait Batch: Default + Send {
     fn elements(&self) -> (&[Self::A], &[Self::B]);
     /// What an element becomes in a batch that begins at `at`.
     fn moved(element: &Self::A, at: Place) -> Self::A;
+    /// Fills the batch's places, which begin at `at`.
+    fn put(&self, at: Place, a: &mut [MaybeUninit<Self::A>], b: &mut [MaybeUninit<Self::B>]) {
+        let (from_a, from_b) = self.elements();
+        a.iter_mut().zip(from_a).for_each(|(to, a)| {
+            to.write(Self::moved(a, at));
+        });
+        b.iter_mut().zip(from_b).for_each(|(to, &b)| {
+            to.write(b);
+        });
+    }
     /// Forgets what it holds, but not its memory.
     fn clear(&mut self);
 }
@@ -81,11 +91,7 @@ pub(super) fn append<T: Batch>(
         // SAFETY: the chain gives every batch places of its own, beyond the arrays' elements, and these are
         // below the capacities; the arrays are borrowed and not touched until all tasks have ended.
         let (to_a, to_b) = unsafe { (room_a.places(at[0], len[0]), room_b.places(at[1], len[1])) };
-        to_a.iter_mut().zip(from_a).for_each(|(to, a)| {
-            to.write(T::moved(a, at));
-        });
-        // SAFETY: these are as many places as elements, and disjoint from them; the elements are `Copy`.
-        unsafe { std::ptr::copy_nonoverlapping(from_b.as_ptr(), to_b.as_mut_ptr().cast(), from_b.len()) };
+        batch.put(at, to_a, to_b);
         batch.clear();
         spare.put(batch);
     };

@@ -4,10 +4,9 @@
 use super::in_order::Spare;
 use super::morton_order::MortonOrder;
 use super::piece::{self, Subtree};
-use super::run::{Leaves, Run};
-use super::top_down::{Memory, QUARTET, WIDTH};
+use super::top_down::{Memory, WIDTH};
 use super::upper::{self, Top, Upper};
-use super::widen::widen;
+use super::wide_run::WideRun;
 use super::{Build, Builder, Counts, Stopwatch};
 use crate::bvh::{Bvh4, Link, WideNode};
 use crate::geometry::{Aabb, Mesh};
@@ -18,7 +17,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 #[derive(Default)]
 pub struct Lbvh {
     order: MortonOrder,
-    runs: Spare<Run>,
+    runs: Spare<WideRun>,
     memory: Memory<()>,
 }
 
@@ -60,10 +59,9 @@ impl Lbvh {
         let subtrees =
             piece::append(upper.len(), &self.memory.pieces, &mut nodes, &mut blocks, |i, piece| {
                 let mut run = self.runs.take();
-                let (_, depth, mut keys) = upper.run(i);
-                let root = run.build(references, &mut keys, 0, depth, Leaves::of(QUARTET));
-                pairs.fetch_add(run.tree.pairs.len() + 1, Ordering::Relaxed);
-                let subtree = widen(&root, &run, &keys, references, piece);
+                let (_, depth, keys) = upper.run(i);
+                let subtree = run.build(mesh, &keys, depth, piece);
+                pairs.fetch_add(run.pairs() + 1, Ordering::Relaxed);
                 self.runs.put(run);
                 subtree
             });

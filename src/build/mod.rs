@@ -44,10 +44,13 @@ mod spatial_split;
 mod split_cost;
 #[doc(hidden)]
 pub mod steps;
+mod stream;
 mod subtree_sweep;
 mod subtrees;
 mod top_down;
 mod upper;
+mod waiting;
+mod wide_run;
 mod widen;
 
 pub use aac::{Aac, AacConfig};

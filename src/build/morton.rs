@@ -6,6 +6,8 @@
 
 #![allow(unsafe_code)]
 
+#[cfg(target_arch = "x86_64")]
+use super::small_sweep::Isa;
 use crate::geometry::Aabb;
 use glam::Vec3A;
 
@@ -22,6 +24,9 @@ pub(super) struct Quantizer {
     last_cell: Vec3A,
     /// `spread[axis][half][byte]`: the code bits of the low and the high byte of a cell number.
     spread: Box<[[[u32; 256]; 2]; 3]>,
+    /// The code bits of each axis.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    bits: [u32; 3],
 }
 
 impl Quantizer {
@@ -52,21 +57,52 @@ impl Quantizer {
                 }
             }
         }
+        let bits_of = |axis: &[[u32; 256]; 2]| axis[0][255] | axis[1][255];
+        let all = [bits_of(&spread[0]), bits_of(&spread[1]), bits_of(&spread[2])];
         let cells = Vec3A::from_array(bits.map(|b| (1u32 << b) as f32));
         // A subnormal or zero extent would give an infinite scale, and infinity times zero is no cell.
         let scale = Vec3A::select(extent.cmpgt(Vec3A::splat(1e-30)), cells / extent, Vec3A::ZERO);
-        Self { origin: centers.min, scale, last_cell: cells - 1.0, spread }
+        Self { origin: centers.min, scale, last_cell: cells - 1.0, spread, bits: all }
+    }
+
+    /// The cell of a point; points outside get the nearest.
+    #[inline(always)]
+    fn cell(&self, point: Vec3A) -> [u32; 3] {
+        let cell = ((point - self.origin) * self.scale).max(Vec3A::ZERO).min(self.last_cell);
+        // SAFETY: the cell lies between zero and `last_cell`, below 2^16; a NaN, which a finite point cannot give,
+        // would have become zero.
+        cell.to_array().map(|c| unsafe { c.to_int_unchecked::<i32>() } as u32)
     }
 
     /// The code of a point; points outside get the nearest cell's.
     #[inline]
     pub fn code(&self, point: Vec3A) -> u32 {
-        let cell = ((point - self.origin) * self.scale).max(Vec3A::ZERO).min(self.last_cell);
-        // SAFETY: the cell lies between zero and `last_cell`, below 2^16; a NaN, which a finite point cannot give,
-        // would have become zero.
-        let [x, y, z] = cell.to_array().map(|c| unsafe { c.to_int_unchecked::<i32>() } as usize);
+        let [x, y, z] = self.cell(point).map(|c| c as usize);
         let [sx, sy, sz] = &*self.spread;
         (sx[0][x & 255] | sx[1][x >> 8]) | (sy[0][y & 255] | sy[1][y >> 8]) | (sz[0][z & 255] | sz[1][z >> 8])
+    }
+
+    /// Calls `write` with the code of each point, once and in turn.
+    #[inline]
+    pub fn codes(&self, points: impl Iterator<Item = Vec3A>, write: impl FnMut(u32)) {
+        // Processors that have AVX2 only may take long to deposit bits.
+        #[cfg(target_arch = "x86_64")]
+        if Isa::best() == Isa::Avx512 && std::arch::is_x86_feature_detected!("bmi2") {
+            // SAFETY: the processor has the instructions.
+            return unsafe { self.codes_deposited(points, write) };
+        }
+        points.map(|point| self.code(point)).for_each(write);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,bmi2")]
+    fn codes_deposited(&self, points: impl Iterator<Item = Vec3A>, mut write: impl FnMut(u32)) {
+        use std::arch::x86_64::_pdep_u32;
+        for point in points {
+            let [x, y, z] = self.cell(point);
+            let [bx, by, bz] = self.bits;
+            write(_pdep_u32(x, bx) | _pdep_u32(y, by) | _pdep_u32(z, bz));
+        }
     }
 }
 
@@ -105,5 +141,16 @@ mod tests {
         }
         let point = Quantizer::new(Aabb::new(Vec3A::ONE, Vec3A::ONE));
         assert_eq!(point.code(Vec3A::ONE), 0);
+    }
+
+    #[test]
+    fn codes_are_the_same_one_at_a_time_and_in_a_row() {
+        let (low, high) = (Vec3A::new(-3.0, 0.5, 0.0), Vec3A::new(1.0, 700.0, 9.0));
+        let quantizer = Quantizer::new(Aabb::new(low, high));
+        let mix = |i: u32| i.wrapping_mul(0x9e37_79b9) as f32 / u32::MAX as f32;
+        let point = |i: u32| low + (high - low) * Vec3A::new(mix(i), mix(i + 1000), mix(i + 2000));
+        let (mut codes, expected) = (Vec::new(), (0..1000).map(|i| quantizer.code(point(i))));
+        quantizer.codes((0..1000).map(point), |code| codes.push(code));
+        assert!(codes.iter().copied().eq(expected));
     }
 }

@@ -70,9 +70,14 @@ impl MortonOrder {
         let keys = pages::lend(spare, n + more);
         let (of_triangles, of_pieces) = keys.split_at_mut(n);
         of_triangles.par_chunks_mut(GRAIN).enumerate().for_each(|(chunk, keys)| {
-            for (prim, key) in (chunk * GRAIN..).zip(keys) {
-                key.write(key_of(&quantizer, mesh.bounds_of(prim as u32), prim));
-            }
+            let first = (chunk * GRAIN) as u32;
+            let prims = first..first + keys.len() as u32;
+            let mut keys = prims.clone().zip(keys);
+            quantizer.codes(prims.map(|prim| mesh.bounds_of(prim).center2()), |code| {
+                if let Some((prim, key)) = keys.next() {
+                    key.write(u64::from(code) << 32 | u64::from(prim));
+                }
+            });
         });
         let (mut of_pieces, mut last) = (of_pieces.iter_mut(), None);
         for (i, fragment) in self.fragments.iter().enumerate() {

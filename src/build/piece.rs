@@ -1,9 +1,14 @@
 //! A part of the wide tree under construction: nodes and leaf blocks whose links are relative to its own arrays.
 
+#![allow(unsafe_code)]
+
 use super::in_order::{self, Batch, Place, Spare};
+use super::stream::{self, Vectors};
 use super::top_down::{QUARTET, WIDTH};
 use crate::bvh::{Link, MAX_LEAF_BLOCKS, TriangleBlock, WideNode};
 use crate::geometry::{Aabb, Mesh};
+use glam::Vec4;
+use std::mem::MaybeUninit;
 use std::sync::OnceLock;
 
 /// A subtree: its box and link, or nothing if clipping left nothing of it.
@@ -92,12 +97,61 @@ impl Batch for Piece {
     #[inline]
     fn moved(node: &Self::A, [nodes, blocks]: Place) -> Self::A {
         let mut node = *node;
-        node.links = node.links.map(|link| link.moved(nodes, blocks));
+        let [a, b, c, d] = &mut node.links;
+        for link in [a, b, c, d] {
+            *link = link.moved(nodes, blocks);
+        }
         node
+    }
+
+    fn put(&self, at: Place, nodes: &mut [MaybeUninit<Self::A>], blocks: &mut [MaybeUninit<Self::B>]) {
+        // Nobody reads the tree before it is whole.
+        for (to, node) in nodes.iter_mut().zip(&self.nodes) {
+            stream::write(to, &Self::moved(node, at));
+        }
+        for (to, block) in blocks.iter_mut().zip(&self.blocks) {
+            stream::write(to, block);
+        }
+        stream::fence();
     }
 
     fn clear(&mut self) {
         self.nodes.clear();
         self.blocks.clear();
+    }
+}
+
+// SAFETY: a node is three lower planes, three upper ones, four links and padding, in this order; any bits are floats
+// and links.
+unsafe impl Vectors<8> for WideNode<WIDTH> {
+    #[inline(always)]
+    fn vectors(&self) -> [Vec4; 8] {
+        let ([a, b, c], [d, e, f]) = (self.lower, self.upper);
+        let link = |slot: usize| f32::from_bits(self.links[slot].bits());
+        let links = [link(0), link(1), link(2), link(3)];
+        [a.into(), b.into(), c.into(), d.into(), e.into(), f.into(), links.into(), Vec4::ZERO]
+    }
+}
+
+// SAFETY: a block is three rows of corners, three of either edge and four numbers, in this order; any bits are floats
+// and numbers.
+unsafe impl Vectors<10> for TriangleBlock {
+    #[inline(always)]
+    fn vectors(&self) -> [Vec4; 10] {
+        let ([a, b, c], [d, e, f], [g, h, i]) = (self.v0, self.e1, self.e2);
+        let prim = |lane: usize| f32::from_bits(self.prims[lane]);
+        let prims = [prim(0), prim(1), prim(2), prim(3)];
+        [
+            a.into(),
+            b.into(),
+            c.into(),
+            d.into(),
+            e.into(),
+            f.into(),
+            g.into(),
+            h.into(),
+            i.into(),
+            prims.into(),
+        ]
     }
 }

@@ -43,6 +43,21 @@ pub(super) fn triangle(mesh: &Mesh, keys: &[Key], i: usize) {
     }
 }
 
+/// Brings near the corners, as indices, of a triangle that the walk along `keys` that is at `i` comes to next.
+#[inline]
+pub(super) fn indices(mesh: &Mesh, keys: &[Key], i: usize) {
+    const AHEAD: usize = 32;
+    if let Some(&key) = keys.get(i + AHEAD) {
+        line(mesh.triangles(), reference(key) as usize);
+    }
+}
+
+/// Brings near the corners of a triangle.
+#[inline]
+pub(super) fn corners(mesh: &Mesh, triangle: [u32; 3]) {
+    triangle.iter().for_each(|&vertex| line(mesh.padded_vertices(), vertex as usize));
+}
+
 /// Asks for the cache line of `array[index]`; nothing happens beyond the array's end.
 #[inline]
 pub(super) fn line<T>(array: &[T], index: usize) {

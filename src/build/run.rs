@@ -1,5 +1,5 @@
-//! The LBVH over a run of sorted codes that fits the cache. It needs no search: it is the Cartesian tree of the
-//! heights at which neighbours part, made in one pass with a stack (cf. Apetrei 2014).
+//! The LBVH over a run of sorted codes that fits the cache, for those who open it. It needs no search: it is the
+//! Cartesian tree of the heights at which neighbours part, made in one pass with a stack (cf. Apetrei 2014).
 
 use super::binary::{BinaryTree, Node};
 use super::heights::Heights;
@@ -9,6 +9,7 @@ use super::prefetch;
 use super::references::References;
 use super::same_code::SameCode;
 use super::top_down::QUARTET;
+use super::waiting::Waiting;
 use crate::geometry::Aabb;
 
 /// Which subtrees become leaves.
@@ -23,20 +24,12 @@ pub(super) struct Leaves {
 }
 
 impl Leaves {
-    /// Leaves of at most `count` references.
-    pub fn of(count: u32) -> Self {
-        Self { always: count, most: count, area: 0.0 }
-    }
-
     /// Whether so many references, more than always are a leaf, in a box are a cluster.
     #[inline]
     fn has_cluster(self, count: u32, bounds: Aabb) -> bool {
         count <= self.most && bounds.half_area() <= self.area
     }
 }
-
-/// More than the heights there are: each subtree on the stack has one of its own.
-const WAITING: usize = 128;
 
 /// The subtree over one run, built by one task; links are relative to its own pairs.
 #[derive(Default)]
@@ -48,12 +41,15 @@ pub(super) struct Run {
     bounds: Vec<Aabb>,
     heights: Heights,
     same_code: SameCode,
+    copied_keys: Vec<Key>,
+    copied_bounds: Vec<Aabb>,
 }
 
 impl Run {
     /// Bytes of its memory.
     pub fn bytes(&self) -> usize {
-        self.bounds.capacity() * size_of::<Aabb>()
+        (self.bounds.capacity() + self.copied_bounds.capacity()) * size_of::<Aabb>()
+            + self.copied_keys.capacity() * size_of::<Key>()
             + self.tree.pairs.capacity() * size_of::<[Node; 2]>()
             + self.leaves.capacity() * size_of::<u32>()
             + self.heights.bytes()
@@ -77,14 +73,7 @@ impl Run {
             references.bounds(reference(key))
         }));
         self.heights.of_codes(keys);
-        let mut begin = 0;
-        while let Some(equal) = self.heights.equal_codes(begin) {
-            if equal.len() > leaves.always.max(2) as usize {
-                let Self { same_code, bounds, heights, .. } = self;
-                same_code.part(equal.clone(), [depth, leaves.always], keys, bounds, heights);
-            }
-            begin = equal.end;
-        }
+        self.part_equal_codes(keys, depth, leaves.always);
         self.heights.leaves(leaves.always, &mut self.leaves);
         let root = if leaves.always == 1 {
             self.unite::<1>(first, leaves)
@@ -95,62 +84,46 @@ impl Run {
         root
     }
 
+    fn part_equal_codes(&mut self, keys: &mut [Key], depth: u32, leaf: u32) {
+        let Self { same_code, bounds, heights, copied_keys, copied_bounds, .. } = self;
+        same_code.begin(keys.len());
+        let mut begin = 0;
+        while let Some(equal) = heights.equal_codes(begin) {
+            begin = equal.end;
+            if equal.len() > leaf.max(2) as usize {
+                same_code.add(equal.clone(), bounds[equal].iter().map(|bounds| bounds.center2()));
+            }
+        }
+        same_code.part([depth, leaf], heights);
+        same_code.reorder(keys, copied_keys);
+        same_code.reorder(bounds, copied_bounds);
+    }
+
     /// Makes the tree over leaves of at most `MOST` references, the first of which is at position `first`.
     fn unite<const MOST: usize>(&mut self, first: usize, rule: Leaves) -> Node {
         let Self { tree, leaves, bounds, heights, .. } = self;
         tree.pairs.clear();
-        let mut waiting = Waiting::default();
+        let mut waiting = Waiting::new(Node::ZERO);
+        let mut unite = |children: [Node; 2]| {
+            let node = Node::inner(&children, tree.pairs.len());
+            if rule.has_cluster(node.count(), node.bounds()) {
+                // What is in a cluster is one itself.
+                Node::leaf(node.bounds(), children[0].run().start, node.count())
+            } else {
+                tree.pairs.push(children);
+                node
+            }
+        };
         for leaf in leaves.windows(2) {
             let [begin, end] = [leaf[0] as usize, leaf[1] as usize];
             // Some may be united twice: the number of references cannot be foreseen.
             let all = (0..MOST).map(|i| bounds[(begin + i).min(end - 1)]).collect();
             let height = heights.before(begin);
-            waiting.unite_below(height, rule, &mut tree.pairs);
+            waiting.unite_below(height, &mut unite);
             waiting.push(Node::leaf(all, first + begin, (end - begin) as u32), height);
         }
-        waiting.unite_below(u8::MAX, rule, &mut tree.pairs);
-        waiting.nodes[waiting.last]
-    }
-}
-
-/// Subtrees that wait for siblings to their right: each parts from the one before at a lower height than that from
-/// its own.
-struct Waiting {
-    nodes: [Node; WAITING],
-    heights: [u8; WAITING],
-    /// The first subtree is at 1, above what is higher than all.
-    last: usize,
-}
-
-impl Default for Waiting {
-    fn default() -> Self {
-        Self { nodes: [Node::ZERO; WAITING], heights: [u8::MAX; WAITING], last: 0 }
-    }
-}
-
-impl Waiting {
-    #[inline]
-    fn push(&mut self, node: Node, height: u8) {
-        self.last += 1;
-        self.nodes[self.last] = node;
-        self.heights[self.last] = height;
-    }
-
-    /// Unites those that part below `height`.
-    #[inline]
-    fn unite_below(&mut self, height: u8, leaves: Leaves, pairs: &mut Vec<[Node; 2]>) {
-        while self.heights[self.last] < height {
-            let children = [self.nodes[self.last - 1], self.nodes[self.last]];
-            self.last -= 1;
-            let node = Node::inner(&children, pairs.len());
-            self.nodes[self.last] = if leaves.has_cluster(node.count(), node.bounds()) {
-                // What is in a cluster is one itself.
-                Node::leaf(node.bounds(), children[0].run().start, node.count())
-            } else {
-                pairs.push(children);
-                node
-            };
-        }
+        waiting.unite_below(u8::MAX, &mut unite);
+        waiting.last()
     }
 }
 

@@ -162,19 +162,21 @@ impl WideNode<4> {
     }
 
     /// A node of the given slots, the used ones of which come first.
-    #[inline]
+    #[inline(always)]
     pub fn of_slots(boxes: [Aabb; 4], links: [Link; 4]) -> Self {
-        let [lower, upper] =
-            [boxes.map(|b| b.min), boxes.map(|b| b.max)].map(|p| transposed(p).map(Vec4::into));
-        Self { lower, upper, links }
+        let [a, b, c, d] = boxes;
+        let [x, y, z] = transposed([a.min, b.min, c.min, d.min]);
+        let lower = [x.into(), y.into(), z.into()];
+        let [x, y, z] = transposed([a.max, b.max, c.max, d.max]);
+        Self { lower, upper: [x.into(), y.into(), z.into()], links }
     }
 }
 
 /// The x, the y and the z of four points.
-#[inline]
-fn transposed(points: [Vec3A; 4]) -> [Vec4; 3] {
-    let [a, b, c, d] = points.map(|p| p.extend(0.0));
-    let rows = Mat4::from_cols(a, b, c, d).transpose();
+#[inline(always)]
+fn transposed([a, b, c, d]: [Vec3A; 4]) -> [Vec4; 3] {
+    // Not by `map`, which is not always inlined.
+    let rows = Mat4::from_cols(a.extend(0.0), b.extend(0.0), c.extend(0.0), d.extend(0.0)).transpose();
     [rows.x_axis, rows.y_axis, rows.z_axis]
 }
 
@@ -210,7 +212,13 @@ impl TriangleBlock {
     pub fn of_first(count: usize, prims: [u32; 4], mesh: &Mesh) -> Self {
         // Corners are fetched for all lanes: a branch on their number could not be foreseen.
         let [p, q, r, s] = prims;
-        let [p, q, r, s] = [mesh.corners(p), mesh.corners(q), mesh.corners(r), mesh.corners(s)];
+        let corners = [mesh.corners(p), mesh.corners(q), mesh.corners(r), mesh.corners(s)];
+        Self::of_corners(count, prims, corners)
+    }
+
+    /// A block of the first `count` triangles, one to four, of `prims`, whose corners are given.
+    #[inline(always)]
+    pub fn of_corners(count: usize, prims: [u32; 4], [p, q, r, s]: [[Vec3A; 3]; 4]) -> Self {
         let a = transposed([p[0], q[0], r[0], s[0]]);
         let b = transposed([p[1], q[1], r[1], s[1]]);
         let c = transposed([p[2], q[2], r[2], s[2]]);

@@ -150,8 +150,7 @@ impl Mesh {
     fn vertex(&self, i: u32) -> Vec3A {
         // One load of 16 bytes, the fourth float being the next vertex's first, or the padding's.
         let first = 3 * i as usize;
-        let f = &self.padded_vertices.as_flattened()[first..first + 4];
-        Vec3A::from_vec4(Vec4::new(f[0], f[1], f[2], f[3]))
+        Vec3A::from_vec4(Vec4::from_slice(&self.padded_vertices.as_flattened()[first..first + 4]))
     }
 
     /// The box of triangle `prim`.
