@@ -13,6 +13,7 @@ mod hunt;
 mod in_order;
 // Vectors are written for x86-64 so far; elsewhere all cuts are sorted.
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod lane_cost;
 mod lanes;
 mod lbvh;
 mod linear;
@@ -40,6 +41,7 @@ mod side;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod small_sweep;
 mod spatial_bound;
+mod spatial_lanes;
 mod spatial_split;
 mod split_cost;
 #[doc(hidden)]

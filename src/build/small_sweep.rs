@@ -4,6 +4,7 @@
 #![allow(unsafe_code)]
 
 use super::binary::Node;
+use super::lane_cost::{half_area, weigh};
 use super::lanes::Lanes;
 use super::object_split::ObjectSplit;
 use super::split_cost::Weight;
@@ -197,25 +198,6 @@ fn pass<L: Lanes, const SLOTS: usize>(
             }
         }
         *best = ObjectSplit { cost: least, axis: first + found.0, left: found.1 as usize, last: found.2 };
-    }
-}
-
-/// As [`crate::geometry::Aabb::half_area`].
-#[inline(always)]
-fn half_area<L: Lanes>(min: [L::F; 3], max: [L::F; 3]) -> L::F {
-    let zero = L::splat(0.0);
-    let x = L::max(L::sub(max[0], min[0]), zero);
-    let y = L::max(L::sub(max[1], min[1]), zero);
-    let z = L::max(L::sub(max[2], min[2]), zero);
-    L::add(L::mul(x, L::add(y, z)), L::mul(y, z))
-}
-
-/// As [`Weight::of`].
-#[inline(always)]
-fn weigh<L: Lanes>(weight: Weight, count: L::F) -> L::F {
-    match weight {
-        Weight::Nodes => count,
-        Weight::Quartets => L::floor(L::mul(L::add(count, L::splat(3.0)), L::splat(0.25))),
     }
 }
 

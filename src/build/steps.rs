@@ -265,7 +265,9 @@ impl Cuts {
     pub fn spatial_splits(&self, bounded: bool) -> usize {
         let mut sweep = SpatialSweep::default();
         let limits = self.limits.iter().map(|&limit| if bounded { limit } else { f32::INFINITY });
-        let split = |((nodes, bounds), limit)| sweep.below(limit, nodes, bounds, Weight::Nodes).cost < limit;
+        let split = |((nodes, bounds), limit)| {
+            sweep.below(Isa::best(), limit, nodes, bounds, Weight::Nodes).cost < limit
+        };
         self.each().zip(limits).map(split).filter(|&found| found).count()
     }
 }
