@@ -10,9 +10,9 @@ use super::object_split::ObjectSplit;
 use super::split_cost::Weight;
 
 /// The instruction set for short cuts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Isa {
-    /// None: all cuts are sorted and swept.
+    /// None: all cuts are sorted or binned.
     Scalar,
     /// Eight lanes.
     Avx2,
@@ -39,16 +39,15 @@ impl Isa {
     #[cfg(test)]
     pub fn available() -> impl Iterator<Item = Self> {
         let all = [Self::Scalar, Self::Avx2, Self::Avx512];
-        all.into_iter().filter(|isa| isa.longest() <= Self::best().longest())
+        all.into_iter().filter(|&isa| isa <= Self::best())
     }
 
-    /// Nodes of the longest cut that is split without sorting.
+    /// Nodes of the longest cut of which all splits are looked at without putting them in order.
     #[inline]
     pub fn longest(self) -> usize {
         match self {
             Self::Scalar => 0,
-            Self::Avx2 => 8,
-            Self::Avx512 => 16,
+            Self::Avx2 | Self::Avx512 => 8,
         }
     }
 }
@@ -83,8 +82,7 @@ mod x86 {
     pub(super) unsafe fn avx512(nodes: &[Node], limit: f32, weight: Weight) -> ObjectSplit {
         match nodes.len() {
             ..=5 => sweep::<Avx512, 5>(nodes, limit, weight),
-            6..=8 => sweep::<Avx512, 8>(nodes, limit, weight),
-            _ => sweep::<Avx512, 16>(nodes, limit, weight),
+            _ => sweep::<Avx512, 8>(nodes, limit, weight),
         }
     }
 
@@ -218,7 +216,7 @@ mod tests {
         for round in 0..2000 {
             // Coarse grids have many equal centroids and costs, fine ones few.
             let grain = [1.0, 16.0, 64.0, 0.01][round % 4];
-            let n = 2 + round % 15;
+            let n = 2 + round % 7;
             let nodes: Vec<Node> = (0..n)
                 .map(|i| {
                     let mut point = || Vec3A::new(random(), random(), random()) - 100.0;
