@@ -19,8 +19,8 @@ pub(super) const LONGEST: usize = 128;
 /// Memory of sweeps.
 pub(super) struct RankSweep {
     boxes: [Aabb; LONGEST],
-    /// Twice the centroids' coordinates by axis.
-    centers: [[f32; LONGEST]; 3],
+    /// Twice the centroids.
+    centers: [Vec3A; LONGEST],
     /// Positions in the cut by rank along each axis.
     order: [[u8; LONGEST]; 3],
     /// Half areas of the boxes of what follows, by axis.
@@ -31,7 +31,7 @@ impl Default for RankSweep {
     fn default() -> Self {
         Self {
             boxes: [Aabb::EMPTY; LONGEST],
-            centers: [[0.0; LONGEST]; 3],
+            centers: [Vec3A::ZERO; LONGEST],
             order: [[0; LONGEST]; 3],
             areas: [Vec3A::ZERO; LONGEST],
         }
@@ -74,12 +74,9 @@ impl RankSweep {
         for (i, node) in nodes.iter().enumerate() {
             let bounds = node.bounds();
             self.boxes[i] = bounds;
-            let center = bounds.center2();
-            for axis in 0..3 {
-                self.centers[axis][i] = center[axis];
-            }
+            self.centers[i] = bounds.center2();
         }
-        let centers = &self.centers;
+        let centers = &self.centers[..n];
         let one = L::splat(1.0);
         let mut positions = [0.0; 16];
         positions.iter_mut().enumerate().for_each(|(i, position)| *position = i as f32);
@@ -88,39 +85,37 @@ impl RankSweep {
             let end = (first + L::N).min(n);
             let own = [0, 1, 2].map(|axis| {
                 let mut own = [0.0; 16];
-                own[..end - first].copy_from_slice(&centers[axis][first..end]);
+                own.iter_mut().zip(&centers[first..end]).for_each(|(own, center)| *own = center[axis]);
                 L::load(&own)
             });
             let mut ranks = [L::splat(0.0); 3];
+            let count = |rank: &mut L::F, is_before| *rank = L::select(is_before, L::add(*rank, one), *rank);
             // Of equal centroids the first comes first.
-            for j in 0..first {
-                for axis in 0..3 {
-                    let is_before = L::le(L::splat(centers[axis][j]), own[axis]);
-                    ranks[axis] = L::select(is_before, L::add(ranks[axis], one), ranks[axis]);
+            for center in &centers[..first] {
+                for (axis, rank) in ranks.iter_mut().enumerate() {
+                    count(rank, L::le(L::splat(center[axis]), own[axis]));
                 }
             }
             let mut position = L::splat(0.0);
-            for j in first..end {
+            for center in &centers[first..end] {
                 let is_first = L::lt(position, positions);
                 position = L::add(position, one);
-                for axis in 0..3 {
-                    let center = L::splat(centers[axis][j]);
+                for (axis, rank) in ranks.iter_mut().enumerate() {
+                    let center = L::splat(center[axis]);
                     let level = L::and(L::le(center, own[axis]), is_first);
-                    let is_before = L::or(L::lt(center, own[axis]), level);
-                    ranks[axis] = L::select(is_before, L::add(ranks[axis], one), ranks[axis]);
+                    count(rank, L::or(L::lt(center, own[axis]), level));
                 }
             }
-            for j in end..n {
-                for axis in 0..3 {
-                    let is_before = L::lt(L::splat(centers[axis][j]), own[axis]);
-                    ranks[axis] = L::select(is_before, L::add(ranks[axis], one), ranks[axis]);
+            for center in &centers[end..] {
+                for (axis, rank) in ranks.iter_mut().enumerate() {
+                    count(rank, L::lt(L::splat(center[axis]), own[axis]));
                 }
             }
-            for axis in 0..3 {
+            for (order, rank) in self.order.iter_mut().zip(ranks) {
                 let mut places = [0.0; 16];
-                L::store(ranks[axis], &mut places);
+                L::store(rank, &mut places);
                 for (i, place) in (first..end).zip(places) {
-                    self.order[axis][place as i32 as usize % LONGEST] = i as u8;
+                    order[place as i32 as usize % LONGEST] = i as u8;
                 }
             }
         }
@@ -137,15 +132,15 @@ impl RankSweep {
         };
         let areas = &mut self.areas[..n];
         let mut sides = [Aabb::EMPTY; 3];
-        for i in (1..n).rev() {
+        for (i, area) in areas.iter_mut().enumerate().skip(1).rev() {
             grow(&mut sides, i);
-            areas[i] = half_areas(&sides);
+            *area = half_areas(&sides);
         }
         let mut sides = [Aabb::EMPTY; 3];
         let (mut least, mut left) = (Vec3A::splat(limit), Vec3A::ZERO);
-        for i in 1..n {
+        for (i, &area) in areas.iter().enumerate().skip(1) {
             grow(&mut sides, i - 1);
-            let cost = half_areas(&sides) * weight.of(i) + areas[i] * weight.of(n - i);
+            let cost = half_areas(&sides) * weight.of(i) + area * weight.of(n - i);
             let is_less = cost.cmplt(least);
             least = Vec3A::select(is_less, cost, least);
             left = Vec3A::select(is_less, Vec3A::splat(i as f32), left);
