@@ -168,22 +168,19 @@ fn narrow<L: Lanes, const AXIS: usize>(boxes: Boxes<'_>, from: f32, to: f32, lim
         *border = (from + step * i as f32).min(to);
     }
     let sides = sides::<L, AXIS, false>(boxes, L::load(&borders));
-    let (mut left, mut right) = ([0.0; 16], [0.0; 16]);
-    let (mut on_left, mut on_right) = ([0.0; 16], [0.0; 16]);
-    L::store(sides.left, &mut left);
-    L::store(sides.right, &mut right);
-    L::store(sides.on_left, &mut on_left);
-    L::store(sides.on_right, &mut on_right);
-    let mut hull = None;
-    for slab in 0..L::N - 1 {
-        let least = left[slab] + right[slab + 1];
-        let is_empty = on_left[slab] == on_left[slab + 1] && on_right[slab] == on_right[slab + 1];
-        if least < limit && !is_empty {
-            let [from, _] = hull.unwrap_or([borders[slab]; 2]);
-            hull = Some([from, borders[slab + 1]]);
-        }
-    }
-    hull
+    // The right side of a slab is that of its upper border, which is the next lane.
+    let next = |x: L::F| {
+        let mut lanes = [0.0; 17];
+        L::store(x, (&mut lanes[..16]).try_into().expect("sixteen lanes"));
+        L::load(lanes[1..].try_into().expect("sixteen lanes"))
+    };
+    let least = L::add(sides.left, next(sides.right));
+    // A slab holds planes where fewer nodes lie before it than before its end, or fewer behind that than behind it.
+    let begins = L::lt(sides.on_left, next(sides.on_left));
+    let ends = L::lt(next(sides.on_right), sides.on_right);
+    let slabs = L::bits(L::and(L::lt(least, L::splat(limit)), L::or(begins, ends))) & ((1 << (L::N - 1)) - 1);
+    let last = slabs.checked_ilog2()? as usize;
+    Some([borders[slabs.trailing_zeros() as usize], borders[last + 1]])
 }
 
 /// What lies on both sides of the planes in lanes.
