@@ -25,7 +25,9 @@ impl Isa {
     pub fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
-            if std::arch::is_x86_feature_detected!("avx512f") {
+            if std::arch::is_x86_feature_detected!("avx512f")
+                && std::arch::is_x86_feature_detected!("avx512vl")
+            {
                 return Self::Avx512;
             }
             if std::arch::is_x86_feature_detected!("avx2") {
@@ -76,13 +78,13 @@ pub(super) fn best(isa: Isa, nodes: &[Node], limit: f32, weight: Weight) -> Obje
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::*;
-    use crate::build::lanes::{Avx2, Avx512};
+    use crate::build::lanes::{Avx2, Avx512, Avx512Half};
 
-    #[target_feature(enable = "avx512f")]
+    #[target_feature(enable = "avx512f,avx512vl")]
     pub(super) unsafe fn avx512(nodes: &[Node], limit: f32, weight: Weight) -> ObjectSplit {
         match nodes.len() {
             ..=5 => sweep::<Avx512, 5>(nodes, limit, weight),
-            _ => sweep::<Avx512, 8>(nodes, limit, weight),
+            _ => sweep::<Avx512Half, 8>(nodes, limit, weight),
         }
     }
 
