@@ -136,13 +136,17 @@ mod x86 {
         method!(sub(a: __m256, b: __m256) -> __m256, _mm256_sub_ps(a, b));
         method!(mul(a: __m256, b: __m256) -> __m256, _mm256_mul_ps(a, b));
         method!(max(a: __m256, b: __m256) -> __m256, _mm256_max_ps(a, b));
-        method!(least(x: __m256) -> f32, Avx2::least(x));
         method!(floor(x: __m256) -> __m256, _mm256_floor_ps(x));
         method!(lt(a: __m256, b: __m256) -> __mmask8, _mm256_cmp_ps_mask::<_CMP_LT_OQ>(a, b));
         method!(le(a: __m256, b: __m256) -> __mmask8, _mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b));
         method!(select(m: __mmask8, a: __m256, b: __m256) -> __m256, _mm256_mask_mov_ps(b, m, a));
         method!(min_where(m: __mmask8, a: __m256, x: __m256) -> __m256, _mm256_mask_min_ps(a, m, a, x));
         method!(max_where(m: __mmask8, a: __m256, x: __m256) -> __m256, _mm256_mask_max_ps(a, m, a, x));
+
+        #[inline(always)]
+        fn least(x: __m256) -> f32 {
+            Avx2::least(x)
+        }
 
         #[inline(always)]
         fn bits(m: __mmask8) -> u32 {
