@@ -109,7 +109,7 @@ impl Sweep {
         if n <= isa.longest() {
             return small_sweep::best(isa, nodes, limit, weight);
         }
-        if isa != Isa::Scalar && n <= rank_sweep::LONGEST {
+        if n <= rank_sweep::longest(isa) {
             return self.ranks.best(isa, nodes, limit, weight);
         }
         if self.is_binned && n >= LONG {

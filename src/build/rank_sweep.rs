@@ -13,8 +13,18 @@ use super::subtree_sweep::half_areas;
 use crate::geometry::Aabb;
 use glam::Vec3A;
 
-/// Nodes of the longest cut: counting takes the square of the time.
+/// Nodes of the longest cut.
 pub(super) const LONGEST: usize = 128;
+
+/// Nodes of the longest cut that is split faster so than by bins: counting takes the square of the time.
+#[inline]
+pub(super) fn longest(isa: Isa) -> usize {
+    match isa {
+        Isa::Scalar => 0,
+        Isa::Avx2 => 80,
+        Isa::Avx512 => LONGEST,
+    }
+}
 
 /// Memory of sweeps.
 pub(super) struct RankSweep {

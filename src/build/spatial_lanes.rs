@@ -26,6 +26,16 @@ pub(super) struct Boxes<'a> {
     pub weight: Weight,
 }
 
+/// Nodes of the longest cut that is split faster so than by bins.
+#[inline]
+pub(super) fn longest(isa: Isa) -> usize {
+    match isa {
+        Isa::Scalar => 0,
+        Isa::Avx2 => 64,
+        Isa::Avx512 => usize::MAX,
+    }
+}
+
 /// Looks along an axis for a split cheaper than `best`; of equal ones the first. Returns bounds of planes, up to the
 /// second without it, that are too many for lanes and yet to be looked at. `isa` is not [`Isa::Scalar`], and the
 /// processor has it; `planes` is memory.

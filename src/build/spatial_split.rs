@@ -70,7 +70,7 @@ impl SpatialSweep {
     ) -> SpatialSplit {
         let Self { bins, planes, lanes } = self;
         let mut best = SpatialSplit { cost: limit, ..SpatialSplit::NONE };
-        if isa == Isa::Scalar {
+        if nodes.len() > spatial_lanes::longest(isa) {
             bins.fill(nodes, bounds);
             for axis in 0..3 {
                 bins.each_below(axis, best.cost, weight, |bin, sides| {
