@@ -81,10 +81,11 @@ impl Node {
         self.upper[axis]
     }
 
-    /// The lower corner and the upper one.
+    /// The lower corner and the upper one, each followed by a number of another meaning: where they lie, to be read
+    /// into all lanes of vectors.
     #[inline]
-    pub fn corners(&self) -> [[f32; 3]; 2] {
-        [self.lower, self.upper].map(|corner| corner.truncate().to_array())
+    pub fn corners(&self) -> [&[f32; 4]; 2] {
+        [self.lower.as_ref(), self.upper.as_ref()]
     }
 
     /// The same subtree with another box: the part of it inside a clip box.

@@ -118,7 +118,7 @@ impl<R: Refine> CutRecursion<'_, R> {
             return None;
         }
         let limit = (object.cost * self.rules.spatial_bias).min(cut.area * weight.of(nodes.len()));
-        let split = sweep.below(limit, nodes, cut.bounds, weight);
+        let split = sweep.below(self.isa, limit, nodes, cut.bounds, weight);
         if split == SpatialSplit::NONE {
             return None;
         }

@@ -11,7 +11,9 @@ mod heights;
 mod hierarchy;
 mod hunt;
 mod in_order;
-// Vectors are written for x86-64 so far; elsewhere all cuts are sorted.
+// Vectors are written for x86-64 so far; elsewhere all cuts are sorted or binned.
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod lane_cost;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod lanes;
 mod lbvh;
@@ -30,16 +32,19 @@ mod prefetch;
 mod presets;
 mod presplit;
 mod radix_sort;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod rank_sweep;
 mod reference_split;
 mod references;
 mod rules;
 mod run;
 mod same_code;
 mod side;
-// Vectors are written for x86-64 so far; elsewhere all cuts are sorted.
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod small_sweep;
 mod spatial_bound;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod spatial_lanes;
 mod spatial_split;
 mod split_cost;
 #[doc(hidden)]

@@ -2,6 +2,7 @@
 
 use super::binary::Node;
 use super::bins::Bins;
+use super::rank_sweep::{self, RankSweep};
 use super::small_sweep::{self, Isa};
 use super::split_cost::Weight;
 use crate::geometry::Aabb;
@@ -64,13 +65,14 @@ pub(super) fn center(node: &Node, axis: usize) -> f32 {
     node.lower(axis) + node.upper(axis)
 }
 
-/// From this length on bins are faster than sorting.
+/// From this length on bins are faster than sorting, where ranks are not counted.
 const LONG: usize = 24;
 
 /// Memory for sweeps.
 pub(super) struct Sweep {
     /// Whether long cuts are binned.
     is_binned: bool,
+    ranks: RankSweep,
     bins: Bins,
     /// Sort keys: (centroid << 32 | position in the cut).
     order: Vec<u64>,
@@ -79,7 +81,13 @@ pub(super) struct Sweep {
 
 impl Default for Sweep {
     fn default() -> Self {
-        Self { is_binned: true, bins: Bins::default(), order: Vec::new(), right_areas: Vec::new() }
+        Self {
+            is_binned: true,
+            ranks: RankSweep::default(),
+            bins: Bins::default(),
+            order: Vec::new(),
+            right_areas: Vec::new(),
+        }
     }
 }
 
@@ -90,8 +98,8 @@ impl Sweep {
     }
 
     /// The split of `nodes` (two or more, with union `bounds`) of least cost; of equal ones the first by axis,
-    /// then by position. Nodes are ordered along an axis by centroid, then by position in the cut. Short cuts
-    /// are swept by `isa`, which the processor must have.
+    /// then by position. Nodes are ordered along an axis by centroid, then by position in the cut. Cuts
+    /// that are not long are swept by `isa`, which the processor must have.
     pub fn best(&mut self, isa: Isa, nodes: &[Node], bounds: Aabb, weight: Weight) -> ObjectSplit {
         let n = nodes.len();
         let limit = weight.limit(bounds.half_area(), n);
@@ -100,6 +108,9 @@ impl Sweep {
         }
         if n <= isa.longest() {
             return small_sweep::best(isa, nodes, limit, weight);
+        }
+        if n <= rank_sweep::longest(isa) {
+            return self.ranks.best(isa, nodes, limit, weight);
         }
         if self.is_binned && n >= LONG {
             return self.bins.best(nodes, limit, weight);

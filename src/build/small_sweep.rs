@@ -4,14 +4,15 @@
 #![allow(unsafe_code)]
 
 use super::binary::Node;
+use super::lane_cost::{half_area, weigh};
 use super::lanes::Lanes;
 use super::object_split::ObjectSplit;
 use super::split_cost::Weight;
 
 /// The instruction set for short cuts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Isa {
-    /// None: all cuts are sorted and swept.
+    /// None: all cuts are sorted or binned.
     Scalar,
     /// Eight lanes.
     Avx2,
@@ -24,7 +25,9 @@ impl Isa {
     pub fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
-            if std::arch::is_x86_feature_detected!("avx512f") {
+            if std::arch::is_x86_feature_detected!("avx512f")
+                && std::arch::is_x86_feature_detected!("avx512vl")
+            {
                 return Self::Avx512;
             }
             if std::arch::is_x86_feature_detected!("avx2") {
@@ -38,16 +41,15 @@ impl Isa {
     #[cfg(test)]
     pub fn available() -> impl Iterator<Item = Self> {
         let all = [Self::Scalar, Self::Avx2, Self::Avx512];
-        all.into_iter().filter(|isa| isa.longest() <= Self::best().longest())
+        all.into_iter().filter(|&isa| isa <= Self::best())
     }
 
-    /// Nodes of the longest cut that is split without sorting.
+    /// Nodes of the longest cut of which all splits are looked at without putting them in order.
     #[inline]
     pub fn longest(self) -> usize {
         match self {
             Self::Scalar => 0,
-            Self::Avx2 => 8,
-            Self::Avx512 => 16,
+            Self::Avx2 | Self::Avx512 => 8,
         }
     }
 }
@@ -76,14 +78,13 @@ pub(super) fn best(isa: Isa, nodes: &[Node], limit: f32, weight: Weight) -> Obje
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::*;
-    use crate::build::lanes::{Avx2, Avx512};
+    use crate::build::lanes::{Avx2, Avx512, Avx512Half};
 
-    #[target_feature(enable = "avx512f")]
+    #[target_feature(enable = "avx512f,avx512vl")]
     pub(super) unsafe fn avx512(nodes: &[Node], limit: f32, weight: Weight) -> ObjectSplit {
         match nodes.len() {
             ..=5 => sweep::<Avx512, 5>(nodes, limit, weight),
-            6..=8 => sweep::<Avx512, 8>(nodes, limit, weight),
-            _ => sweep::<Avx512, 16>(nodes, limit, weight),
+            _ => sweep::<Avx512Half, 8>(nodes, limit, weight),
         }
     }
 
@@ -200,25 +201,6 @@ fn pass<L: Lanes, const SLOTS: usize>(
     }
 }
 
-/// As [`crate::geometry::Aabb::half_area`].
-#[inline(always)]
-fn half_area<L: Lanes>(min: [L::F; 3], max: [L::F; 3]) -> L::F {
-    let zero = L::splat(0.0);
-    let x = L::max(L::sub(max[0], min[0]), zero);
-    let y = L::max(L::sub(max[1], min[1]), zero);
-    let z = L::max(L::sub(max[2], min[2]), zero);
-    L::add(L::mul(x, L::add(y, z)), L::mul(y, z))
-}
-
-/// As [`Weight::of`].
-#[inline(always)]
-fn weigh<L: Lanes>(weight: Weight, count: L::F) -> L::F {
-    match weight {
-        Weight::Nodes => count,
-        Weight::Quartets => L::floor(L::mul(L::add(count, L::splat(3.0)), L::splat(0.25))),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -236,7 +218,7 @@ mod tests {
         for round in 0..2000 {
             // Coarse grids have many equal centroids and costs, fine ones few.
             let grain = [1.0, 16.0, 64.0, 0.01][round % 4];
-            let n = 2 + round % 15;
+            let n = 2 + round % 7;
             let nodes: Vec<Node> = (0..n)
                 .map(|i| {
                     let mut point = || Vec3A::new(random(), random(), random()) - 100.0;

@@ -28,14 +28,16 @@ pub(super) struct Side {
 }
 
 impl Side {
-    const EMPTY: Self = Self { bounds: Aabb::EMPTY, count: 0 };
+    /// Nothing.
+    pub const EMPTY: Self = Self { bounds: Aabb::EMPTY, count: 0 };
 
     fn union(self, other: &Self) -> Self {
         Self { bounds: self.bounds.union(other.bounds), count: self.count + other.count }
     }
 
+    /// Takes one more.
     #[inline]
-    fn add(&mut self, bounds: Aabb) {
+    pub fn add(&mut self, bounds: Aabb) {
         self.bounds = self.bounds.union(bounds);
         self.count += 1;
     }

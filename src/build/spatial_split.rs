@@ -2,7 +2,9 @@
 
 use super::binary::Node;
 use super::object_split::sortable;
+use super::small_sweep::Isa;
 use super::spatial_bound::{Side, SpatialBins, above, below};
+use super::spatial_lanes::{self, Boxes};
 use super::split_cost::Weight;
 use crate::geometry::Aabb;
 
@@ -52,21 +54,39 @@ impl SpatialSplit {
 pub(super) struct SpatialSweep {
     bins: SpatialBins,
     planes: Planes,
+    lanes: Vec<f32>,
 }
 
 impl SpatialSweep {
     /// The spatial split of `nodes`, whose union is `bounds`, of least cost, if that is below `limit`; of equal
-    /// ones the first by axis, then by plane.
-    pub fn below(&mut self, limit: f32, nodes: &[Node], bounds: Aabb, weight: Weight) -> SpatialSplit {
-        let Self { bins, planes } = self;
-        bins.fill(nodes, bounds);
+    /// ones the first by axis, then by plane. `isa` is what the processor has.
+    pub fn below(
+        &mut self,
+        isa: Isa,
+        limit: f32,
+        nodes: &[Node],
+        bounds: Aabb,
+        weight: Weight,
+    ) -> SpatialSplit {
+        let Self { bins, planes, lanes } = self;
         let mut best = SpatialSplit { cost: limit, ..SpatialSplit::NONE };
-        for axis in 0..3 {
-            bins.each_below(axis, best.cost, weight, |bin, sides| {
-                planes.gather(axis, nodes, bins.members(axis, bin));
-                planes.sweep(axis, nodes, bounds, sides, weight, &mut best);
-                best.cost
-            });
+        if nodes.len() > spatial_lanes::longest(isa) {
+            bins.fill(nodes, bounds);
+            for axis in 0..3 {
+                bins.each_below(axis, best.cost, weight, |bin, sides| {
+                    planes.gather(axis, nodes, bins.members(axis, bin));
+                    planes.sweep(axis, nodes, bounds, sides, weight, &mut best);
+                    best.cost
+                });
+            }
+        } else {
+            let boxes = Boxes { nodes, bounds, weight };
+            for axis in 0..3 {
+                if let Some(range) = spatial_lanes::search(isa, axis, boxes, lanes, &mut best) {
+                    let [before, after] = planes.gather_between(axis, nodes, range);
+                    planes.sweep(axis, nodes, bounds, [&before, &after], weight, &mut best);
+                }
+            }
         }
         if best.cost < limit { best } else { SpatialSplit::NONE }
     }
@@ -99,6 +119,30 @@ impl Planes {
         }
         self.by_lower.sort_unstable();
         self.by_upper.sort_unstable();
+    }
+
+    /// Takes the boundaries from one plane up to another, without the latter; returns the nodes on the left and on the
+    /// right of all planes there.
+    fn gather_between(&mut self, axis: usize, nodes: &[Node], [from, to]: [f32; 2]) -> [Side; 2] {
+        self.by_lower.clear();
+        self.by_upper.clear();
+        let mut sides = [Side::EMPTY; 2];
+        for (i, node) in nodes.iter().enumerate() {
+            let (lower, upper) = (node.lower(axis), node.upper(axis));
+            if lower < from {
+                sides[0].add(node.bounds());
+            } else if lower < to {
+                self.by_lower.push((u64::from(sortable(lower)) << 32 | u64::from(sortable(upper)), i as u32));
+            }
+            if upper >= to {
+                sides[1].add(node.bounds());
+            } else if upper >= from {
+                self.by_upper.push((sortable(upper), i as u32));
+            }
+        }
+        self.by_lower.sort_unstable();
+        self.by_upper.sort_unstable();
+        sides
     }
 
     /// Looks for a plane cheaper than `best`; `sides` are the nodes on the left and on the right of them all.
@@ -177,7 +221,10 @@ mod tests {
     }
 
     fn cheapest(nodes: &[Node], bounds: Aabb) -> SpatialSplit {
-        SpatialSweep::default().below(f32::INFINITY, nodes, bounds, Weight::Nodes)
+        let below = |isa| SpatialSweep::default().below(isa, f32::INFINITY, nodes, bounds, Weight::Nodes);
+        let cheapest = below(Isa::Scalar);
+        Isa::available().for_each(|isa| assert_eq!(below(isa), cheapest, "{isa:?}, {} nodes", nodes.len()));
+        cheapest
     }
 
     /// Equation 3 evaluated by its definition.
@@ -216,23 +263,29 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (state >> 24) as f32 / 16.0
         };
-        for n in 2..30 {
-            let nodes: Vec<Node> = (0..n)
-                .map(|_| {
-                    let (a, b) =
-                        (Vec3A::new(random(), random(), random()), Vec3A::new(random(), random(), random()));
-                    // Every third box is a wall.
-                    let flat = if n % 3 == 0 { Vec3A::new(0.0, 1.0, 1.0) } else { Vec3A::ONE };
-                    Node::leaf(Aabb::new(a.min(b), a.min(b) + (a.max(b) - a.min(b)) * flat), 0, 1)
-                })
-                .collect();
-            let bounds = nodes.iter().map(Node::bounds).collect();
-            let best = cheapest(&nodes, bounds);
-            assert_eq!(best, by_definition(&nodes));
-            for share in [0.5, 0.999, 1.0, 1.001, 2.0] {
-                let limit = best.cost * share;
-                let below = SpatialSweep::default().below(limit, &nodes, bounds, Weight::Nodes);
-                assert_eq!(below, if best.cost < limit { best } else { SpatialSplit::NONE });
+        for n in (2..30).chain([33, 64, 100, 300]) {
+            // Coarse grids have many equal planes; small boxes have cheap splits in a few places only.
+            for (grain, size) in [(1.0, 1.0), (2.0, 0.3), (1.0 / 16.0, 0.05)] {
+                let nodes: Vec<Node> = (0..n)
+                    .map(|_| {
+                        let mut point = || (Vec3A::new(random(), random(), random()) / grain).floor() * grain;
+                        let (a, b) = (point(), point());
+                        // Every third box is a wall.
+                        let flat = if n % 3 == 0 { Vec3A::new(0.0, 1.0, 1.0) } else { Vec3A::ONE };
+                        Node::leaf(Aabb::new(a.min(b), a.min(b) + (a.max(b) - a.min(b)) * flat * size), 0, 1)
+                    })
+                    .collect();
+                let bounds = nodes.iter().map(Node::bounds).collect();
+                let best = cheapest(&nodes, bounds);
+                assert_eq!(best, by_definition(&nodes), "{n} nodes, {grain}, {size}");
+                for (share, isa) in [0.5, 0.999, 1.0, 1.001, 2.0]
+                    .into_iter()
+                    .flat_map(|share| Isa::available().map(move |isa| (share, isa)))
+                {
+                    let limit = best.cost * share;
+                    let below = SpatialSweep::default().below(isa, limit, &nodes, bounds, Weight::Nodes);
+                    assert_eq!(below, if best.cost < limit { best } else { SpatialSplit::NONE });
+                }
             }
         }
     }

@@ -10,6 +10,7 @@ use super::morton_order::reference;
 use super::object_split::{ObjectSplit, Sweep};
 use super::phr::{PhrConfig, Threshold};
 use super::piece::Piece;
+use super::rank_sweep::{self, RankSweep};
 use super::rules::Refine;
 use super::side::Side;
 use super::small_sweep::{self, Isa};
@@ -200,6 +201,8 @@ pub enum Way {
     Sorted,
     /// Bounded by bins.
     Binned,
+    /// By ranks that are counted in vectors.
+    Ranked,
     /// In vectors of eight lanes.
     Avx2,
     /// In vectors of sixteen lanes.
@@ -208,13 +211,15 @@ pub enum Way {
 
 impl Way {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Chosen, Self::Sorted, Self::Binned, Self::Avx2, Self::Avx512];
+    pub const ALL: [Self; 6] =
+        [Self::Chosen, Self::Sorted, Self::Binned, Self::Ranked, Self::Avx2, Self::Avx512];
 
     /// Whether this processor can split a cut of `len` nodes so.
     pub fn splits(self, len: usize) -> bool {
         match self {
             Self::Chosen | Self::Sorted => true,
             Self::Binned => len > 2,
+            Self::Ranked => Isa::best() != Isa::Scalar && len <= rank_sweep::LONGEST,
             Self::Avx2 => Isa::best() != Isa::Scalar && len <= Isa::Avx2.longest(),
             Self::Avx512 => Isa::best() == Isa::Avx512 && len <= Isa::Avx512.longest(),
         }
@@ -250,11 +255,13 @@ impl Cuts {
     pub fn object_splits(&self, way: Way) -> usize {
         assert!(way.splits(self.len), "{way:?} does not split cuts of {} nodes", self.len);
         let (weight, n) = (Weight::Nodes, self.len);
-        let (mut chosen, mut sorted, mut bins) = (Sweep::default(), Sweep::plain(), Bins::default());
+        let (mut chosen, mut sorted) = (Sweep::default(), Sweep::plain());
+        let (mut bins, mut ranks) = (Bins::default(), RankSweep::default());
         let best = |(nodes, bounds): (&[Node], Aabb)| match way {
             Way::Chosen => chosen.best(Isa::best(), nodes, bounds, weight),
             Way::Sorted => sorted.best(Isa::Scalar, nodes, bounds, weight),
             Way::Binned => bins.best(nodes, weight.limit(bounds.half_area(), n), weight),
+            Way::Ranked => ranks.best(Isa::best(), nodes, weight.limit(bounds.half_area(), n), weight),
             Way::Avx2 => small_sweep::best(Isa::Avx2, nodes, weight.limit(bounds.half_area(), n), weight),
             Way::Avx512 => small_sweep::best(Isa::Avx512, nodes, weight.limit(bounds.half_area(), n), weight),
         };
@@ -266,7 +273,9 @@ impl Cuts {
     pub fn spatial_splits(&self, bounded: bool) -> usize {
         let mut sweep = SpatialSweep::default();
         let limits = self.limits.iter().map(|&limit| if bounded { limit } else { f32::INFINITY });
-        let split = |((nodes, bounds), limit)| sweep.below(limit, nodes, bounds, Weight::Nodes).cost < limit;
+        let split = |((nodes, bounds), limit)| {
+            sweep.below(Isa::best(), limit, nodes, bounds, Weight::Nodes).cost < limit
+        };
         self.each().zip(limits).map(split).filter(|&found| found).count()
     }
 }

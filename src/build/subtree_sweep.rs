@@ -244,7 +244,7 @@ impl SubtreeSweep {
 
 /// Half areas of three boxes, as [`Aabb::half_area`].
 #[inline(always)]
-fn half_areas(boxes: &[Aabb; 3]) -> Vec3A {
+pub(super) fn half_areas(boxes: &[Aabb; 3]) -> Vec3A {
     let [a, b, c] = boxes.map(Aabb::extent);
     let e = Mat3A::from_cols(a, b, c).transpose();
     e.x_axis * (e.y_axis + e.z_axis) + e.y_axis * e.z_axis
