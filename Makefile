@@ -2,8 +2,8 @@
 # make bench-paper  the same on the paper's nine scenes or their stand-ins, into results/paper-scenes: hours
 # make bench-builders
 #                   what the bars are judged by (`phr bars`), into results/bars: all builders on the files SCENES and
-#                   the built-in scenes with two threads, their builds with one beside two, their growth over scenes of 1 to 32
-#                   million triangles, and single extensions: some fifty minutes on two cores, 16 GiB of memory
+#                   the built-in scenes with two threads, their builds with one thread beside two, their growth over
+#                   scenes of 1 to 32 million triangles, and single extensions: an hour on two cores, 16 GiB of memory
 # cargo bench --bench steps
 #                   the steps of a build one by one (codes, sort, auxiliary tree, sweeps by length of the cut,
 #                   refining, leaf blocks, wide nodes), each beside a memcpy of as many bytes: some minutes
@@ -24,7 +24,7 @@ BARRED = lbvh|phr-fast|phr-hq|phr-speed|phr-quality|phr-best|embree-[a-z-]+
 GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
 # PHR-Fast and PHR-HQ, and each with one extension (`phr ablation`).
 ABLATED = phr-fast $(addprefix phr-fast-,coarse clusters subtrees) phr-hq \
-	$(addprefix phr-hq-,coarse cut overlap subtrees sweep leaf-28 clip presplit optimised)
+	$(addprefix phr-hq-,coarse cut own bias overlap subtrees sweep leaf-28 clip presplit optimised)
 GROWTH = $(foreach size,1 2 4 8 16 32,scalable-$(size)M)
 PACKAGES = libembree-dev libclang-dev
 # Cargo's own tests run by nextest where it is installed.

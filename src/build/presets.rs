@@ -35,9 +35,9 @@ impl PhrConfig {
     /// and pipes.
     pub const SPEED: Self = Self {
         cut_share: 1.0 / 256.0,
-        own_threshold: Some(OwnThreshold { references: 1 << 14, area: 1.0 / 256.0 }),
+        own_threshold: Some(OwnThreshold { references: 1 << 15, area: 1.0 / 256.0 }),
         spatial_threshold: 1e-2,
-        spatial_bias: 1.1,
+        spatial_bias: 1.07,
         overlap_threshold: 1e-3,
         auxiliary_leaf: 4,
         clusters: Some(Clusters { most: 32, area: 1e-3 }),
@@ -54,7 +54,7 @@ impl PhrConfig {
         delta: 7.0,
         max_cut: 1 << 14,
         cut_share: 1.0 / 32.0,
-        own_threshold: Some(OwnThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
+        own_threshold: Some(OwnThreshold { references: 1 << 16, area: 1.0 / 256.0 }),
         spatial_threshold: 1e-3,
         spatial_bias: 1.08,
         overlap_threshold: 1e-4,
@@ -69,7 +69,12 @@ impl PhrConfig {
 impl BestConfig {
     /// The tree of [`PhrConfig::QUALITY`] from larger cuts, optimised.
     pub const DEFAULT: Self = Self {
-        phr: PhrConfig { delta: 8.0, max_cut: 1 << 15, ..PhrConfig::QUALITY },
+        phr: PhrConfig {
+            delta: 8.0,
+            max_cut: 1 << 16,
+            own_threshold: Some(OwnThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
+            ..PhrConfig::QUALITY
+        },
         optimise: OptimiseConfig::DEFAULT,
     };
 }
@@ -93,7 +98,10 @@ pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
         "phr-fast-coarse" => phr(PhrConfig { auxiliary_leaf: 4, ..PhrConfig::FAST }),
         "phr-fast-clusters" => phr(PhrConfig { clusters: PhrConfig::SPEED.clusters, ..PhrConfig::FAST }),
         "phr-fast-subtrees" => phr(PhrConfig { subtree_sweep: 32, ..PhrConfig::FAST }),
-        "phr-hq-cut" => phr(PhrConfig { max_cut: 1 << 12, cut_share: 1.0 / 64.0, ..hq }),
+        "phr-hq-cut" => {
+            let PhrConfig { max_cut, cut_share, .. } = PhrConfig::QUALITY;
+            phr(PhrConfig { max_cut, cut_share, ..hq })
+        }
         "phr-hq-own" => phr(PhrConfig { own_threshold: PhrConfig::QUALITY.own_threshold, ..hq }),
         "phr-hq-bias" => phr(PhrConfig { spatial_bias: PhrConfig::QUALITY.spatial_bias, ..hq }),
         "phr-hq-overlap" => phr(PhrConfig { overlap_threshold: 1e-4, ..hq }),
