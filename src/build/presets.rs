@@ -47,11 +47,11 @@ impl PhrConfig {
         ..Self::FAST
     };
 
-    /// For quality: single triangles in the auxiliary BVH, all of which spatial splits can clip, cuts between
-    /// PHR-Fast's and PHR-HQ's, and larger subtrees swept in one go.
+    /// For quality: larger initial cuts, spatial splits tried of smaller parts, only the smallest clusters left together
+    /// in the auxiliary BVH, single triangles else, all of which spatial splits can clip, and larger subtrees swept in
+    /// one go. Equation 2 has little to do then: large parts are opened by their own area.
     pub const QUALITY: Self = Self {
-        alpha: 0.55,
-        delta: 7.0,
+        delta: 5.0,
         max_cut: 1 << 14,
         cut_share: 1.0 / 32.0,
         own_threshold: Some(OwnThreshold { references: 1 << 16, area: 1.0 / 256.0 }),
@@ -59,7 +59,7 @@ impl PhrConfig {
         spatial_bias: 1.08,
         overlap_threshold: 1e-4,
         auxiliary_leaf: 1,
-        clusters: None,
+        clusters: Some(Clusters { most: 32, area: 1e-4 }),
         leaf_sweep: 16,
         subtree_sweep: 64,
         ..Self::SPEED
@@ -67,12 +67,14 @@ impl PhrConfig {
 }
 
 impl BestConfig {
-    /// The tree of [`PhrConfig::QUALITY`] from larger cuts, optimised.
+    /// The tree of [`PhrConfig::QUALITY`] from larger cuts of single triangles, optimised.
     pub const DEFAULT: Self = Self {
         phr: PhrConfig {
+            alpha: 0.55,
             delta: 8.0,
             max_cut: 1 << 16,
             own_threshold: Some(OwnThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
+            clusters: None,
             ..PhrConfig::QUALITY
         },
         optimise: OptimiseConfig::DEFAULT,
