@@ -2,7 +2,7 @@
 //! in its own way, in its own clock, and shows the finished tree to the observer who traces it.
 
 use super::facts::{Builds, Facts, OnOneThread};
-use super::load::Accounts;
+use super::load::{Accounts, least_disturbed};
 use super::plan::Settings;
 use crate::build::{self, Build, Builder};
 use crate::bvh::{Statistics, WideBvh};
@@ -11,6 +11,7 @@ use crate::trace::{BvhTracer, Isa, RayKind, TraversalCounts};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
+use std::convert::Infallible;
 use std::time::{Duration, Instant};
 
 /// What traces a tree.
@@ -211,15 +212,20 @@ fn ours(mut builder: Box<dyn Builder>, visit: &Visit<'_>, observer: &mut dyn FnM
         })
     };
     let (cold, mut built) = build(&visit.pools.all, None);
-    let mut repeat = |pool: &ThreadPool, mut built: Build| {
-        let accounts = Accounts::read();
-        let mut warm = Vec::new();
-        while !is_enough(&warm) {
-            let (duration, next) = build(pool, Some(built));
-            warm.push(duration);
-            built = next;
-        }
-        (warm.into_iter().map(ms).collect(), accounts.since(), built)
+    let mut repeat = |pool: &ThreadPool, built: Build| {
+        let mut last = Some(built);
+        let measured = least_disturbed(|| {
+            let accounts = Accounts::read();
+            let mut warm = Vec::new();
+            while !is_enough(&warm) {
+                let (duration, next) = build(pool, last.take());
+                warm.push(duration);
+                last = Some(next);
+            }
+            Ok::<_, Infallible>((warm.into_iter().map(ms).collect(), accounts.since()))
+        });
+        let Ok((warm_ms, load)) = measured;
+        (warm_ms, load, last.expect("there was a build"))
     };
     let one_thread;
     (one_thread, built) = match &visit.pools.one {

@@ -1,6 +1,6 @@
 //! Defects of a measurement, named. They stand in the rows and are told as advice below the table.
 
-use super::load::Load;
+use super::load::{DISTURBED, Load};
 use super::statistics::Summary;
 use serde::{Deserialize, Serialize};
 
@@ -31,8 +31,6 @@ pub const SPREAD: f64 = 0.05;
 const FIRST: f64 = 1.25;
 /// Largest distance from the median, in deviations that equal sigma for normal noise.
 const OUTLYING: f64 = 7.0;
-/// Largest share of its time that a runnable thread may wait for a processor.
-const WAITING: f64 = 0.05;
 /// Shortest wall time, seconds, over which processor time tells anything.
 const SHORTEST: f64 = 0.02;
 
@@ -109,7 +107,7 @@ impl Warning {
         if load.wall_s < SHORTEST {
             return warnings;
         }
-        if load.waited_s > WAITING * (load.ran_s + load.waited_s) {
+        if load.waiting() > DISTURBED {
             warnings.push(Self::Contended);
         }
         if load.ran_s > 1.1 * threads as f64 * load.wall_s {

@@ -56,8 +56,8 @@ impl SameCode {
         self.groups.push(group);
     }
 
-    /// Parts all groups, of three or more, down to leaves of `leaf` references, and tells at which heights. The run has been parted by
-    /// the middle `depth` times before.
+    /// Parts all groups, of three or more, down to leaves of `leaf` references, and tells at which heights. The run has
+    /// been parted by the middle `depth` times before.
     pub fn part(&mut self, [depth, leaf]: [u32; 2], heights: &mut Heights) {
         let Self { centers, groups, large, small, .. } = self;
         let mut parts = Parts { large, small, found: 0, leaf };

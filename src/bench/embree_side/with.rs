@@ -3,7 +3,7 @@
 use crate::bench::contender::{Cell, Kernel, Shown, Visit, is_enough, ms, present};
 use crate::bench::environment::Library;
 use crate::bench::facts::{Builds, Facts, OnOneThread};
-use crate::bench::load::{Accounts, Load};
+use crate::bench::load::{Accounts, Load, least_disturbed};
 use crate::bvh::{Statistics, WideBvh};
 use crate::embree::{self, Config, Device, EmbreeBuilder, EmbreeError, EmbreeScene, Inspection, Width};
 use crate::geometry::{Mesh, Tracer};
@@ -74,16 +74,19 @@ fn commits<'a>(device: &'a Device, mesh: &'a Mesh) -> Result<Committed<'a>, Embr
     };
     let (cold, first) = commit()?;
     drop(first);
-    let accounts = Accounts::read();
-    let mut warm = Vec::new();
-    loop {
-        let (duration, scene) = commit()?;
-        warm.push(duration);
-        if is_enough(&warm) {
-            let warm_ms = warm.into_iter().map(ms).collect();
-            return Ok(Committed { cold_ms: ms(cold), warm_ms, load: accounts.since(), scene });
+    let ((warm_ms, scene), load) = least_disturbed(|| {
+        let accounts = Accounts::read();
+        let mut warm = Vec::new();
+        loop {
+            let (duration, scene) = commit()?;
+            warm.push(duration);
+            if is_enough(&warm) {
+                let warm_ms = warm.into_iter().map(ms).collect();
+                return Ok::<_, EmbreeError>(((warm_ms, scene), accounts.since()));
+            }
         }
-    }
+    })?;
+    Ok(Committed { cold_ms: ms(cold), warm_ms, load, scene })
 }
 
 /// A tree of Embree's, before it is shown.
