@@ -4,24 +4,24 @@
 use super::Counts;
 use super::binary::{BinaryTree, Node};
 use super::cut::{Cut, Growing, Order, OwnCut, Stage, open};
+use super::known_splits::{KnownSplits, Leaves};
 use super::object_split::{ObjectSplit, Sweep};
 use super::piece::{Piece, Subtree};
 use super::prefetch::warm;
 use super::reference_split::{split_reference, visible};
-use super::references::References;
 use super::rules::{Refine, Rules};
 use super::side::Side;
 use super::small_sweep::Isa;
 use super::spatial_split::{SpatialSplit, SpatialSweep};
 use super::split_cost::Weight;
 use super::subtree_sweep::SubtreeSweep;
-use super::subtrees::{Leaves, Subtrees};
+use super::subtrees::Subtrees;
 use super::top_down::{Kind, QUARTET, TopDown};
 use crate::geometry::Aabb;
 
 /// From this many binary splits on, the references left are halved by count: no input makes the tree deeper
 /// than traversal stacks allow.
-const MAX_DEPTH: u32 = 50;
+pub(super) const MAX_DEPTH: u32 = 50;
 
 /// The recursion over cuts.
 pub(super) struct CutRecursion<'a, R> {
@@ -139,7 +139,7 @@ impl<R: Refine> CutRecursion<'_, R> {
 
     /// Whether spatial splits are tried in a cut. If not, they are not in any below it.
     #[inline]
-    fn splits_in_space(&self, cut: &Cut) -> bool {
+    pub(super) fn splits_in_space(&self, cut: &Cut) -> bool {
         cut.area > self.rules.spatial_above
     }
 
@@ -239,6 +239,9 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         if part.count <= self.rules.subtree_sweep && part.area <= self.rules.spatial_above {
             return self.sweep_subtree(part, scratch);
         }
+        if let Some(node) = self.settled(part, &scratch.arena) {
+            return self.split_settled(part, &node, scratch);
+        }
         let Scratch { counts, arena, sweep, spatial_sweep, sides, .. } = scratch;
         let cut = self.open_for_split(part, arena);
         if cut.len == 0 {
@@ -295,13 +298,14 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         self.gather(cut, prims, scratch, |prim, bounds| visible(mesh, prim, bounds))
     }
 
-    fn finish(&self, cut: &Cut, piece: &mut Piece, scratch: &Scratch) -> Option<Subtree> {
-        if cut.stage != Stage::Swept {
-            return None;
+    fn finish(&self, cut: &Cut, piece: &mut Piece, scratch: &mut Scratch) -> Option<Subtree> {
+        if cut.stage == Stage::Swept {
+            let node = scratch.arena[cut.places().start];
+            let leaves = Leaves { references: &self.order.references, most: self.rules.max_leaf };
+            return scratch.subtrees.wide(&node, cut.kind, u32::MAX, &leaves, piece, &mut 0);
         }
-        let References { mesh, fragments } = self.order.references;
-        let leaves = Leaves { mesh, most: self.rules.max_leaf, may_repeat: !fragments.is_empty() };
-        Some(scratch.subtrees.wide(&scratch.arena[cut.places().start], cut.kind, &leaves, piece))
+        let node = self.settled(cut, &scratch.arena)?;
+        self.finish_settled(cut, &node, piece, &mut scratch.counts)
     }
 
     fn mark(&self, scratch: &Scratch) -> Self::Mark {

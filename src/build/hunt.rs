@@ -93,6 +93,8 @@ impl Builder for Hunt {
             initial_len: cut_length,
             spatial_above: f32::INFINITY,
             max_references: 1.0,
+            opens_once: false,
+            auxiliary_leaf: 1,
             max_leaf,
             leaf_sweep: 0,
             subtree_sweep: 0,

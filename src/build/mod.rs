@@ -11,6 +11,7 @@ mod heights;
 mod hierarchy;
 mod hunt;
 mod in_order;
+mod known_splits;
 // Vectors are written for x86-64 so far; elsewhere all cuts are sorted or binned.
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod lane_cost;
@@ -39,6 +40,7 @@ mod references;
 mod rules;
 mod run;
 mod same_code;
+mod settled;
 mod side;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod small_sweep;

@@ -3,6 +3,7 @@
 use super::binary::Node;
 use super::cut::{Cut, Stage, is_whole};
 use super::cut_recursion::{CutRecursion, Scratch};
+use super::known_splits::KnownSplits;
 use super::rules::Refine;
 use super::subtrees::Subtrees;
 use super::top_down::Kind;
@@ -59,7 +60,7 @@ impl<R: Refine> CutRecursion<'_, R> {
         for node in &scratch.arena[cut.places()] {
             if cut.stage == Stage::Swept {
                 bounds = node.bounds();
-                prims.extend(scratch.subtrees.prims(node));
+                prims.extend(scratch.subtrees.run(node));
             } else if is_whole(node, &cut.clip) {
                 bounds = bounds.union(node.bounds());
                 prims.extend(self.tree.run(node).map(|place| self.order.prim(place)));

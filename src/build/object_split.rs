@@ -147,7 +147,8 @@ impl Sweep {
 }
 
 /// The one split of two nodes.
-fn two(a: &Node, b: &Node, limit: f32) -> ObjectSplit {
+#[inline]
+pub(super) fn two(a: &Node, b: &Node, limit: f32) -> ObjectSplit {
     let cost = a.bounds().half_area() + b.bounds().half_area();
     let last = usize::from(center(b, 0) < center(a, 0));
     if cost < limit { ObjectSplit { cost, axis: 0, left: 1, last } } else { ObjectSplit::NONE }

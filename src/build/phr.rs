@@ -1,7 +1,7 @@
 //! Progressive Hierarchical Refinement (Hendrich, Meister, Bittner 2017): the paper's builder.
 
 use super::binary::{BinaryTree, Node};
-use super::cut::{Growing, open};
+use super::cut::{Growing, is_whole, open};
 use super::hierarchy::Hierarchy;
 use super::lbvh::{AuxiliaryConfig, Clusters};
 use super::presplit::PresplitConfig;
@@ -112,6 +112,8 @@ impl PhrConfig {
             spatial_above: scene.half_area() * self.spatial_threshold,
             spatial_bias: self.spatial_bias,
             max_references: self.max_references,
+            opens_once: true,
+            auxiliary_leaf: self.clusters.map_or(self.auxiliary_leaf, |clusters| clusters.most),
             max_leaf: self.max_leaf,
             leaf_sweep: self.leaf_sweep,
             overlap_above: (self.overlap_threshold > 0.0)
@@ -159,11 +161,15 @@ impl Threshold {
 impl Refine for Threshold {
     #[inline]
     fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &Side, refined: &mut Growing<'_>) {
-        let threshold = self.of(depth, side);
         if let [node] = side.nodes[..] {
             // Alone it is going to be opened, whatever its area.
             tree.prefetch(&node);
+            if is_whole(&node, clip) {
+                refined.push(node);
+                return;
+            }
         }
+        let threshold = self.of(depth, side);
         for &node in &side.nodes {
             if node.is_leaf() || node.bounds().half_area() <= threshold {
                 refined.push(node);

@@ -69,6 +69,17 @@ impl Piece {
             + self.blocks.capacity() * size_of::<TriangleBlock>()
     }
 
+    /// How many nodes and blocks there are.
+    pub fn mark(&self) -> [usize; 2] {
+        [self.nodes.len(), self.blocks.len()]
+    }
+
+    /// Forgets what was appended since `mark`.
+    pub fn release(&mut self, [nodes, blocks]: [usize; 2]) {
+        self.nodes.truncate(nodes);
+        self.blocks.truncate(blocks);
+    }
+
     /// Appends a node over finished subtrees.
     pub fn node(&mut self, children: &[(Aabb, Link)]) -> Subtree {
         append_node(children, &mut self.nodes)

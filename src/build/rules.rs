@@ -29,6 +29,11 @@ pub(super) struct Rules<R> {
     pub spatial_bias: f32,
     /// Most references per reference that spatial splits may make.
     pub max_references: f32,
+    /// Whether refining opens the node of a side that has but one into its two children at most, so that no more can
+    /// come of it before the next split.
+    pub opens_once: bool,
+    /// Most references of a leaf of the auxiliary BVH.
+    pub auxiliary_leaf: u32,
     /// Most triangles of a leaf.
     pub max_leaf: u32,
     /// Cuts of at most so many references are opened down to them, and their splits count quartets.
