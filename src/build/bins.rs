@@ -4,6 +4,7 @@
 
 use super::binary::Node;
 use super::object_split::{ObjectSplit, center, sortable};
+use super::spatial_bound::{above, below};
 use super::split_cost::Weight;
 use crate::geometry::Aabb;
 use glam::Vec3A;
@@ -48,6 +49,8 @@ pub(super) struct Bins {
     before: [[Bin; BINS]; 3],
     /// `after[axis][b]`: those of all bins above b.
     after: [[Bin; BINS]; 3],
+    /// Twice the centroids' bounds.
+    centers: Aabb,
     /// The bin of each node, by axis.
     bin_of: Vec<[u8; 3]>,
     /// Sort keys of the nodes of one bin: (centroid << 32 | position in the cut).
@@ -62,6 +65,7 @@ impl Default for Bins {
             bins: empty,
             before: empty,
             after: empty,
+            centers: Aabb::EMPTY,
             bin_of: Vec::new(),
             order: Vec::new(),
             right_areas: Vec::new(),
@@ -115,8 +119,34 @@ impl Bins {
         best
     }
 
+    /// Bounds of the planes normal to `axis`, up to the second without it, at which a spatial split of the nodes looked
+    /// at last may cost less than `limit`; `None` if it cannot anywhere.
+    ///
+    /// What has its centroid before a plane reaches left of it, and what has it behind reaches right. So the bins before
+    /// that of a plane and those after it, cut where it may lie, bound its cost from below.
+    pub fn planes_below(&self, axis: usize, limit: f32, weight: Weight) -> Option<[f32; 2]> {
+        let bins = bins_for(self.bin_of.len());
+        // The plane between two bins, less or more than what rounding may have moved a centroid by.
+        let (first, extent) =
+            (self.centers.min[axis] * 0.5, (self.centers.max[axis] - self.centers.min[axis]) * 0.5);
+        let slack = extent * 1e-3 + first.abs().max(extent) * 1e-5;
+        let border = |b: usize| first + extent * (b as f32 / (bins as f32 * 0.999));
+        let may_hold = |b: &usize| {
+            let left = below(self.before[axis][*b].bounds, axis, border(*b) - slack);
+            let right = above(self.after[axis][*b].bounds, axis, border(*b + 1) + slack);
+            let cost = |side: Aabb, of: &Bin| side.half_area() * weight.of(of.count.max(1) as usize);
+            cost(left, &self.before[axis][*b]) + cost(right, &self.after[axis][*b]) < limit
+        };
+        let last = (0..bins).rev().find(may_hold)?;
+        let first = (0..bins).find(may_hold)?;
+        let from = if first == 0 { f32::NEG_INFINITY } else { border(first) - slack };
+        let to = if last + 1 == bins { f32::INFINITY } else { border(last + 1) + slack };
+        Some([from, to])
+    }
+
     fn fill(&mut self, nodes: &[Node], bins: usize) {
         let centers: Aabb = nodes.iter().fold(Aabb::EMPTY, |all, node| all.grow(node.bounds().center2()));
+        self.centers = centers;
         let extent = centers.extent();
         // A flat side has one bin. The factor keeps the last node within the last bin.
         let scale = Vec3A::splat(bins as f32 * 0.999) / extent;
@@ -195,6 +225,7 @@ mod tests {
     use super::*;
     use crate::build::object_split::Sweep;
     use crate::build::small_sweep::Isa;
+    use crate::build::spatial_split::{SpatialSweep, anywhere};
 
     #[test]
     fn bins_find_the_split_of_the_full_sweep() {
@@ -217,7 +248,17 @@ mod tests {
             for weight in [Weight::Nodes, Weight::Quartets] {
                 let expected = Sweep::plain().best(Isa::Scalar, &nodes, bounds, weight);
                 let limit = weight.limit(bounds.half_area(), nodes.len());
-                assert_eq!(Bins::default().best(&nodes, limit, weight), expected, "{} nodes", nodes.len());
+                let mut bins = Bins::default();
+                assert_eq!(bins.best(&nodes, limit, weight), expected, "{} nodes", nodes.len());
+                // And no plane that they exclude is cheaper.
+                for isa in Isa::available() {
+                    let limit = expected.cost.min(limit);
+                    let planes = |axis, limit| bins.planes_below(axis, limit, weight);
+                    let mut sweep = SpatialSweep::default();
+                    let among = sweep.below(isa, limit, &nodes, bounds, weight, planes);
+                    let split = sweep.below(isa, limit, &nodes, bounds, weight, anywhere);
+                    assert_eq!(among, split, "{isa:?}, {} nodes", nodes.len());
+                }
             }
         }
     }

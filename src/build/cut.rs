@@ -231,8 +231,13 @@ impl Clipper<'_> {
 /// a box cut by a face ends there.
 #[inline]
 pub(super) fn is_whole(node: &Node, clip: &Aabb) -> bool {
-    let b = node.bounds();
-    (b.min.cmpgt(clip.min) & b.max.cmplt(clip.max)).all()
+    is_inside(node.bounds(), clip)
+}
+
+/// Whether a box lies strictly within the clip box.
+#[inline]
+pub(super) fn is_inside(bounds: Aabb, clip: &Aabb) -> bool {
+    (bounds.min.cmpgt(clip.min) & bounds.max.cmplt(clip.max)).all()
 }
 
 /// Gives `take` the children of an inner `node` that reach into `clip`, their boxes clipped.

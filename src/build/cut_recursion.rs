@@ -4,7 +4,6 @@
 use super::Counts;
 use super::binary::{BinaryTree, Node};
 use super::cut::{Cut, Growing, Order, OwnCut, Stage, open};
-use super::known_splits::{KnownSplits, Leaves};
 use super::object_split::{ObjectSplit, Sweep};
 use super::piece::{Piece, Subtree};
 use super::prefetch::warm;
@@ -109,7 +108,8 @@ impl<R: Refine> CutRecursion<'_, R> {
         nodes: &[Node],
         object: &ObjectSplit,
         weight: Weight,
-        sweep: &mut SpatialSweep,
+        sweep: &Sweep,
+        spatial_sweep: &mut SpatialSweep,
     ) -> Option<SpatialSplit> {
         if !self.splits_in_space(cut) {
             return None;
@@ -118,7 +118,8 @@ impl<R: Refine> CutRecursion<'_, R> {
             return None;
         }
         let limit = (object.cost * self.rules.spatial_bias).min(cut.area * weight.of(nodes.len()));
-        let split = sweep.below(self.isa, limit, nodes, cut.bounds, weight);
+        let planes = |axis, limit| sweep.planes_below(axis, limit, weight);
+        let split = spatial_sweep.below(self.isa, limit, nodes, cut.bounds, weight, planes);
         if split == SpatialSplit::NONE {
             return None;
         }
@@ -236,8 +237,8 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         if part.stage == Stage::Swept {
             return self.children_swept(part, scratch.arena[part.places().start], scratch);
         }
-        if part.count <= self.rules.subtree_sweep && part.area <= self.rules.spatial_above {
-            return self.sweep_subtree(part, scratch);
+        if let Some(parts) = self.split_subtree(part, scratch) {
+            return parts;
         }
         if let Some(node) = self.settled(part, &scratch.arena) {
             return self.split_settled(part, &node, scratch);
@@ -259,7 +260,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         let halve = cut.depth >= MAX_DEPTH;
         let object = if halve { ObjectSplit::NONE } else { sweep.best(self.isa, nodes, cut.bounds, weight) };
         let spatial =
-            if halve { None } else { self.spatial_split(&cut, nodes, &object, weight, spatial_sweep) };
+            if halve { None } else { self.spatial_split(&cut, nodes, &object, weight, sweep, spatial_sweep) };
 
         // Reorder: the nodes to the left and to the right, clipped by the plane of a spatial split.
         sides.iter_mut().for_each(Side::clear);
@@ -301,8 +302,10 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
     fn finish(&self, cut: &Cut, piece: &mut Piece, scratch: &mut Scratch) -> Option<Subtree> {
         if cut.stage == Stage::Swept {
             let node = scratch.arena[cut.places().start];
-            let leaves = Leaves { references: &self.order.references, most: self.rules.max_leaf };
-            return scratch.subtrees.wide(&node, cut.kind, u32::MAX, &leaves, piece, &mut 0);
+            return Some(self.wide(&node, cut.kind, &scratch.subtrees, piece));
+        }
+        if let Some(subtree) = self.finish_subtree(cut, piece, scratch) {
+            return Some(subtree);
         }
         let node = self.settled(cut, &scratch.arena)?;
         self.finish_settled(cut, &node, piece, &mut scratch.counts)

@@ -1,13 +1,18 @@
 //! Where the recursion over cuts ends: small cuts swept down to their leaves in one go, and what leaves hold.
 
 use super::binary::Node;
-use super::cut::{Cut, Stage, is_whole};
-use super::cut_recursion::{CutRecursion, Scratch};
-use super::known_splits::KnownSplits;
+use super::cut::{Cut, Stage, is_inside, is_whole};
+use super::cut_recursion::{CutRecursion, MAX_DEPTH, Scratch};
+use super::known_splits::{KnownSplits, Leaves};
+use super::piece::{Piece, Subtree};
 use super::rules::Refine;
+use super::subtree_sweep;
 use super::subtrees::Subtrees;
 use super::top_down::Kind;
 use crate::geometry::Aabb;
+
+/// Fewest leaves of a cut that is split in one go: shorter ones are split faster one by one.
+const FEWEST: usize = 9;
 
 impl<R: Refine> CutRecursion<'_, R> {
     /// The subtree of `node` as a part of the recursion.
@@ -31,20 +36,80 @@ impl<R: Refine> CutRecursion<'_, R> {
         subtrees.children(&node).map(|child| self.swept(cut, child, subtrees, arena))
     }
 
-    /// Splits a cut of few references down to its leaves.
-    pub(super) fn sweep_subtree(&self, cut: &Cut, scratch: &mut Scratch) -> [Option<Cut>; 2] {
-        let Scratch { arena, subtree_sweep, subtrees, .. } = scratch;
-        subtree_sweep.clear();
-        for node in &arena[cut.places()] {
-            self.order.each(self.tree, node, &cut.clip, &mut |reference| {
-                subtree_sweep.push(reference.bounds(), self.order.prim(reference.run().start));
-            });
+    /// The subtree, nothing if clipping left nothing, of a cut that is split down to its leaves in one go; `None` for
+    /// other cuts. Such are cuts of few references by the rules, and cuts of leaves alone, of which there is nothing to
+    /// refine.
+    fn sweep_subtree(&self, cut: &Cut, scratch: &mut Scratch) -> Option<Option<Node>> {
+        if self.splits_in_space(cut) || cut.stage == Stage::Swept {
+            return None;
         }
-        let Some(node) = subtree_sweep.build(self.isa, subtrees) else { return [None, None] };
-        match subtrees.kind(&node, self.rules.max_leaf) {
+        let Scratch { arena, subtree_sweep, subtrees, counts, .. } = scratch;
+        let nodes = &arena[cut.places()];
+        if cut.count <= self.rules.subtree_sweep {
+            subtree_sweep.clear();
+            for node in nodes {
+                self.order.each(self.tree, node, &cut.clip, &mut |reference| {
+                    subtree_sweep.push(reference.bounds(), self.order.prim(reference.run().start));
+                });
+            }
+            return Some(subtree_sweep.build(self.isa, subtrees));
+        }
+        // What is clipped is seen otherwise by leaves.
+        let is_swept = cut.count == cut.len
+            && cut.stage == Stage::Nodes
+            && cut.count > self.rules.leaf_sweep
+            && (FEWEST..=subtree_sweep::MOST).contains(&(cut.len as usize))
+            && cut.depth < MAX_DEPTH
+            && is_inside(cut.bounds, &cut.clip);
+        is_swept.then(|| {
+            subtree_sweep.clear();
+            for node in nodes {
+                subtree_sweep.push(node.bounds(), self.order.prim(node.run().start));
+            }
+            let pairs = subtrees.pairs.len();
+            let root = subtree_sweep.build_as_cut(self.isa, MAX_DEPTH - cut.depth, subtrees);
+            counts.splits += (subtrees.pairs.len() - pairs) as u64;
+            counts.swept +=
+                subtrees.pairs[pairs..].iter().flatten().map(|node| u64::from(node.count())).sum::<u64>();
+            Some(root)
+        })
+    }
+
+    /// The parts of a cut that is split down to its leaves in one go; `None` for other cuts.
+    pub(super) fn split_subtree(&self, cut: &Cut, scratch: &mut Scratch) -> Option<[Option<Cut>; 2]> {
+        let Some(node) = self.sweep_subtree(cut, scratch)? else { return Some([None, None]) };
+        let Scratch { arena, subtrees, .. } = scratch;
+        Some(match subtrees.kind(&node, self.rules.max_leaf) {
             Kind::Inner => self.children_swept(cut, node, scratch),
             Kind::SoftLeaf | Kind::Leaf => [self.swept(cut, node, subtrees, arena), None],
+        })
+    }
+
+    /// The wide nodes of a cut that is split down to its leaves in one go; `None` for other cuts.
+    pub(super) fn finish_subtree(
+        &self,
+        cut: &Cut,
+        piece: &mut Piece,
+        scratch: &mut Scratch,
+    ) -> Option<Subtree> {
+        if cut.kind != Kind::Inner {
+            return None;
         }
+        let mark = scratch.subtrees.mark();
+        let subtree = match self.sweep_subtree(cut, scratch)? {
+            None => None,
+            Some(node) => {
+                self.wide(&node, scratch.subtrees.kind(&node, self.rules.max_leaf), &scratch.subtrees, piece)
+            }
+        };
+        scratch.subtrees.release(mark);
+        Some(subtree)
+    }
+
+    /// The wide nodes of a swept subtree.
+    pub(super) fn wide(&self, node: &Node, kind: Kind, subtrees: &Subtrees, piece: &mut Piece) -> Subtree {
+        let leaves = Leaves { references: &self.order.references, most: self.rules.max_leaf };
+        subtrees.wide(node, kind, u32::MAX, &leaves, piece, &mut 0).expect("there are not so many levels")
     }
 
     /// Appends the triangles of a leaf; returns their box. Of a triangle that is not wholly inside the clip box

@@ -4,6 +4,7 @@ use super::binary::Node;
 use super::bins::Bins;
 use super::rank_sweep::{self, RankSweep};
 use super::small_sweep::{self, Isa};
+use super::spatial_split::anywhere;
 use super::split_cost::Weight;
 use crate::geometry::Aabb;
 use glam::Vec3A;
@@ -72,6 +73,8 @@ const LONG: usize = 24;
 pub(super) struct Sweep {
     /// Whether long cuts are binned.
     is_binned: bool,
+    /// Whether the cut looked at last was.
+    was_binned: bool,
     ranks: RankSweep,
     bins: Bins,
     /// Sort keys: (centroid << 32 | position in the cut).
@@ -83,6 +86,7 @@ impl Default for Sweep {
     fn default() -> Self {
         Self {
             is_binned: true,
+            was_binned: false,
             ranks: RankSweep::default(),
             bins: Bins::default(),
             order: Vec::new(),
@@ -103,6 +107,7 @@ impl Sweep {
     pub fn best(&mut self, isa: Isa, nodes: &[Node], bounds: Aabb, weight: Weight) -> ObjectSplit {
         let n = nodes.len();
         let limit = weight.limit(bounds.half_area(), n);
+        self.was_binned = false;
         if let [a, b] = nodes {
             return two(a, b, limit);
         }
@@ -113,6 +118,7 @@ impl Sweep {
             return self.ranks.best(isa, nodes, limit, weight);
         }
         if self.is_binned && n >= LONG {
+            self.was_binned = true;
             return self.bins.best(nodes, limit, weight);
         }
         let mut best = ObjectSplit { cost: limit, ..ObjectSplit::NONE };
@@ -143,6 +149,14 @@ impl Sweep {
             }
         }
         if best.left == 0 { ObjectSplit::NONE } else { best }
+    }
+}
+
+impl Sweep {
+    /// Bounds of the planes normal to `axis`, up to the second without it, at which a spatial split of the cut looked at
+    /// last may cost less than `limit`; `None` if it cannot anywhere.
+    pub fn planes_below(&self, axis: usize, limit: f32, weight: Weight) -> Option<[f32; 2]> {
+        if self.was_binned { self.bins.planes_below(axis, limit, weight) } else { anywhere(axis, limit) }
     }
 }
 

@@ -4,12 +4,12 @@
 
 #![allow(unsafe_code)]
 
+use super::axes::{Costs, order_by_ranks, sweep_axes};
 use super::binary::Node;
 use super::lanes::Lanes;
 use super::object_split::ObjectSplit;
 use super::small_sweep::Isa;
 use super::split_cost::Weight;
-use super::subtree_sweep::half_areas;
 use crate::geometry::Aabb;
 use glam::Vec3A;
 
@@ -86,75 +86,14 @@ impl RankSweep {
             self.boxes[i] = bounds;
             self.centers[i] = bounds.center2();
         }
-        let centers = &self.centers[..n];
-        let one = L::splat(1.0);
-        let mut positions = [0.0; 16];
-        positions.iter_mut().enumerate().for_each(|(i, position)| *position = i as f32);
-        let positions = L::load(&positions);
-        for first in (0..n).step_by(L::N) {
-            let end = (first + L::N).min(n);
-            let own = [0, 1, 2].map(|axis| {
-                let mut own = [0.0; 16];
-                own.iter_mut().zip(&centers[first..end]).for_each(|(own, center)| *own = center[axis]);
-                L::load(&own)
-            });
-            let mut ranks = [L::splat(0.0); 3];
-            let count = |rank: &mut L::F, is_before| *rank = L::select(is_before, L::add(*rank, one), *rank);
-            // Of equal centroids the first comes first.
-            for center in &centers[..first] {
-                for (axis, rank) in ranks.iter_mut().enumerate() {
-                    count(rank, L::le(L::splat(center[axis]), own[axis]));
-                }
-            }
-            let mut position = L::splat(0.0);
-            for center in &centers[first..end] {
-                let is_first = L::lt(position, positions);
-                position = L::add(position, one);
-                for (axis, rank) in ranks.iter_mut().enumerate() {
-                    let center = L::splat(center[axis]);
-                    let level = L::and(L::le(center, own[axis]), is_first);
-                    count(rank, L::or(L::lt(center, own[axis]), level));
-                }
-            }
-            for center in &centers[end..] {
-                for (axis, rank) in ranks.iter_mut().enumerate() {
-                    count(rank, L::lt(L::splat(center[axis]), own[axis]));
-                }
-            }
-            for (order, rank) in self.order.iter_mut().zip(ranks) {
-                let mut places = [0.0; 16];
-                L::store(rank, &mut places);
-                for (i, place) in (first..end).zip(places) {
-                    order[place as i32 as usize % LONGEST] = i as u8;
-                }
-            }
-        }
+        order_by_ranks::<L, LONGEST>(&self.centers[..n], &mut self.order);
     }
 
     #[inline(always)]
     fn sweep(&mut self, n: usize, limit: f32, weight: Weight) -> ObjectSplit {
-        let [x, y, z] = &self.order;
-        let boxes = &self.boxes;
-        let grow = |sides: &mut [Aabb; 3], i: usize| {
-            for (side, order) in sides.iter_mut().zip([x, y, z]) {
-                *side = side.union(boxes[usize::from(order[i]) % LONGEST]);
-            }
-        };
-        let areas = &mut self.areas[..n];
-        let mut sides = [Aabb::EMPTY; 3];
-        for (i, area) in areas.iter_mut().enumerate().skip(1).rev() {
-            grow(&mut sides, i);
-            *area = half_areas(&sides);
-        }
-        let mut sides = [Aabb::EMPTY; 3];
-        let (mut least, mut left) = (Vec3A::splat(limit), Vec3A::ZERO);
-        for (i, &area) in areas.iter().enumerate().skip(1) {
-            grow(&mut sides, i - 1);
-            let cost = half_areas(&sides) * weight.of(i) + area * weight.of(n - i);
-            let is_less = cost.cmplt(least);
-            least = Vec3A::select(is_less, cost, least);
-            left = Vec3A::select(is_less, Vec3A::splat(i as f32), left);
-        }
+        let order = self.order.each_ref().map(|order| &order[..n]);
+        let Costs { least, left } =
+            sweep_axes(&self.boxes, order, &mut self.areas, limit, |count| weight.of(count));
         let mut best = ObjectSplit::NONE;
         for axis in 0..3 {
             if left[axis] > 0.0 && least[axis] < best.cost {

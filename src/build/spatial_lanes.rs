@@ -36,13 +36,14 @@ pub(super) fn longest(isa: Isa) -> usize {
     }
 }
 
-/// Looks along an axis for a split cheaper than `best`; of equal ones the first. Returns bounds of planes, up to the
+/// Looks along an axis, in a range of planes without its end, for a split cheaper than `best`; of equal ones the first. Returns bounds of planes, up to the
 /// second without it, that are too many for lanes and yet to be looked at. `isa` is not [`Isa::Scalar`], and the
 /// processor has it; `planes` is memory.
 #[inline]
 pub(super) fn search(
     isa: Isa,
     axis: usize,
+    range: [f32; 2],
     boxes: Boxes<'_>,
     planes: &mut Vec<f32>,
     best: &mut SpatialSplit,
@@ -50,10 +51,10 @@ pub(super) fn search(
     match isa {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: `Isa::best` has found the feature.
-        Isa::Avx512 => unsafe { x86::avx512(axis, boxes, planes, best) },
+        Isa::Avx512 => unsafe { x86::avx512(axis, range, boxes, planes, best) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: `Isa::best` has found the feature.
-        Isa::Avx2 => unsafe { x86::avx2(axis, boxes, planes, best) },
+        Isa::Avx2 => unsafe { x86::avx2(axis, range, boxes, planes, best) },
         _ => unreachable!("there are no lanes"),
     }
 }
@@ -66,28 +67,30 @@ mod x86 {
     #[target_feature(enable = "avx512f")]
     pub(super) unsafe fn avx512(
         axis: usize,
+        range: [f32; 2],
         boxes: Boxes<'_>,
         planes: &mut Vec<f32>,
         best: &mut SpatialSplit,
     ) -> Option<[f32; 2]> {
         match axis {
-            0 => along::<Avx512, 0>(boxes, planes, best),
-            1 => along::<Avx512, 1>(boxes, planes, best),
-            _ => along::<Avx512, 2>(boxes, planes, best),
+            0 => along::<Avx512, 0>(range, boxes, planes, best),
+            1 => along::<Avx512, 1>(range, boxes, planes, best),
+            _ => along::<Avx512, 2>(range, boxes, planes, best),
         }
     }
 
     #[target_feature(enable = "avx2")]
     pub(super) unsafe fn avx2(
         axis: usize,
+        range: [f32; 2],
         boxes: Boxes<'_>,
         planes: &mut Vec<f32>,
         best: &mut SpatialSplit,
     ) -> Option<[f32; 2]> {
         match axis {
-            0 => along::<Avx2, 0>(boxes, planes, best),
-            1 => along::<Avx2, 1>(boxes, planes, best),
-            _ => along::<Avx2, 2>(boxes, planes, best),
+            0 => along::<Avx2, 0>(range, boxes, planes, best),
+            1 => along::<Avx2, 1>(range, boxes, planes, best),
+            _ => along::<Avx2, 2>(range, boxes, planes, best),
         }
     }
 }
@@ -95,16 +98,18 @@ mod x86 {
 /// As [`search`].
 #[inline(always)]
 fn along<L: Lanes, const AXIS: usize>(
+    [mut from, mut to]: [f32; 2],
     boxes: Boxes<'_>,
     planes: &mut Vec<f32>,
     best: &mut SpatialSplit,
 ) -> Option<[f32; 2]> {
     let nodes = boxes.nodes.len();
     // Planes from `from` up to `to`, without the latter, are yet to be looked at.
-    let [mut from, mut to] = [boxes.bounds.min[AXIS], boxes.bounds.max[AXIS]];
     let mut len = 2 * nodes;
-    if len <= L::N {
+    let is_whole = from <= boxes.bounds.min[AXIS] && to >= boxes.bounds.max[AXIS];
+    if len <= L::N || !is_whole {
         gather::<AXIS>(boxes, from, to, planes);
+        len = planes.len();
     }
     while len > L::N {
         [from, to] = narrow::<L, AXIS>(boxes, from, to, best.cost)?;

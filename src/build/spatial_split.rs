@@ -59,7 +59,8 @@ pub(super) struct SpatialSweep {
 
 impl SpatialSweep {
     /// The spatial split of `nodes`, whose union is `bounds`, of least cost, if that is below `limit`; of equal
-    /// ones the first by axis, then by plane. `isa` is what the processor has.
+    /// ones the first by axis, then by plane. `isa` is what the processor has. `planes` tells of an axis between which
+    /// planes, the second not among them, a split may cost less than a limit, if anywhere.
     pub fn below(
         &mut self,
         isa: Isa,
@@ -67,6 +68,7 @@ impl SpatialSweep {
         nodes: &[Node],
         bounds: Aabb,
         weight: Weight,
+        planes_below: impl Fn(usize, f32) -> Option<[f32; 2]>,
     ) -> SpatialSplit {
         let Self { bins, planes, lanes } = self;
         let mut best = SpatialSplit { cost: limit, ..SpatialSplit::NONE };
@@ -82,7 +84,9 @@ impl SpatialSweep {
         } else {
             let boxes = Boxes { nodes, bounds, weight };
             for axis in 0..3 {
-                if let Some(range) = spatial_lanes::search(isa, axis, boxes, lanes, &mut best) {
+                let Some([from, to]) = planes_below(axis, best.cost) else { continue };
+                let range = [from.max(bounds.min[axis]), to.min(bounds.max[axis])];
+                if let Some(range) = spatial_lanes::search(isa, axis, range, boxes, lanes, &mut best) {
                     let [before, after] = planes.gather_between(axis, nodes, range);
                     planes.sweep(axis, nodes, bounds, [&before, &after], weight, &mut best);
                 }
@@ -90,6 +94,11 @@ impl SpatialSweep {
         }
         if best.cost < limit { best } else { SpatialSplit::NONE }
     }
+}
+
+/// No plane is known not to be cheap.
+pub(super) fn anywhere(_: usize, _: f32) -> Option<[f32; 2]> {
+    Some([f32::NEG_INFINITY, f32::INFINITY])
 }
 
 /// The planes of a bin: the boundaries of nodes within it.
@@ -221,7 +230,8 @@ mod tests {
     }
 
     fn cheapest(nodes: &[Node], bounds: Aabb) -> SpatialSplit {
-        let below = |isa| SpatialSweep::default().below(isa, f32::INFINITY, nodes, bounds, Weight::Nodes);
+        let below =
+            |isa| SpatialSweep::default().below(isa, f32::INFINITY, nodes, bounds, Weight::Nodes, anywhere);
         let cheapest = below(Isa::Scalar);
         Isa::available().for_each(|isa| assert_eq!(below(isa), cheapest, "{isa:?}, {} nodes", nodes.len()));
         cheapest
@@ -283,7 +293,8 @@ mod tests {
                     .flat_map(|share| Isa::available().map(move |isa| (share, isa)))
                 {
                     let limit = best.cost * share;
-                    let below = SpatialSweep::default().below(isa, limit, &nodes, bounds, Weight::Nodes);
+                    let below =
+                        SpatialSweep::default().below(isa, limit, &nodes, bounds, Weight::Nodes, anywhere);
                     assert_eq!(below, if best.cost < limit { best } else { SpatialSplit::NONE });
                 }
             }

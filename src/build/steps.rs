@@ -14,7 +14,7 @@ use super::rank_sweep::{self, RankSweep};
 use super::rules::Refine;
 use super::side::Side;
 use super::small_sweep::{self, Isa};
-use super::spatial_split::SpatialSweep;
+use super::spatial_split::{SpatialSweep, anywhere};
 use super::split_cost::Weight;
 use super::subtree_sweep::SubtreeSweep;
 use super::subtrees::Subtrees;
@@ -274,7 +274,7 @@ impl Cuts {
         let mut sweep = SpatialSweep::default();
         let limits = self.limits.iter().map(|&limit| if bounded { limit } else { f32::INFINITY });
         let split = |((nodes, bounds), limit)| {
-            sweep.below(Isa::best(), limit, nodes, bounds, Weight::Nodes).cost < limit
+            sweep.below(Isa::best(), limit, nodes, bounds, Weight::Nodes, anywhere).cost < limit
         };
         self.each().zip(limits).map(split).filter(|&found| found).count()
     }

@@ -3,16 +3,21 @@
 //! Near the leaves refining cuts costs more than it saves: cuts are short, and each is gathered, sorted and
 //! measured anew. Here references are put in order of their centroids once per axis, and splits keep the order;
 //! all of it stays in the first-level cache.
+//!
+//! A cut of leaves alone, of which there is nothing to refine, is split so too, to the very tree that splitting cut
+//! after cut makes.
 
 #![allow(unsafe_code)]
 
+use super::axes::{Costs, order, sweep_axes};
 use super::binary::Node;
 use super::small_sweep::Isa;
+use super::split_cost::Weight;
 use super::subtrees::Subtrees;
 use super::top_down::QUARTET;
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
-use glam::{Mat3A, Vec3A};
+use glam::Vec3A;
 
 /// Most references of a subtree: they are numbered by bytes.
 pub(super) const MOST: usize = 256;
@@ -67,12 +72,15 @@ impl Default for SubtreeSweep {
 struct Range {
     first: usize,
     end: usize,
-    depth: u32,
+    /// Splits that may still be looked for below one another.
+    levels: u32,
     /// Place of its pair.
     pair: usize,
+    /// Half area of its box.
+    area: f32,
 }
 
-/// A split: how many references go to the left of those in order along an axis.
+/// A split: how many references go to the left of those in order along an axis; 0 if none gains anything.
 #[derive(Clone, Copy)]
 struct Split {
     axis: usize,
@@ -98,33 +106,49 @@ impl SubtreeSweep {
         if self.len == 0 {
             return None;
         }
+        if self.len > QUARTET as usize {
+            self.put_in_steps();
+        }
         #[cfg(target_arch = "x86_64")]
         if isa != Isa::Scalar {
             // SAFETY: `Isa::best` has found the feature.
-            return Some(unsafe { self.tree_avx2(done) });
+            return Some(unsafe { self.tree_avx2::<false>(HALVE, done) });
         }
         let _ = isa;
-        Some(self.tree(done))
+        Some(self.tree::<false>(HALVE, done))
+    }
+
+    /// The tree that splitting the references as a cut of leaves makes, of which there are some, to `levels` of splits;
+    /// below, references are halved as they came. It is appended to `done`.
+    pub fn build_as_cut(&mut self, isa: Isa, levels: u32, done: &mut Subtrees) -> Node {
+        if self.len > QUARTET as usize {
+            self.put_in_order(isa);
+        }
+        #[cfg(target_arch = "x86_64")]
+        if isa != Isa::Scalar {
+            // SAFETY: `Isa::best` has found the feature.
+            return unsafe { self.tree_avx2::<true>(levels, done) };
+        }
+        self.tree::<true>(levels, done)
     }
 
     /// As [`Self::tree`], compiled for newer processors; it does the same operations.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1,bmi2")]
-    unsafe fn tree_avx2(&mut self, done: &mut Subtrees) -> Node {
-        self.tree(done)
+    unsafe fn tree_avx2<const AS_CUT: bool>(&mut self, levels: u32, done: &mut Subtrees) -> Node {
+        self.tree::<AS_CUT>(levels, done)
     }
 
-    /// The tree over the references, of which there are some.
+    /// The tree over the references, which are in order, if they are more than a quartet.
     #[inline(always)]
-    fn tree(&mut self, done: &mut Subtrees) -> Node {
+    fn tree<const AS_CUT: bool>(&mut self, levels: u32, done: &mut Subtrees) -> Node {
         let n = self.len;
         let place = done.prims.len();
-        let bounds = self.boxes[..n].iter().copied().collect();
+        let bounds: Aabb = self.boxes[..n].iter().copied().collect();
         if n <= QUARTET as usize {
             done.prims.extend(&self.prims[..n]);
             return Node::leaf(bounds, place, n as u32);
         }
-        self.put_in_order();
         let mut ranges = ArrayVec::<Range, MOST>::new();
         let node = |bounds, range: Range, done: &mut Subtrees, ranges: &mut ArrayVec<Range, MOST>| {
             let count = (range.end - range.first) as u32;
@@ -133,30 +157,42 @@ impl SubtreeSweep {
             }
             let pair = done.pairs.len();
             done.pairs.push([Node::ZERO; 2]);
-            ranges.push(Range { pair, ..range });
+            ranges.push(Range { pair, area: bounds.half_area(), ..range });
             Node::of_pair(bounds, pair, count)
         };
-        let root = node(bounds, Range { first: 0, end: n, depth: 0, pair: 0 }, done, &mut ranges);
+        let root = Range { first: 0, end: n, levels, pair: 0, area: 0.0 };
+        let root = node(bounds, root, done, &mut ranges);
         while let Some(range) = ranges.pop() {
-            let Range { first, end, depth, pair } = range;
-            let split = if depth < HALVE {
-                self.best(first, end)
+            let Range { first, end, levels, pair, .. } = range;
+            let n = end - first;
+            let split = if levels > 0 { self.best::<AS_CUT>(range) } else { Split { axis: 0, left: n / 2 } };
+            let [left, right] = if AS_CUT && (levels == 0 || split.left == 0) {
+                self.halve(first, end)
             } else {
-                Split { axis: 0, left: (end - first) / 2 }
+                self.part(first, end, split)
             };
-            let [left, right] = self.part(first, end, split);
-            let (depth, middle) = (depth + 1, first + split.left);
-            let right = node(right, Range { first: middle, end, depth, pair }, done, &mut ranges);
-            let left = node(left, Range { first, end: middle, depth, pair }, done, &mut ranges);
+            let middle = first + if split.left > 0 { split.left } else { n / 2 };
+            let levels = levels.saturating_sub(1);
+            let right = node(right, Range { first: middle, end, levels, ..range }, done, &mut ranges);
+            let left = node(left, Range { first, end: middle, levels, ..range }, done, &mut ranges);
             done.pairs[pair] = [left, right];
         }
         done.prims.extend(self.order[0][..n].iter().map(|&i| self.prims[usize::from(i)]));
         root
     }
 
+    /// Puts the references in order of their centroids along each axis, those that came first first.
+    fn put_in_order(&mut self, isa: Isa) {
+        let mut centers = [Vec3A::ZERO; MOST];
+        for (center, bounds) in centers.iter_mut().zip(&self.boxes[..self.len]) {
+            *center = bounds.center2();
+        }
+        order(isa, &centers[..self.len], &mut self.order);
+    }
+
     /// Counting sorts by the steps in which centroids lie.
     #[inline(always)]
-    fn put_in_order(&mut self) {
+    fn put_in_steps(&mut self) {
         let boxes = &self.boxes[..self.len];
         let centers = boxes.iter().fold(Aabb::EMPTY, |all, b| all.grow(b.center2()));
         let scale = Vec3A::splat(STEPS as f32 * 0.999) / centers.extent();
@@ -186,35 +222,31 @@ impl SubtreeSweep {
         }
     }
 
-    /// The split of least cost (paper 4.2, equation 1) where leaves cost their blocks; of equal ones the first by
-    /// axis, then by position.
+    /// The split of least cost (paper 4.2, equation 1), of equal ones the first by axis, then by position. As of a cut,
+    /// one that gains something, if there is any; else leaves cost their blocks, and there always is one.
     #[inline(always)]
-    fn best(&mut self, first: usize, end: usize) -> Split {
-        let n = end - first;
-        let [x, y, z] = self.order.each_ref().map(|order| &order[first..end]);
-        let boxes = &self.boxes;
-        let grow = |sides: &mut [Aabb; 3], i: usize| {
-            for (side, order) in sides.iter_mut().zip([x, y, z]) {
-                *side = side.union(boxes[usize::from(order[i])]);
-            }
+    fn best<const AS_CUT: bool>(&mut self, Range { first, end, area, .. }: Range) -> Split {
+        let order = self.order.each_ref().map(|order| &order[first..end]);
+        let Costs { least, left } = if AS_CUT {
+            let limit = Weight::Nodes.limit(area, end - first);
+            sweep_axes(&self.boxes, order, &mut self.areas, limit, |n| Weight::Nodes.of(n))
+        } else {
+            sweep_axes(&self.boxes, order, &mut self.areas, f32::INFINITY, |n| BLOCKS[n])
         };
-        let areas = &mut self.areas[..n];
-        let mut sides = [Aabb::EMPTY; 3];
-        for i in (1..n).rev() {
-            grow(&mut sides, i);
-            areas[i] = half_areas(&sides);
-        }
-        let mut sides = [Aabb::EMPTY; 3];
-        let (mut least, mut left) = (Vec3A::INFINITY, Vec3A::ONE);
-        for i in 1..n {
-            grow(&mut sides, i - 1);
-            let cost = half_areas(&sides) * BLOCKS[i] + areas[i] * BLOCKS[n - i];
-            let is_less = cost.cmplt(least);
-            least = Vec3A::select(is_less, cost, least);
-            left = Vec3A::select(is_less, Vec3A::splat(i as f32), left);
-        }
         let axis = (1..3).fold(0, |best, axis| if least[axis] < least[best] { axis } else { best });
-        Split { axis, left: left[axis] as usize }
+        Split { axis, left: (left[axis] as usize).max(usize::from(!AS_CUT)) }
+    }
+
+    /// Parts references by the middle as they came; returns the boxes of both halves.
+    fn halve(&mut self, first: usize, end: usize) -> [Aabb; 2] {
+        let mut came: ArrayVec<u8, MOST> = self.order[0][first..end].iter().copied().collect();
+        came.sort_unstable();
+        let (left, right) = came.split_at(came.len() / 2);
+        let bounds = [left, right].map(|side| side.iter().map(|&i| self.boxes[usize::from(i)]).collect());
+        left.iter().for_each(|&i| self.is_right[usize::from(i)] = 0);
+        right.iter().for_each(|&i| self.is_right[usize::from(i)] = 1);
+        (0..3).for_each(|axis| self.part_order(axis, first, end));
+        bounds
     }
 
     /// Brings to the front of each order what is on the left, both sides otherwise in order; returns their boxes.
@@ -224,28 +256,24 @@ impl SubtreeSweep {
         let bounds = [left, right].map(|side| side.iter().map(|&i| self.boxes[usize::from(i)]).collect());
         left.iter().for_each(|&i| self.is_right[usize::from(i)] = 0);
         right.iter().for_each(|&i| self.is_right[usize::from(i)] = 1);
-        for axis in (0..3).filter(|&axis| axis != split.axis) {
-            let order = &mut self.order[axis][first..end];
-            let mut on_right = [0; MOST];
-            let (mut left, mut right) = (0, 0);
-            for at in 0..order.len() {
-                let i = order[at];
-                let is_right = usize::from(self.is_right[usize::from(i)]);
-                order[left] = i;
-                on_right[right] = i;
-                left += 1 - is_right;
-                right += is_right;
-            }
-            order[left..].copy_from_slice(&on_right[..right]);
-        }
+        (0..3).filter(|&axis| axis != split.axis).for_each(|axis| self.part_order(axis, first, end));
         bounds
     }
-}
 
-/// Half areas of three boxes, as [`Aabb::half_area`].
-#[inline(always)]
-pub(super) fn half_areas(boxes: &[Aabb; 3]) -> Vec3A {
-    let [a, b, c] = boxes.map(Aabb::extent);
-    let e = Mat3A::from_cols(a, b, c).transpose();
-    e.x_axis * (e.y_axis + e.z_axis) + e.y_axis * e.z_axis
+    /// Brings to the front of an order what is on the left.
+    #[inline(always)]
+    fn part_order(&mut self, axis: usize, first: usize, end: usize) {
+        let order = &mut self.order[axis][first..end];
+        let mut on_right = [0; MOST];
+        let (mut left, mut right) = (0, 0);
+        for at in 0..order.len() {
+            let i = order[at];
+            let is_right = usize::from(self.is_right[usize::from(i)]);
+            order[left] = i;
+            on_right[right] = i;
+            left += 1 - is_right;
+            right += is_right;
+        }
+        order[left..].copy_from_slice(&on_right[..right]);
+    }
 }
