@@ -1,11 +1,10 @@
-//! Cuts of the auxiliary BVH: the initial one (paper 4.1), clipping under spatial splits (4.4), leaves.
+//! Cuts of the auxiliary BVH, clipping under spatial splits (paper 4.4), leaves.
 
 use super::binary::{BinaryTree, Node};
 use super::morton_order::{Key, reference};
 use super::references::References;
 use super::top_down::{Kind, QUARTET};
 use crate::geometry::Aabb;
-use std::collections::BinaryHeap;
 
 /// All of space: the clip box above the first spatial split.
 pub(super) const SPACE: Aabb = Aabb::new(glam::Vec3A::NEG_INFINITY, glam::Vec3A::INFINITY);
@@ -128,73 +127,7 @@ impl Cut {
     pub fn lift(&self, arena: &[Node]) -> OwnCut {
         OwnCut { nodes: arena[self.places()].to_vec(), cut: *self }
     }
-
-    /// The initial cut (paper 4.1): nodes larger than `threshold` (half area) are opened, the largest first,
-    /// until none is left or the cut has `max_len` nodes.
-    pub fn initial(tree: &BinaryTree, root: Node, threshold: f32, max_len: usize) -> Vec<Node> {
-        let mut queue = BinaryHeap::from([Queued { area: root.bounds().half_area(), order: 0, node: root }]);
-        let mut cut = Vec::new();
-        let mut order = 0;
-        while let Some(Queued { area, node, .. }) = queue.pop() {
-            let last_chance = cut.len() + queue.len() + 1 >= max_len;
-            // A lone root is opened whatever its size, or there would be nothing to split.
-            let lone = cut.is_empty() && queue.is_empty();
-            if node.is_leaf() || !(area > threshold || lone) || last_chance {
-                cut.push(node);
-                continue;
-            }
-            for child in *tree.children(&node) {
-                order += 1;
-                queue.push(Queued { area: child.bounds().half_area(), order, node: child });
-            }
-        }
-        depth_first(tree, root, cut)
-    }
 }
-
-/// Orders the nodes of a cut as the tree has them.
-fn depth_first(tree: &BinaryTree, root: Node, cut: Vec<Node>) -> Vec<Node> {
-    // Two subtrees can share neither a first triangle nor a pair: (count, link) names a node.
-    let members: std::collections::HashSet<(u32, u32)> = cut.iter().map(Node::key).collect();
-    let mut ordered = Vec::with_capacity(cut.len());
-    let mut stack = vec![root];
-    while let Some(node) = stack.pop() {
-        if members.contains(&node.key()) {
-            ordered.push(node);
-        } else {
-            let [left, right] = *tree.children(&node);
-            stack.extend([right, left]);
-        }
-    }
-    ordered
-}
-
-/// An entry of the initial cut's priority queue: largest area first, then first come.
-struct Queued {
-    area: f32,
-    order: u32,
-    node: Node,
-}
-
-impl Ord for Queued {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.area.total_cmp(&other.area).then(other.order.cmp(&self.order))
-    }
-}
-
-impl PartialOrd for Queued {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Queued {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Queued {}
 
 impl OwnCut {
     /// Puts the cut at the end of `arena`.

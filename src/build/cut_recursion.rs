@@ -4,6 +4,7 @@
 use super::Counts;
 use super::binary::{BinaryTree, Node};
 use super::cut::{Cut, Growing, Order, OwnCut, Stage, open};
+use super::initial_cut::initial_cut;
 use super::object_split::{ObjectSplit, Sweep};
 use super::piece::{Piece, Subtree};
 use super::prefetch::warm;
@@ -54,7 +55,7 @@ impl<R: Refine> CutRecursion<'_, R> {
     /// The whole scene as a cut.
     pub fn root(&self) -> Option<(OwnCut, Subtrees)> {
         let root = self.tree.root?;
-        let nodes = Cut::initial(self.tree, root, self.rules.initial_threshold, self.rules.initial_len);
+        let nodes = initial_cut(self.tree, root, self.rules.initial_threshold, self.rules.initial_len);
         Some((Cut::whole(nodes, self.rules.max_references), Subtrees::default()))
     }
 

@@ -12,6 +12,7 @@ mod heights;
 mod hierarchy;
 mod hunt;
 mod in_order;
+mod initial_cut;
 mod known_splits;
 // Vectors are written for x86-64 so far; elsewhere all cuts are sorted or binned.
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]

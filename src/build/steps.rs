@@ -3,8 +3,9 @@
 use super::Phase;
 use super::binary::Node;
 use super::bins::Bins;
-use super::cut::{Cut, Growing, SPACE};
+use super::cut::{Growing, SPACE};
 use super::in_order::Batch;
+use super::initial_cut::initial_cut;
 use super::lbvh::{Auxiliary, AuxiliaryConfig};
 use super::morton_order::reference;
 use super::object_split::{ObjectSplit, Sweep};
@@ -59,7 +60,7 @@ impl<'a> Steps<'a> {
             [link(&pairs[0][0]), link(&pairs[0][1]), link(&pairs[1][0]), link(&pairs[1][1])]
         });
         let threshold = Threshold::new(auxiliary.order.bounds(), &PhrConfig::FAST);
-        let cut = |root| Cut::initial(&auxiliary.tree, root, threshold.at(0), PhrConfig::FAST.max_cut);
+        let cut = |root| initial_cut(&auxiliary.tree, root, threshold.at(0), PhrConfig::FAST.max_cut);
         Self {
             initial: auxiliary.tree.root.map_or_else(Vec::new, cut),
             children: children.collect(),
@@ -104,8 +105,8 @@ impl<'a> Steps<'a> {
         let tree = &self.auxiliary.tree;
         let mut cuts = Cuts { len, nodes: Vec::new(), bounds: Vec::new(), limits: Vec::new() };
         let Some(root) = tree.root else { return cuts };
-        for subtree in Cut::initial(tree, root, 0.0, nodes / len) {
-            let cut = Cut::initial(tree, subtree, 0.0, len);
+        for subtree in initial_cut(tree, root, 0.0, nodes / len) {
+            let cut = initial_cut(tree, subtree, 0.0, len);
             if cut.len() == len {
                 cuts.bounds.push(cut.iter().map(Node::bounds).collect());
                 cuts.nodes.extend(cut);

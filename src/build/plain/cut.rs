@@ -127,22 +127,17 @@ impl Cut {
 }
 
 /// The initial cut: of the nodes larger than `threshold` (half area) the largest is opened, and of equal ones the
-/// one that came first, while there are fewer than `max_len`. A lone root is opened whatever its size.
+/// first, while there are fewer than `max_len`. A lone root is opened whatever its size.
 pub fn initial(root: Rc<Tree>, threshold: f32, max_len: usize) -> Vec<Member> {
-    // (member, how many came before)
-    let mut cut = vec![(Member::of(&root), 0)];
-    let mut came = 0;
+    // In depth-first order.
+    let mut cut = vec![Member::of(&root)];
     while cut.len() < max_len {
         let is_lone = cut.len() == 1;
-        let area = |i: usize| cut[i].0.bounds.half_area();
-        let is_first = |a: usize, b: usize| area(a) > area(b) || (area(a) == area(b) && cut[a].1 < cut[b].1);
-        let openable = (0..cut.len()).filter(|&i| !cut[i].0.is_leaf() && (area(i) > threshold || is_lone));
-        let Some(next) = openable.reduce(|a, b| if is_first(b, a) { b } else { a }) else { break };
-        let Content::Node(children) = &cut[next].0.tree.clone().content else {
-            unreachable!("an inner node")
-        };
-        cut.splice(next..=next, [0, 1].map(|i| (Member::of(&children[i]), came + 1 + i)));
-        came += 2;
+        let area = |i: usize| cut[i].bounds.half_area();
+        let openable = (0..cut.len()).filter(|&i| !cut[i].is_leaf() && (area(i) > threshold || is_lone));
+        let Some(next) = openable.reduce(|a, b| if area(b) > area(a) { b } else { a }) else { break };
+        let Content::Node(children) = &cut[next].tree.clone().content else { unreachable!("an inner node") };
+        cut.splice(next..=next, children.iter().map(Member::of));
     }
-    cut.into_iter().map(|(member, _)| member).collect()
+    cut
 }
