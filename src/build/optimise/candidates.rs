@@ -4,7 +4,7 @@ use super::tree::{ROOT, Tree};
 use rayon::prelude::*;
 
 /// Pairs per task.
-const CHUNK: usize = 1 << 12;
+const CHUNK: usize = 1 << 14;
 /// Low bits of an area's pattern that are not told apart.
 const SHIFT: u32 = 19;
 const BUCKETS: usize = 1 << (31 - SHIFT);
@@ -52,13 +52,21 @@ impl Candidates {
             above += histogram[last] as usize;
             last -= 1;
         }
+        let found: Vec<Vec<u32>> = (self.promises.par_chunks(CHUNK).enumerate())
+            .map(|(chunk, promises)| {
+                let indices = (2 * CHUNK * chunk) as u32..;
+                let found =
+                    indices.zip(promises.iter().flatten()).filter(|(_, bucket)| **bucket as usize >= last);
+                found.map(|(index, _)| index).collect()
+            })
+            .collect();
         let mut room = wanted.saturating_sub(above);
         self.nodes.clear();
-        for (index, &bucket) in self.promises.iter().flatten().enumerate() {
-            let is_first = bucket as usize == last && room > 0;
-            if is_first || bucket as usize > last {
-                room -= usize::from(is_first);
-                self.nodes.push(index as u32);
+        for index in found.into_iter().flatten() {
+            let is_last = self.promises[index as usize / 2][index as usize % 2] as usize == last;
+            if !is_last || room > 0 {
+                room -= usize::from(is_last);
+                self.nodes.push(index);
             }
         }
     }

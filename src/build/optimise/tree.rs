@@ -3,7 +3,9 @@
 use super::super::pages;
 use crate::geometry::Aabb;
 use glam::{Vec3A, Vec4};
+use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// A subtree: its box and what is below. The fourth lanes carry bits that no arithmetic looks at.
 #[derive(Clone, Copy, Debug)]
@@ -110,8 +112,11 @@ pub(super) struct Tree {
     /// The triangles of the leaves.
     pub prims: Vec<u32>,
     /// The parents of the pairs, as nodes.
-    parents: Vec<u32>,
+    parents: Vec<AtomicU32>,
 }
+
+/// Pairs that one task tells their parents.
+const CHUNK: usize = 1 << 14;
 
 /// The root's index.
 pub(super) const ROOT: u32 = 0;
@@ -128,13 +133,19 @@ impl Tree {
 
     /// Sets the root and tells all pairs their parents.
     pub fn finish(&mut self, root: Node) {
-        pages::resize(&mut self.parents, self.pairs.len(), ROOT);
+        pages::reserve(&mut self.parents, self.pairs.len());
+        self.parents.resize_with(self.pairs.len(), AtomicU32::default);
+        *self.parents[0].get_mut() = ROOT;
         self.pairs[0].0[0] = root;
-        for (index, node) in self.pairs.iter().flat_map(|pair| &pair.0).enumerate() {
-            if let Some(pair) = node.pair() {
-                self.parents[pair] = index as u32;
+        let Self { pairs, parents, .. } = self;
+        // Every pair but the first has one parent.
+        pairs.par_chunks(CHUNK).enumerate().for_each(|(chunk, pairs)| {
+            for (index, node) in (2 * CHUNK * chunk..).zip(pairs.iter().flat_map(|pair| &pair.0)) {
+                if let Some(pair) = node.pair() {
+                    parents[pair].store(index as u32, Relaxed);
+                }
             }
-        }
+        });
     }
 
     /// Bytes held.
@@ -152,7 +163,7 @@ impl Tree {
     /// The parent of node `index`, which is not the root.
     #[inline(always)]
     pub fn parent(&self, index: u32) -> u32 {
-        self.parents[index as usize / 2]
+        self.parents[index as usize / 2].load(Relaxed)
     }
 
     /// Puts `node` at `index`; its children learn of it.
@@ -160,7 +171,7 @@ impl Tree {
     pub fn place(&mut self, index: u32, node: Node) {
         self.pairs[index as usize / 2].0[index as usize % 2] = node;
         if let Some(pair) = node.pair() {
-            self.parents[pair] = index;
+            *self.parents[pair].get_mut() = index;
         }
     }
 
