@@ -79,7 +79,7 @@ impl TopDown for Collapse<'_> {
 
     fn approach(&self, part: &Part, _: &Vec<u32>) {
         if let Part::Subtree(node, _) = part {
-            warm(self.tree, self.keys, &self.references, node);
+            warm(self.tree, self.keys, &self.references, node, 1);
         }
     }
 

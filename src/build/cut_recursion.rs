@@ -218,7 +218,7 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
             return;
         }
         for node in &scratch.arena[cut.places()] {
-            warm(self.tree, self.order.keys, &self.order.references, node);
+            warm(self.tree, self.order.keys, &self.order.references, node, self.rules.auxiliary_leaf);
         }
     }
 

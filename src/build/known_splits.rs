@@ -8,36 +8,35 @@ use crate::bvh::{Link, MAX_LEAF_BLOCKS};
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
-/// What knows the splits below a node.
+/// A subtree whose triangles are a run.
+#[derive(Clone, Copy)]
+pub(super) struct At {
+    /// Its root.
+    pub node: Node,
+    /// The place of its first triangle.
+    pub first: u32,
+}
+
+/// What knows the splits of binary subtrees.
 pub(super) trait KnownSplits {
-    /// The children of a node that is to be split: one that is no [`Kind::Leaf`].
-    fn children(&self, node: &Node) -> [Node; 2];
+    /// The children of what is to be split: what is no [`Kind::Leaf`].
+    fn children(&self, at: &At) -> [At; 2];
 
-    /// Gives `take` the triangles below a node in the order of the tree.
-    fn prims(&self, node: &Node, take: impl FnMut(u32));
+    /// The triangle at a place.
+    fn prim(&self, place: usize) -> u32;
 
-    /// What is to become of `node`: a leaf of at most `max_leaf` triangles where that costs no more than a node with
-    /// both children as leaves; a leaf costs its blocks, a node one.
-    #[inline]
-    fn kind(&self, node: &Node, max_leaf: u32) -> Kind {
-        if node.count() <= QUARTET {
-            return Kind::Leaf;
-        }
-        if node.count() > max_leaf {
-            return Kind::Inner;
-        }
-        let leaf = |node: &Node| node.bounds().half_area() * node.count().div_ceil(QUARTET) as f32;
-        let [left, right] = self.children(node);
-        let is_soft = leaf(node) <= node.bounds().half_area() + (leaf(&left) + leaf(&right));
-        if is_soft { Kind::SoftLeaf } else { Kind::Inner }
+    /// What is to become of a subtree.
+    #[inline(always)]
+    fn kind(&self, at: &At, max_leaf: u32) -> Kind {
+        kind(&at.node, max_leaf, || self.children(at).map(|child| child.node))
     }
 
-    /// Appends to `piece` the wide nodes below `node`, opening the largest first, as
+    /// Appends to `piece` the wide nodes of a subtree, opening the largest first, as
     /// [`super::top_down::TopDown::children`]. `None` if there are splits below `levels` others: `piece` is then to be
     /// put back. Counts binary splits.
     fn wide(
         &self,
-        node: &Node,
+        at: &At,
         kind: Kind,
         levels: u32,
         leaves: &Leaves<'_>,
@@ -45,50 +44,68 @@ pub(super) trait KnownSplits {
         splits: &mut u64,
     ) -> Option<Subtree> {
         if kind != Kind::Inner {
-            let link = self.leaf(node, leaves, piece);
-            return Some(link.map(|link| (node.bounds(), link)));
+            let link = self.leaf(at, leaves, piece);
+            return Some(link.map(|link| (at.node.bounds(), link)));
         }
-        let mut children: ArrayVec<Child, WIDTH> = ArrayVec::new();
-        let child = |node: Node, levels: u32| Child {
-            node,
-            kind: self.kind(&node, leaves.most),
-            area: node.bounds().half_area(),
-            levels,
-        };
         let below = levels.checked_sub(1)?;
-        children.extend(self.children(node).map(|node| child(node, below)));
+        let mut children: ArrayVec<Child, WIDTH> = ArrayVec::new();
+        let child = |at: At, levels: u32| Child::new(at, self.kind(&at, leaves.most), levels);
+        children.extend(self.children(at).map(|at| child(at, below)));
         while children.len() < WIDTH {
-            let largest = |kind: Kind| {
-                let of_kind = (0..children.len()).filter(|&i| children[i].kind == kind);
-                of_kind.reduce(|a, b| if children[b].area > children[a].area { b } else { a })
-            };
-            let Some(next) = largest(Kind::Inner).or_else(|| largest(Kind::SoftLeaf)) else { break };
+            let first = (0, children[0].order);
+            let later = children.iter().map(|child| child.order).enumerate().skip(1);
+            let (next, order) = later.fold(first, |best, other| if other.1 > best.1 { other } else { best });
+            if order < Child::SOFT {
+                break;
+            }
             let below = children[next].levels.checked_sub(1)?;
-            let [left, right] = self.children(&children[next].node).map(|node| child(node, below));
+            let [left, right] = self.children(&children[next].at).map(|at| child(at, below));
             children[next] = left;
             children.insert(next + 1, right);
         }
         let mut built: ArrayVec<(Aabb, Link), WIDTH> = ArrayVec::new();
-        for Child { node, kind, levels, .. } in &children {
-            built.extend(self.wide(node, *kind, *levels, leaves, piece, splits)?);
+        for Child { at, kind, levels, .. } in &children {
+            built.extend(self.wide(at, *kind, *levels, leaves, piece, splits)?);
         }
         *splits += children.len() as u64 - 1;
         Some(piece.node(&built))
     }
 
-    /// Appends the leaf of the triangles below `node`.
+    /// Appends the leaf of a subtree's triangles.
     #[inline]
-    fn leaf(&self, node: &Node, leaves: &Leaves<'_>, piece: &mut Piece) -> Option<Link> {
-        let mut prims = ArrayVec::<u32, { QUARTET as usize * MAX_LEAF_BLOCKS }>::new();
-        self.prims(node, |prim| prims.push(prim));
-        if !leaves.references.fragments.is_empty() {
+    fn leaf(&self, at: &At, leaves: &Leaves<'_>, piece: &mut Piece) -> Option<Link> {
+        let places = at.first as usize..(at.first + at.node.count()) as usize;
+        let References { mesh, fragments } = leaves.references;
+        if fragments.is_empty() && places.len() <= QUARTET as usize {
+            let prims = std::array::from_fn(|lane| self.prim((places.start + lane).min(places.end - 1)));
+            return Some(piece.quartet(mesh, places.len(), prims));
+        }
+        let mut prims: ArrayVec<u32, { QUARTET as usize * MAX_LEAF_BLOCKS }> =
+            places.map(|place| self.prim(place)).collect();
+        if !fragments.is_empty() {
             // Parts of one triangle may meet in a leaf.
             prims.sort_unstable();
             let mut last = None;
             prims.retain(|prim| last.replace(*prim) != Some(*prim));
         }
-        piece.leaf(leaves.references.mesh, &prims)
+        piece.leaf(mesh, &prims)
     }
+}
+
+/// What is to become of `node`: a leaf of at most `max_leaf` triangles where that costs no more than a node with both
+/// children as leaves; a leaf costs its blocks, a node one.
+#[inline(always)]
+pub(super) fn kind(node: &Node, max_leaf: u32, children: impl FnOnce() -> [Node; 2]) -> Kind {
+    if node.count() <= QUARTET {
+        return Kind::Leaf;
+    }
+    if node.count() > max_leaf {
+        return Kind::Inner;
+    }
+    let leaf = |node: &Node| node.bounds().half_area() * node.count().div_ceil(QUARTET) as f32;
+    let [left, right] = children();
+    let is_soft = leaf(node) <= node.bounds().half_area() + (leaf(&left) + leaf(&right));
+    if is_soft { Kind::SoftLeaf } else { Kind::Inner }
 }
 
 /// How leaves are made.
@@ -101,9 +118,27 @@ pub(super) struct Leaves<'a> {
 
 /// A child of a wide node in the making.
 struct Child {
-    node: Node,
+    at: At,
     kind: Kind,
-    area: f32,
+    /// The greatest is split first: the largest of those to be split, then of those that may be.
+    order: u64,
     /// Splits that there may be below, one below the other.
     levels: u32,
+}
+
+impl Child {
+    /// The least order of what may be split.
+    const SOFT: u64 = 1 << 32;
+
+    #[inline(always)]
+    fn new(at: At, kind: Kind, levels: u32) -> Self {
+        let class = match kind {
+            Kind::Inner => 2,
+            Kind::SoftLeaf => 1,
+            Kind::Leaf => 0,
+        };
+        // Areas are not negative: their bits are in their order.
+        let order = class << 32 | u64::from(at.node.bounds().half_area().to_bits());
+        Self { at, kind, order, levels }
+    }
 }

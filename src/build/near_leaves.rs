@@ -109,7 +109,9 @@ impl<R: Refine> CutRecursion<'_, R> {
     /// The wide nodes of a swept subtree.
     pub(super) fn wide(&self, node: &Node, kind: Kind, subtrees: &Subtrees, piece: &mut Piece) -> Subtree {
         let leaves = Leaves { references: &self.order.references, most: self.rules.max_leaf };
-        subtrees.wide(node, kind, u32::MAX, &leaves, piece, &mut 0).expect("there are not so many levels")
+        subtrees
+            .wide(&subtrees.at(node), kind, u32::MAX, &leaves, piece, &mut 0)
+            .expect("there are not so many levels")
     }
 
     /// Appends the triangles of a leaf; returns their box. Of a triangle that is not wholly inside the clip box

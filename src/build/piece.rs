@@ -85,6 +85,13 @@ impl Piece {
         append_node(children, &mut self.nodes)
     }
 
+    /// Appends the block of a leaf of the first `count` triangles, one to four, of `prims`.
+    #[inline]
+    pub fn quartet(&mut self, mesh: &Mesh, count: usize, prims: [u32; 4]) -> Link {
+        self.blocks.push(TriangleBlock::of_first(count, prims, mesh));
+        Link::leaf(self.blocks.len() - 1, 1)
+    }
+
     /// Appends the blocks of a leaf; `None` without triangles.
     pub fn leaf(&mut self, mesh: &Mesh, prims: &[u32]) -> Option<Link> {
         if prims.is_empty() {

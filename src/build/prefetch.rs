@@ -7,15 +7,16 @@ use super::morton_order::{Key, reference};
 use super::references::References;
 use crate::geometry::Mesh;
 
-/// Brings near the triangles below `node`, which one thread is about to build: their addresses depend on loads
+/// Brings near the pairs and the triangles below `node`, which one thread is about to build, in a tree of leaves of up to
+/// `leaf` references: their addresses depend on loads
 /// themselves, and here many such are on their way at once.
-pub(super) fn warm(tree: &BinaryTree, keys: &[Key], references: &References<'_>, node: &Node) {
+pub(super) fn warm(tree: &BinaryTree, keys: &[Key], references: &References<'_>, node: &Node, leaf: u32) {
     // In Morton order a subtree is a run; in other trees nearly so.
     let run = tree.run(node);
     let keys = &keys[run.start..keys.len().min(run.end)];
-    // The pairs of a subtree lie in a row that ends with its root's.
+    // The pairs of a subtree lie in a row that ends with its root's; leaves of several references are half full.
     if let Some(pair) = node.pair() {
-        let pairs = (keys.len() / 2).min(pair);
+        let pairs = if leaf == 1 { keys.len() } else { keys.len() / 2 }.min(pair);
         (pair - pairs..pair).for_each(|pair| line(&tree.pairs, pair));
     }
     let (triangles, vertices) = (references.mesh.triangles(), references.mesh.padded_vertices());

@@ -6,7 +6,7 @@ use super::Counts;
 use super::binary::{BinaryTree, Node};
 use super::cut::{Cut, Order, Stage, is_whole};
 use super::cut_recursion::{CutRecursion, MAX_DEPTH, Scratch};
-use super::known_splits::{KnownSplits, Leaves};
+use super::known_splits::{At, KnownSplits, Leaves};
 use super::object_split::two;
 use super::piece::{Piece, Subtree};
 use super::rules::{Refine, Rules};
@@ -20,18 +20,19 @@ pub(super) struct Settled<'a> {
 }
 
 impl KnownSplits for Settled<'_> {
-    #[inline]
-    fn children(&self, node: &Node) -> [Node; 2] {
-        let children = *self.tree.children(node);
-        let [a, b] = &children;
-        let split = two(a, b, Weight::Nodes.limit(node.bounds().half_area(), 2));
+    #[inline(always)]
+    fn children(&self, at: &At) -> [At; 2] {
+        let [a, b] = self.tree.children(&at.node);
+        let children = [At { node: *a, first: at.first }, At { node: *b, first: at.first + a.count() }];
+        let split = two(a, b, Weight::Nodes.limit(at.node.bounds().half_area(), 2));
         // Without a gain they are halved in the order of the Morton codes.
-        if split.left == 1 && split.last == 1 { [*b, *a] } else { children }
+        let is_swapped = split.left == 1 && split.last == 1;
+        if is_swapped { [children[1], children[0]] } else { children }
     }
 
-    #[inline]
-    fn prims(&self, node: &Node, take: impl FnMut(u32)) {
-        self.tree.run(node).map(|place| self.order.prim(place)).for_each(take);
+    #[inline(always)]
+    fn prim(&self, place: usize) -> u32 {
+        self.order.prim(place)
     }
 }
 
@@ -57,13 +58,13 @@ impl<R: Refine> CutRecursion<'_, R> {
 
     /// The children of such a cut.
     pub(super) fn split_settled(&self, cut: &Cut, node: &Node, scratch: &mut Scratch) -> [Option<Cut>; 2] {
-        let known = self.known();
-        if cut.kind == Kind::Inner && known.kind(node, self.rules.max_leaf) == Kind::SoftLeaf {
+        let (known, at) = (self.known(), At { node: *node, first: 0 });
+        if cut.kind == Kind::Inner && known.kind(&at, self.rules.max_leaf) == Kind::SoftLeaf {
             return [Some(Cut { kind: Kind::SoftLeaf, ..*cut }), None];
         }
         scratch.counts.splits += 1;
         scratch.counts.swept += 2;
-        known.children(node).map(|child| {
+        known.children(&at).map(|At { node: child, .. }| {
             scratch.arena.push(child);
             self.tree.prefetch(&child);
             Some(Cut {
@@ -94,9 +95,10 @@ impl<R: Refine> CutRecursion<'_, R> {
         }
         let leaves = Leaves { references: &self.order.references, most: max_leaf };
         let (mark, known) = (piece.mark(), self.known());
-        let kind = if cut.kind == Kind::Inner { known.kind(node, max_leaf) } else { cut.kind };
+        let at = At { node: *node, first: self.tree.run(node).start as u32 };
+        let kind = if cut.kind == Kind::Inner { known.kind(&at, max_leaf) } else { cut.kind };
         let mut splits = 0;
-        let subtree = known.wide(node, kind, MAX_DEPTH - cut.depth, &leaves, piece, &mut splits);
+        let subtree = known.wide(&at, kind, MAX_DEPTH - cut.depth, &leaves, piece, &mut splits);
         if subtree.is_none() {
             piece.release(mark);
             return None;

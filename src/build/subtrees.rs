@@ -1,7 +1,8 @@
 //! Binary subtrees near the leaves, on their way to wide nodes.
 
 use super::binary::Node;
-use super::known_splits::KnownSplits;
+use super::known_splits::{self, At, KnownSplits};
+use super::top_down::Kind;
 
 /// Subtrees of a thread, those made last at the end.
 #[derive(Default)]
@@ -24,14 +25,29 @@ impl Subtrees {
         self.prims.truncate(prims);
     }
 
-    /// The triangles below `node`.
-    pub fn run(&self, node: &Node) -> &[u32] {
+    /// `node` with the place of its first triangle.
+    pub fn at(&self, node: &Node) -> At {
         let mut first = node;
         while let Some(pair) = first.pair() {
             first = &self.pairs[pair][0];
         }
-        let first = first.run().start;
+        At { node: *node, first: first.run().start as u32 }
+    }
+
+    /// The triangles below `node`.
+    pub fn run(&self, node: &Node) -> &[u32] {
+        let first = self.at(node).first as usize;
         &self.prims[first..first + node.count() as usize]
+    }
+
+    /// The children of an inner node.
+    pub fn children(&self, node: &Node) -> [Node; 2] {
+        self.pairs[node.pair().expect("leaves are not opened")]
+    }
+
+    /// What is to become of `node`.
+    pub fn kind(&self, node: &Node, max_leaf: u32) -> Kind {
+        known_splits::kind(node, max_leaf, || self.children(node))
     }
 
     /// Appends a copy of the subtree of `node` in `from`.
@@ -52,13 +68,14 @@ impl Subtrees {
 }
 
 impl KnownSplits for Subtrees {
-    #[inline]
-    fn children(&self, node: &Node) -> [Node; 2] {
-        self.pairs[node.pair().expect("leaves are not opened")]
+    #[inline(always)]
+    fn children(&self, at: &At) -> [At; 2] {
+        let [left, right] = self.children(&at.node);
+        [At { node: left, first: at.first }, At { node: right, first: at.first + left.count() }]
     }
 
-    #[inline]
-    fn prims(&self, node: &Node, take: impl FnMut(u32)) {
-        self.run(node).iter().copied().for_each(take);
+    #[inline(always)]
+    fn prim(&self, place: usize) -> u32 {
+        self.prims[place]
     }
 }
