@@ -3,6 +3,7 @@
 
 use super::Counts;
 use super::binary::{BinaryTree, Node};
+use super::cheapest::Cheapest;
 use super::cut::{Cut, Growing, Order, OwnCut, Stage, open};
 use super::object_split::{ObjectSplit, Sweep};
 use super::piece::{Piece, Subtree};
@@ -49,6 +50,8 @@ pub(super) struct Scratch {
     pub subtree_sweep: SubtreeSweep,
     /// Those swept.
     pub subtrees: Subtrees,
+    /// For subtrees that are made wide at once.
+    pub cheapest: Cheapest,
 }
 
 impl<R: Refine> CutRecursion<'_, R> {
@@ -139,7 +142,7 @@ impl<R: Refine> CutRecursion<'_, R> {
 
     /// Whether spatial splits are tried in a cut. If not, they are not in any below it.
     #[inline]
-    fn splits_in_space(&self, cut: &Cut) -> bool {
+    pub(super) fn splits_in_space(&self, cut: &Cut) -> bool {
         cut.area > self.rules.spatial_above
     }
 
@@ -295,7 +298,10 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
         self.gather(cut, prims, scratch, |prim, bounds| visible(mesh, prim, bounds))
     }
 
-    fn finish(&self, cut: &Cut, piece: &mut Piece, scratch: &Scratch) -> Option<Subtree> {
+    fn finish(&self, cut: &Cut, piece: &mut Piece, scratch: &mut Scratch) -> Option<Subtree> {
+        if let Some(costs) = &self.rules.collapse {
+            return Some(self.collapse(cut, costs, piece, scratch));
+        }
         if cut.stage != Stage::Swept {
             return None;
         }

@@ -94,6 +94,7 @@ impl Builder for Hunt {
             spatial_above: f32::INFINITY,
             max_references: 1.0,
             max_leaf,
+            collapse: None,
             leaf_sweep: 0,
             subtree_sweep: 0,
             overlap_above: None,

@@ -4,6 +4,7 @@ mod aac;
 mod best;
 mod binary;
 mod bins;
+mod cheapest;
 mod collapse;
 mod cut;
 mod cut_recursion;

@@ -32,6 +32,16 @@ impl<R: Refine> CutRecursion<'_, R> {
 
     /// Splits a cut of few references down to its leaves.
     pub(super) fn sweep_subtree(&self, cut: &Cut, scratch: &mut Scratch) -> [Option<Cut>; 2] {
+        let Some(node) = self.subtree(cut, scratch) else { return [None, None] };
+        let Scratch { arena, subtrees, .. } = scratch;
+        match subtrees.kind(&node, self.rules.max_leaf) {
+            Kind::Inner => self.children_swept(cut, node, scratch),
+            Kind::SoftLeaf | Kind::Leaf => [self.swept(cut, node, subtrees, arena), None],
+        }
+    }
+
+    /// The subtree of few references, by sweeps.
+    pub(super) fn subtree(&self, cut: &Cut, scratch: &mut Scratch) -> Option<Node> {
         let Scratch { arena, subtree_sweep, subtrees, .. } = scratch;
         subtree_sweep.clear();
         for node in &arena[cut.places()] {
@@ -39,11 +49,7 @@ impl<R: Refine> CutRecursion<'_, R> {
                 subtree_sweep.push(reference.bounds(), self.order.prim(reference.run().start));
             });
         }
-        let Some(node) = subtree_sweep.build(self.isa, subtrees) else { return [None, None] };
-        match subtrees.kind(&node, self.rules.max_leaf) {
-            Kind::Inner => self.children_swept(cut, node, scratch),
-            Kind::SoftLeaf | Kind::Leaf => [self.swept(cut, node, subtrees, arena), None],
-        }
+        subtree_sweep.build(self.isa, subtrees)
     }
 
     /// Appends the triangles of a leaf; returns their box. Of a triangle that is not wholly inside the clip box

@@ -106,7 +106,8 @@ pub(super) struct Leaves<'a> {
 }
 
 impl Leaves<'_> {
-    fn leaf(&self, prims: &[u32], piece: &mut Piece) -> Option<Link> {
+    /// Appends the leaf of some triangles.
+    pub fn leaf(&self, prims: &[u32], piece: &mut Piece) -> Option<Link> {
         if !self.may_repeat {
             return piece.leaf(self.mesh, prims);
         }

@@ -98,8 +98,9 @@ pub(super) trait TopDown: Sync {
     /// Appends the triangles of a leaf; returns their box, clipped like the part.
     fn leaf(&self, part: &Self::Part, prims: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb;
 
-    /// Appends the wide nodes and blocks of a part that is split already; `None` for others.
-    fn finish(&self, _: &Self::Part, _: &mut Piece, _: &Self::Scratch) -> Option<Subtree> {
+    /// Appends the wide nodes and blocks of a part that is split already, or made wide by rules of its own; `None` for
+    /// others.
+    fn finish(&self, _: &Self::Part, _: &mut Piece, _: &mut Self::Scratch) -> Option<Subtree> {
         None
     }
 
@@ -283,7 +284,7 @@ impl<T: TopDown> Emitter<'_, T> {
 
     /// Builds a part depth first into `piece`.
     fn serial(&self, part: &T::Part, piece: &mut Piece, worker: &mut Worker<T::Scratch>) -> Subtree {
-        if let Some(subtree) = self.builder.finish(part, piece, &worker.scratch) {
+        if let Some(subtree) = self.builder.finish(part, piece, &mut worker.scratch) {
             return subtree;
         }
         if self.builder.kind(part) != Kind::Inner {
