@@ -44,7 +44,7 @@ impl Builder for Best {
     fn build(&mut self, mesh: &Mesh) -> Build {
         let (optimiser, BestConfig { phr, optimise }) = (&mut self.optimiser, &self.config);
         // Which leaves are worth more than one quartet is decided in the end.
-        let rules = |scene| Rules { max_leaf: QUARTET, ..phr.rules(mesh.len(), scene) };
+        let rules = |scene| Rules { max_leaf: QUARTET, collapse: None, ..phr.rules(mesh.len(), scene) };
         let (is_drawn, mut cuts) =
             self.hierarchy.recurse(mesh, &phr.auxiliary(), rules, |recursion, memory| {
                 optimiser.draw(recursion, recursion.root(), mesh, memory)

@@ -3,6 +3,7 @@
 
 use super::Counts;
 use super::binary::{BinaryTree, Node};
+use super::cheapest::Cheapest;
 use super::cut::{Cut, Growing, Order, OwnCut, Stage, open};
 use super::initial_cut::initial_cut;
 use super::object_split::{ObjectSplit, Sweep};
@@ -49,6 +50,8 @@ pub(super) struct Scratch {
     pub subtree_sweep: SubtreeSweep,
     /// Those swept.
     pub subtrees: Subtrees,
+    /// For subtrees that are made wide at once.
+    pub cheapest: Cheapest,
 }
 
 impl<R: Refine> CutRecursion<'_, R> {
@@ -301,6 +304,9 @@ impl<R: Refine> TopDown for CutRecursion<'_, R> {
     }
 
     fn finish(&self, cut: &Cut, piece: &mut Piece, scratch: &mut Scratch) -> Option<Subtree> {
+        if let Some(costs) = &self.rules.collapse {
+            return Some(self.collapse(cut, costs, piece, scratch));
+        }
         if cut.stage == Stage::Swept {
             let node = scratch.arena[cut.places().start];
             return Some(self.wide(&node, cut.kind, &scratch.subtrees, piece));

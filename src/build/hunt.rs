@@ -96,6 +96,7 @@ impl Builder for Hunt {
             opens_once: false,
             auxiliary_leaf: 1,
             max_leaf,
+            collapse: None,
             leaf_sweep: 0,
             subtree_sweep: 0,
             overlap_above: None,

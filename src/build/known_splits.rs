@@ -5,7 +5,7 @@ use super::piece::{Piece, Subtree};
 use super::references::References;
 use super::top_down::{Kind, QUARTET, WIDTH};
 use crate::bvh::{Link, MAX_LEAF_BLOCKS};
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Mesh};
 use arrayvec::ArrayVec;
 
 /// A subtree whose triangles are a run.
@@ -75,14 +75,14 @@ pub(super) trait KnownSplits {
     #[inline]
     fn leaf(&self, at: &At, leaves: &Leaves<'_>, piece: &mut Piece) -> Option<Link> {
         let places = at.first as usize..(at.first + at.node.count()) as usize;
-        let References { mesh, fragments } = leaves.references;
-        if fragments.is_empty() && places.len() <= QUARTET as usize {
+        let mesh = leaves.mesh;
+        if !leaves.may_repeat && places.len() <= QUARTET as usize {
             let prims = std::array::from_fn(|lane| self.prim((places.start + lane).min(places.end - 1)));
             return Some(piece.quartet(mesh, places.len(), prims));
         }
         let mut prims: ArrayVec<u32, { QUARTET as usize * MAX_LEAF_BLOCKS }> =
             places.map(|place| self.prim(place)).collect();
-        if !fragments.is_empty() {
+        if leaves.may_repeat {
             // Parts of one triangle may meet in a leaf.
             prims.sort_unstable();
             let mut last = None;
@@ -110,10 +110,19 @@ pub(super) fn kind(node: &Node, max_leaf: u32, children: impl FnOnce() -> [Node;
 
 /// How leaves are made.
 pub(super) struct Leaves<'a> {
-    /// What they refer to.
-    pub references: &'a References<'a>,
+    /// The triangles.
+    pub mesh: &'a Mesh,
     /// Most triangles of a leaf that saves a node.
     pub most: u32,
+    /// Whether parts of one triangle may meet in a leaf.
+    pub may_repeat: bool,
+}
+
+impl<'a> Leaves<'a> {
+    /// Of references, each of which is in one leaf.
+    pub fn of(references: &References<'a>, most: u32) -> Self {
+        Self { mesh: references.mesh, most, may_repeat: !references.fragments.is_empty() }
+    }
 }
 
 /// A child of a wide node in the making.

@@ -5,6 +5,7 @@ mod axes;
 mod best;
 mod binary;
 mod bins;
+mod cheapest;
 mod collapse;
 mod cut;
 mod cut_recursion;

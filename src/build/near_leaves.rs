@@ -39,7 +39,7 @@ impl<R: Refine> CutRecursion<'_, R> {
     /// The subtree, nothing if clipping left nothing, of a cut that is split down to its leaves in one go; `None` for
     /// other cuts. Such are cuts of few references by the rules, and cuts of leaves alone, of which there is nothing to
     /// refine.
-    fn sweep_subtree(&self, cut: &Cut, scratch: &mut Scratch) -> Option<Option<Node>> {
+    pub(super) fn sweep_subtree(&self, cut: &Cut, scratch: &mut Scratch) -> Option<Option<Node>> {
         if self.splits_in_space(cut) || cut.stage == Stage::Swept {
             return None;
         }
@@ -108,7 +108,7 @@ impl<R: Refine> CutRecursion<'_, R> {
 
     /// The wide nodes of a swept subtree.
     pub(super) fn wide(&self, node: &Node, kind: Kind, subtrees: &Subtrees, piece: &mut Piece) -> Subtree {
-        let leaves = Leaves { references: &self.order.references, most: self.rules.max_leaf };
+        let leaves = Leaves::of(&self.order.references, self.rules.max_leaf);
         subtrees
             .wide(&subtrees.at(node), kind, u32::MAX, &leaves, piece, &mut 0)
             .expect("there are not so many levels")

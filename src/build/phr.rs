@@ -4,6 +4,7 @@ use super::binary::{BinaryTree, Node};
 use super::cut::{Growing, is_whole, open};
 use super::hierarchy::Hierarchy;
 use super::lbvh::{AuxiliaryConfig, Clusters};
+use super::optimise::Costs;
 use super::presplit::PresplitConfig;
 use super::rules::{Refine, Rules};
 use super::side::Side;
@@ -49,6 +50,9 @@ pub struct PhrConfig {
     /// Cuts of at most so many references, whose boxes are too small for spatial splits, are split down to leaves
     /// in one go by sweeps over all of them: 0 in the paper, up to 256.
     pub subtree_sweep: u32,
+    /// What parts of the tree that fit a cache are to be cheapest in as wide trees, larger leaves included: they are split
+    /// down to quartets, and `max_leaf` does not count. `None` in the paper, where the largest child is opened first.
+    pub collapse: Option<Costs>,
     /// Which triangles are split before the Morton sort (paper 5.3); `None` for none.
     pub presplit: Option<PresplitConfig>,
     /// Where a spatial split cuts a node of a single triangle, the triangle is clipped and not only its box.
@@ -84,6 +88,7 @@ impl PhrConfig {
         overlap_threshold: 0.0,
         presplit: None,
         clip_triangles: false,
+        collapse: None,
     };
     /// PHR-HQ (paper 4.3).
     pub const HQ: Self = Self { alpha: 0.55, delta: 9.0, ..Self::FAST };
@@ -114,7 +119,8 @@ impl PhrConfig {
             max_references: self.max_references,
             opens_once: true,
             auxiliary_leaf: self.clusters.map_or(self.auxiliary_leaf, |clusters| clusters.most),
-            max_leaf: self.max_leaf,
+            max_leaf: if self.collapse.is_some() { QUARTET } else { self.max_leaf },
+            collapse: self.collapse.map(Costs::possible),
             leaf_sweep: self.leaf_sweep,
             overlap_above: (self.overlap_threshold > 0.0)
                 .then_some(scene.half_area() * self.overlap_threshold),

@@ -1,7 +1,7 @@
 //! The builders by name: those of the paper, ours, and ours with one step less or more.
 
 use super::{
-    Aac, AacConfig, Best, BestConfig, Builder, Clusters, Hunt, HuntConfig, Lbvh, OptimiseConfig,
+    Aac, AacConfig, Best, BestConfig, Builder, Clusters, Costs, Hunt, HuntConfig, Lbvh, OptimiseConfig,
     OwnThreshold, Phr, PhrConfig, PresplitConfig,
 };
 
@@ -25,14 +25,15 @@ pub const ABLATION: &[&str] = &[
     "phr-hq-presplit",
     "phr-hq-sweep",
     "phr-hq-leaf-28",
+    "phr-hq-collapse",
     "phr-hq-optimised",
 ];
 
 impl PhrConfig {
     /// For speed: PHR-Fast from an initial cut of 2048 nodes in any scene, over an auxiliary BVH whose leaves are
-    /// quartets or small clusters; subtrees near the leaves are swept in one go, spatial splits tried only of what is
-    /// large and overlaps. Needles are presplit and triangles clipped, which costs little and saves scenes of rods
-    /// and pipes.
+    /// quartets or small clusters; subtrees near the leaves are swept in one go, parts that fit a cache made wide as is
+    /// cheapest, spatial splits tried only of what is large and overlaps. Needles are presplit and triangles clipped,
+    /// which costs little and saves scenes of rods and pipes.
     pub const SPEED: Self = Self {
         cut_share: 1.0 / 256.0,
         own_threshold: Some(OwnThreshold { references: 1 << 15, area: 1.0 / 256.0 }),
@@ -44,6 +45,7 @@ impl PhrConfig {
         subtree_sweep: 32,
         presplit: Some(PresplitConfig::NEEDLES),
         clip_triangles: true,
+        collapse: Some(Costs::EMBREE),
         ..Self::FAST
     };
 
@@ -55,9 +57,9 @@ impl PhrConfig {
         max_cut: 1 << 14,
         cut_share: 1.0 / 32.0,
         own_threshold: Some(OwnThreshold { references: 1 << 16, area: 1.0 / 256.0 }),
-        spatial_threshold: 1e-3,
+        spatial_threshold: 3e-4,
         spatial_bias: 1.08,
-        overlap_threshold: 1e-4,
+        overlap_threshold: 3e-5,
         auxiliary_leaf: 1,
         clusters: Some(Clusters { most: 32, area: 1e-4 }),
         leaf_sweep: 16,
@@ -75,6 +77,8 @@ impl BestConfig {
             max_cut: 1 << 16,
             own_threshold: Some(OwnThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
             clusters: None,
+            // The whole tree is collapsed when it has been optimised.
+            collapse: None,
             ..PhrConfig::QUALITY
         },
         optimise: OptimiseConfig::DEFAULT,
@@ -113,6 +117,7 @@ pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
         "phr-hq-presplit" => phr(PhrConfig { presplit: Some(PresplitConfig::NEEDLES), ..hq }),
         "phr-hq-sweep" => phr(PhrConfig { leaf_sweep: 16, ..hq }),
         "phr-hq-leaf-28" => phr(PhrConfig { max_leaf: 28, ..hq }),
+        "phr-hq-collapse" => phr(PhrConfig { collapse: Some(Costs::EMBREE), ..hq }),
         "phr-hq-optimised" => {
             Box::new(Best::new(name, BestConfig { phr: hq, optimise: OptimiseConfig::DEFAULT }))
         }

@@ -2,6 +2,7 @@
 
 use super::binary::BinaryTree;
 use super::cut::Growing;
+use super::optimise::Costs;
 use super::side::Side;
 use crate::geometry::Aabb;
 
@@ -40,6 +41,8 @@ pub(super) struct Rules<R> {
     pub leaf_sweep: u32,
     /// Cuts of at most so many references, too small for spatial splits, are handed to [`super::subtree_sweep`].
     pub subtree_sweep: u32,
+    /// What subtrees within pieces are to be cheapest in, if they are made wide at once.
+    pub collapse: Option<Costs>,
     /// Where a spatial split cuts a node of a single reference, its triangle is clipped and not only its box.
     pub clip_triangles: bool,
 }

@@ -93,7 +93,7 @@ impl<R: Refine> CutRecursion<'_, R> {
         if leaf_sweep.max(subtree_sweep).max(auxiliary_leaf) > QUARTET {
             return None;
         }
-        let leaves = Leaves { references: &self.order.references, most: max_leaf };
+        let leaves = Leaves::of(&self.order.references, max_leaf);
         let (mark, known) = (piece.mark(), self.known());
         let at = At { node: *node, first: self.tree.run(node).start as u32 };
         let kind = if cut.kind == Kind::Inner { known.kind(&at, max_leaf) } else { cut.kind };

@@ -98,7 +98,8 @@ pub(super) trait TopDown: Sync {
     /// Appends the triangles of a leaf; returns their box, clipped like the part.
     fn leaf(&self, part: &Self::Part, prims: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb;
 
-    /// Appends the wide nodes and blocks of a part whose splits are known already; `None` for others.
+    /// Appends the wide nodes and blocks of a part whose splits are known already, or that is made wide by rules of its
+    /// own; `None` for others.
     fn finish(&self, _: &Self::Part, _: &mut Piece, _: &mut Self::Scratch) -> Option<Subtree> {
         None
     }

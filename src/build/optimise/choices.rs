@@ -13,10 +13,56 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 pub struct Costs {
     /// A visit to a wide node.
     pub node: f32,
+    /// A visit to a leaf, however large it is.
+    pub leaf: f32,
     /// A test of a block of four triangles.
     pub block: f32,
     /// Most triangles of a leaf, up to 28.
     pub max_leaf: u32,
+}
+
+impl Costs {
+    /// Those of Embree's kernel, roughly: it has to find out that a child is a leaf, which processors foresee badly, and
+    /// tests the blocks of one leaf in a row.
+    pub const EMBREE: Self = Self { node: 1.0, leaf: 0.5, block: 0.35, max_leaf: 16 };
+
+    /// The same with leaves that a link can tell of.
+    pub(in crate::build) fn possible(self) -> Self {
+        Self { max_leaf: self.max_leaf.min(QUARTET * MAX_LEAF_BLOCKS as u32), ..self }
+    }
+
+    /// A leaf of so many blocks.
+    #[inline]
+    fn of_leaf(&self, blocks: u32) -> f32 {
+        self.leaf + self.block * blocks as f32
+    }
+
+    /// A leaf of at most a block.
+    #[inline]
+    pub(in crate::build) fn block(&self, area: f32, count: u32) -> Solved {
+        Solved { cost: [area * self.of_leaf(1); WIDTH - 1], count }
+    }
+
+    /// A subtree of half area `area` over two others, and what to choose for it.
+    #[inline]
+    pub(in crate::build) fn over(&self, area: f32, l: &Solved, r: &Solved) -> (Solved, Choice) {
+        let count = l.count + r.count;
+        let shared = |slots: u32| {
+            let of = |left: u32| (l.cost[left as usize - 1] + r.cost[(slots - left) as usize - 1], left);
+            (2..slots).map(of).fold(of(1), |best, other| if other.0 < best.0 { other } else { best })
+        };
+        let [of2, of3, of4] = [2, 3, 4].map(shared);
+        let leaf =
+            if count <= self.max_leaf { area * self.of_leaf(count.div_ceil(QUARTET)) } else { f32::INFINITY };
+        let inner = area * self.node + of4.0;
+        let is_leaf = leaf <= inner;
+        let one = leaf.min(inner);
+        let two = one.min(of2.0);
+        let three = two.min(of3.0);
+        let if_cheaper = |of: (f32, u32), fewer: f32| if of.0 < fewer { of.1 } else { 0 };
+        let choice = Choice::new(count, is_leaf, [if_cheaper(of2, one), if_cheaper(of3, two), of4.1]);
+        (Solved { cost: [one, two, three], count }, choice)
+    }
 }
 
 /// Levels of the binary tree in which both children are solved in parallel.
@@ -24,9 +70,11 @@ const PARALLEL_LEVELS: u32 = 12;
 
 /// What was chosen for an inner node of the binary tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Choice(u32);
+pub(in crate::build) struct Choice(u32);
 
 impl Choice {
+    /// Of a place where nothing was chosen.
+    pub const NONE: Self = Self(0);
     const LEAF: u32 = 1;
     const COUNT_SHIFT: u32 = 6;
     const MOST: u32 = u32::MAX >> Self::COUNT_SHIFT;
@@ -68,8 +116,7 @@ impl Choices {
         if self.0.len() < tree.pairs.len() {
             self.0.resize_with(tree.pairs.len(), AtomicU32::default);
         }
-        let max_leaf = costs.max_leaf.min(QUARTET * MAX_LEAF_BLOCKS as u32);
-        Solver { tree, choices: &self.0, costs: Costs { max_leaf, ..costs } }.solve(ROOT, 0).cost[0]
+        Solver { tree, choices: &self.0, costs: costs.possible() }.solve(ROOT, 0).cost[0]
     }
 
     /// The choice for the parent of `pair`.
@@ -85,7 +132,7 @@ impl Choices {
 
 /// Least costs of a subtree as up to 1, 2, 3 children of a wide node.
 #[derive(Clone, Copy)]
-struct Solved {
+pub(in crate::build) struct Solved {
     cost: [f32; WIDTH - 1],
     count: u32,
 }
@@ -100,35 +147,16 @@ impl Solver<'_> {
     fn solve(&self, index: u32, level: u32) -> Solved {
         let node = self.tree.node(index);
         let area = node.half_area();
-        let Some(pair) = node.pair() else {
-            return Solved { cost: [area * self.costs.block; WIDTH - 1], count: node.count() };
-        };
+        let Some(pair) = node.pair() else { return self.costs.block(area, node.count()) };
         let left = 2 * pair as u32;
         let (l, r) = if level < PARALLEL_LEVELS {
             join(|| self.solve(left, level + 1), || self.solve(left + 1, level + 1))
         } else {
             (self.solve(left, level + 1), self.solve(left + 1, level + 1))
         };
-        let count = l.count + r.count;
-        let shared = |slots: u32| {
-            let of = |left: u32| (l.cost[left as usize - 1] + r.cost[(slots - left) as usize - 1], left);
-            (2..slots).map(of).fold(of(1), |best, other| if other.0 < best.0 { other } else { best })
-        };
-        let [of2, of3, of4] = [2, 3, 4].map(shared);
-        let leaf = if count <= self.costs.max_leaf {
-            area * self.costs.block * count.div_ceil(QUARTET) as f32
-        } else {
-            f32::INFINITY
-        };
-        let inner = area * self.costs.node + of4.0;
-        let is_leaf = leaf <= inner;
-        let one = leaf.min(inner);
-        let two = one.min(of2.0);
-        let three = two.min(of3.0);
-        let if_cheaper = |of: (f32, u32), fewer: f32| if of.0 < fewer { of.1 } else { 0 };
-        let choice = Choice::new(count, is_leaf, [if_cheaper(of2, one), if_cheaper(of3, two), of4.1]);
+        let (solved, choice) = self.costs.over(area, &l, &r);
         self.choices[pair].store(choice.0, Relaxed);
-        Solved { cost: [one, two, three], count }
+        solved
     }
 }
 
@@ -139,12 +167,12 @@ mod tests {
     use super::*;
     use crate::bvh::{Bvh4, Child, Link};
 
-    const COSTS: Costs = Costs { node: 1.0, block: 0.7, max_leaf: 8 };
+    const COSTS: Costs = Costs { node: 1.0, leaf: 0.3, block: 0.7, max_leaf: 8 };
 
     /// The least cost of node `index` as at most `slots` children, by trying everything.
     fn least(tree: &Tree, index: u32, slots: usize) -> (f32, u32) {
         let node = tree.node(index);
-        let Some(pair) = node.pair() else { return (node.half_area() * COSTS.block, node.count()) };
+        let Some(pair) = node.pair() else { return (node.half_area() * COSTS.of_leaf(1), node.count()) };
         let [l, r] = [2 * pair as u32, 2 * pair as u32 + 1];
         let count = least(tree, l, 1).1 + least(tree, r, 1).1;
         let opened = |slots: usize| {
@@ -152,8 +180,7 @@ mod tests {
                 .map(|left| least(tree, l, left).0 + least(tree, r, slots - left).0)
                 .fold(f32::MAX, f32::min)
         };
-        let leaf =
-            if count <= COSTS.max_leaf { COSTS.block * count.div_ceil(4) as f32 } else { f32::INFINITY };
+        let leaf = if count <= COSTS.max_leaf { COSTS.of_leaf(count.div_ceil(4)) } else { f32::INFINITY };
         let closed = (node.half_area() * leaf).min(node.half_area() * COSTS.node + opened(WIDTH));
         ((2..=slots).map(opened).fold(closed, f32::min), count)
     }
@@ -161,7 +188,7 @@ mod tests {
     fn cost_of(tree: &Bvh4, link: Link, area: f32) -> f32 {
         match link.get() {
             Child::Empty => 0.0,
-            Child::Leaf { count, .. } => area * COSTS.block * count as f32,
+            Child::Leaf { count, .. } => area * COSTS.of_leaf(count as u32),
             Child::Inner(index) => {
                 let below = tree.nodes[index].children().map(|(b, link)| cost_of(tree, link, b.half_area()));
                 area * COSTS.node + below.sum::<f32>()

@@ -2,7 +2,7 @@
 //! enlarge the tree least, and the result is collapsed to the cheapest wide tree.
 
 mod candidates;
-mod choices;
+pub(super) mod choices;
 mod collapse;
 mod draft;
 mod reinsert;
@@ -33,10 +33,8 @@ pub struct OptimiseConfig {
 }
 
 impl OptimiseConfig {
-    /// A block is counted as a third of a node: that leads to the shortest traces under Embree's kernel, where a block
-    /// costs less than a visit.
-    pub const DEFAULT: Self =
-        Self { rounds: 4, share: 0.1, costs: Costs { node: 1.0, block: 0.35, max_leaf: 12 } };
+    /// Costs of Embree's kernel, and as many rounds as move much.
+    pub const DEFAULT: Self = Self { rounds: 4, share: 0.1, costs: Costs::EMBREE };
 }
 
 /// The binary tree and the memory of the pass, kept from build to build.

@@ -8,7 +8,7 @@ use super::{hunt, linear, phr};
 use crate::build::small_sweep::Isa;
 use crate::build::upper::RUN;
 use crate::build::{
-    Build, Builder, Clusters, Hunt, HuntConfig, Lbvh, OwnThreshold, Phr, PhrConfig, PresplitConfig,
+    Build, Builder, Clusters, Costs, Hunt, HuntConfig, Lbvh, OwnThreshold, Phr, PhrConfig, PresplitConfig,
 };
 use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
@@ -18,6 +18,7 @@ use crate::scene::scalable;
 fn configs() -> Vec<(&'static str, PhrConfig)> {
     let presplit = Some(PresplitConfig::NEEDLES);
     let own_threshold = Some(OwnThreshold { references: 30, area: 1e-2 });
+    let collapse = Some(Costs { node: 1.0, leaf: 0.3, block: 0.4, max_leaf: 20 });
     vec![
         ("fast", PhrConfig::FAST),
         ("hq", PhrConfig::HQ),
@@ -33,6 +34,7 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
         ("spatial bias", PhrConfig { spatial_bias: 1.2, spatial_threshold: 1e-4, ..PhrConfig::FAST }),
         ("speed", PhrConfig::SPEED),
         ("quality", PhrConfig::QUALITY),
+        ("cheapest", PhrConfig { collapse, subtree_sweep: 20, presplit, ..PhrConfig::HQ }),
         (
             "all",
             PhrConfig {
@@ -47,6 +49,7 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
                 spatial_bias: 1.1,
                 own_threshold,
                 max_references: 4.0,
+                collapse,
                 ..PhrConfig::FAST
             },
         ),

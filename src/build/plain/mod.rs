@@ -2,6 +2,7 @@
 //! be: what the fast ones must agree with, node for node.
 
 mod auxiliary;
+mod cheapest;
 mod compare;
 mod cut;
 mod meshes;
@@ -11,11 +12,13 @@ mod wide;
 
 use super::hunt::HuntConfig;
 use super::lbvh::AuxiliaryConfig;
+use super::optimise::Costs;
 use super::phr::PhrConfig;
 use super::reference_split::split_reference;
 use super::split_cost::Weight;
 use crate::geometry::{Aabb, Mesh};
 use auxiliary::{Content, lbvh};
+use cheapest::Binary;
 use cut::{Cut, Kind, Member};
 use splits::Plane;
 use wide::Wide;
@@ -36,7 +39,10 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
     let builder = Plain {
         mesh,
         spatial_above: scene * config.spatial_threshold,
-        max_leaf: config.max_leaf,
+        max_leaf: if config.collapse.is_some() { 4 } else { config.max_leaf },
+        collapse: config.collapse,
+        // Parts that fit a cache.
+        part: (mesh.len() / 256).clamp(512, 4096) as u32,
         leaf_sweep: config.leaf_sweep,
         subtree_sweep: config.subtree_sweep,
         overlap_above: (config.overlap_threshold > 0.0).then_some(scene * config.overlap_threshold),
@@ -73,6 +79,8 @@ pub fn hunt(mesh: &Mesh, config: &HuntConfig) -> Option<Wide> {
         mesh,
         spatial_above: f32::INFINITY,
         max_leaf: config.max_leaf,
+        collapse: None,
+        part: 0,
         leaf_sweep: 0,
         subtree_sweep: 0,
         overlap_above: None,
@@ -104,6 +112,8 @@ struct Plain<'a> {
     mesh: &'a Mesh,
     spatial_above: f32,
     max_leaf: u32,
+    collapse: Option<Costs>,
+    part: u32,
     leaf_sweep: u32,
     subtree_sweep: u32,
     overlap_above: Option<f32>,
@@ -115,10 +125,37 @@ struct Plain<'a> {
 impl Plain<'_> {
     /// The wide tree over a cut; `None` if clipping left nothing of it.
     fn subtree(&self, cut: &Cut) -> Option<Wide> {
+        if let Some(costs) = &self.collapse
+            && cut.count() < self.part
+        {
+            return self.binary(cut, costs).map(|root| root.widened());
+        }
         if cut.kind() != Kind::Inner {
             return leaf(cut);
         }
         Wide::of(self.children(cut).iter().filter_map(|child| self.subtree(child)).collect())
+    }
+
+    /// The binary tree over a cut; `None` if clipping left nothing of it.
+    fn binary(&self, cut: &Cut, costs: &Costs) -> Option<Binary> {
+        if let Some(swept) = &cut.swept {
+            return Some(Binary::pair(swept.sides.each_ref().map(|side| Binary::swept(side, costs)), costs));
+        }
+        if cut.kind() != Kind::Inner {
+            let Wide::Leaf(bounds, prims) = leaf(cut)? else { unreachable!("a leaf") };
+            return Some(Binary::leaf(bounds, prims, costs));
+        }
+        if cut.count() <= self.subtree_sweep && cut.bounds().half_area() <= self.spatial_above {
+            let references = cut.references();
+            return (!references.is_empty()).then(|| Binary::swept(&subtree::sweep(references), costs));
+        }
+        let mut sides: Vec<Binary> =
+            self.split(cut).iter().filter_map(|side| self.binary(side, costs)).collect();
+        let last = sides.pop()?;
+        Some(match sides.pop() {
+            Some(first) => Binary::pair([first, last], costs),
+            None => last,
+        })
     }
 
     /// Up to four children: the largest is split first (paper 4.5). Once no inner one is left, a leaf that was
