@@ -8,7 +8,7 @@ use super::piece::{Piece, Subtree};
 use super::rules::Refine;
 use super::subtree_sweep;
 use super::subtrees::Subtrees;
-use super::top_down::Kind;
+use super::top_down::{Kind, QUARTET};
 use crate::geometry::Aabb;
 
 /// Fewest leaves of a cut that is split in one go: shorter ones are split faster one by one.
@@ -37,8 +37,8 @@ impl<R: Refine> CutRecursion<'_, R> {
     }
 
     /// The subtree, nothing if clipping left nothing, of a cut that is split down to its leaves in one go; `None` for
-    /// other cuts. Such are cuts of few references by the rules, and cuts of leaves alone, of which there is nothing to
-    /// refine.
+    /// other cuts. Such are cuts of few references by the rules, or, without such rules, cuts of leaves alone, of which
+    /// there is nothing to refine.
     pub(super) fn sweep_subtree(&self, cut: &Cut, scratch: &mut Scratch) -> Option<Option<Node>> {
         if self.splits_in_space(cut) || cut.stage == Stage::Swept {
             return None;
@@ -54,10 +54,13 @@ impl<R: Refine> CutRecursion<'_, R> {
             }
             return Some(subtree_sweep.build(self.isa, subtrees));
         }
-        // What is clipped is seen otherwise by leaves.
+        // What is clipped is seen otherwise by leaves, and where parts of a triangle meet they are counted as one for the
+        // cheapest wide tree.
+        let may_repeat = !self.order.references.fragments.is_empty();
         let is_swept = cut.count == cut.len
+            && !(may_repeat && self.rules.collapse.is_some())
             && cut.stage == Stage::Nodes
-            && cut.count > self.rules.leaf_sweep
+            && self.rules.leaf_sweep.max(self.rules.subtree_sweep) <= QUARTET
             && (FEWEST..=subtree_sweep::MOST).contains(&(cut.len as usize))
             && cut.depth < MAX_DEPTH
             && is_inside(cut.bounds, &cut.clip);
