@@ -99,8 +99,8 @@ mod x86 {
     }
 }
 
-/// As [`order`]: each node's rank is counted,
-/// all nodes of a vector against one node at a time.
+/// As [`order`]: the rank of each box is counted, all boxes of a vector against one at a time.
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 #[inline(always)]
 pub(super) fn order_by_ranks<L: Lanes, const MOST: usize>(centers: &[Vec3A], order: &mut [[u8; MOST]; 3]) {
     let n = centers.len();

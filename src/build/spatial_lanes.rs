@@ -36,9 +36,9 @@ pub(super) fn longest(isa: Isa) -> usize {
     }
 }
 
-/// Looks along an axis, in a range of planes without its end, for a split cheaper than `best`; of equal ones the first. Returns bounds of planes, up to the
-/// second without it, that are too many for lanes and yet to be looked at. `isa` is not [`Isa::Scalar`], and the
-/// processor has it; `planes` is memory.
+/// Looks along an axis, in a range of planes without its end, for a split cheaper than `best`; of equal ones the first.
+/// Returns bounds of planes, up to the second without it, that are too many for lanes and yet to be looked at. `isa` is
+/// not [`Isa::Scalar`], and the processor has it; `planes` is memory.
 #[inline]
 pub(super) fn search(
     isa: Isa,
