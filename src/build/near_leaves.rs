@@ -54,17 +54,7 @@ impl<R: Refine> CutRecursion<'_, R> {
             }
             return Some(subtree_sweep.build(self.isa, subtrees));
         }
-        // What is clipped is seen otherwise by leaves, and where parts of a triangle meet they are counted as one for the
-        // cheapest wide tree.
-        let may_repeat = !self.order.references.fragments.is_empty();
-        let is_swept = cut.count == cut.len
-            && !(may_repeat && self.rules.collapse.is_some())
-            && cut.stage == Stage::Nodes
-            && self.rules.leaf_sweep.max(self.rules.subtree_sweep) <= QUARTET
-            && (FEWEST..=subtree_sweep::MOST).contains(&(cut.len as usize))
-            && cut.depth < MAX_DEPTH
-            && is_inside(cut.bounds, &cut.clip);
-        is_swept.then(|| {
+        self.is_of_leaves(cut).then(|| {
             subtree_sweep.clear();
             for node in nodes {
                 subtree_sweep.push(node.bounds(), self.order.prim(node.run().start));
@@ -76,6 +66,20 @@ impl<R: Refine> CutRecursion<'_, R> {
                 subtrees.pairs[pairs..].iter().flatten().map(|node| u64::from(node.count())).sum::<u64>();
             Some(root)
         })
+    }
+
+    /// Whether a cut is of leaves alone, and no rule of ours is for what is near the leaves.
+    fn is_of_leaves(&self, cut: &Cut) -> bool {
+        // What is clipped is seen otherwise by leaves, and where parts of a triangle meet they are counted as one for the
+        // cheapest wide tree.
+        let may_repeat = !self.order.references.fragments.is_empty();
+        cut.count == cut.len
+            && !(may_repeat && self.rules.collapse.is_some())
+            && cut.stage == Stage::Nodes
+            && self.rules.leaf_sweep.max(self.rules.subtree_sweep) <= QUARTET
+            && (FEWEST..=subtree_sweep::MOST).contains(&(cut.len as usize))
+            && cut.depth < MAX_DEPTH
+            && is_inside(cut.bounds, &cut.clip)
     }
 
     /// The parts of a cut that is split down to its leaves in one go; `None` for other cuts.
