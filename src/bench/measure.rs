@@ -16,6 +16,10 @@ use std::time::{Duration, Instant};
 /// Pause before each trace, in which the threads of the builder go to sleep.
 const SETTLE: Duration = Duration::from_millis(3);
 
+/// Times that a visit traces everything. What disturbs a machine comes in bursts shorter than a visit; builds are
+/// repeated likewise.
+pub const PASSES: usize = 3;
+
 /// A scene under measurement.
 pub struct Bench<'a> {
     scene: &'a Scene,
@@ -108,13 +112,16 @@ impl<'a> Bench<'a> {
         shown.views.rotate_left(round % kernels);
         let mut timings = Vec::new();
         let accounts = Accounts::read();
-        for view in &shown.views {
-            let Ok(tracer) = view.tracer else { continue };
-            let Some(checks) = samples.checks.iter_mut().find(|checks| checks.kernel == view.kernel) else {
-                continue;
-            };
-            if checks.mismatch.is_none() && checks.unavailable.is_none() {
-                timings.extend(self.time(tracer, checks)?);
+        for pass in 0..PASSES {
+            for view in &shown.views {
+                let Ok(tracer) = view.tracer else { continue };
+                let Some(checks) = samples.checks.iter_mut().find(|checks| checks.kernel == view.kernel)
+                else {
+                    continue;
+                };
+                if checks.mismatch.is_none() && checks.unavailable.is_none() {
+                    timings.extend(self.time(tracer, pass, checks)?);
+                }
             }
         }
         let load = accounts.since();
@@ -186,9 +193,14 @@ impl<'a> Bench<'a> {
         self.pools.all.install(|| answers.compare(&self.scene.mesh, rays, right, tracers))
     }
 
-    /// Traces each batch against the clock. Answers that hash to other distances than at first are compared
+    /// Traces each batch against the clock, and in the first pass frames where they are asked for. Answers that hash to other distances than at first are compared
     /// again: trees of parallel builders may differ, but not so that a hit is wrong.
-    fn time(&mut self, tracer: &dyn Tracer, checks: &mut KernelChecks) -> Result<Vec<Timing>, Stopped> {
+    fn time(
+        &mut self,
+        tracer: &dyn Tracer,
+        pass: usize,
+        checks: &mut KernelChecks,
+    ) -> Result<Vec<Timing>, Stopped> {
         let mut timings = Vec::new();
         for (index, view_rays) in self.rays.iter().enumerate() {
             for (slot, kind) in RayKind::ALL.into_iter().enumerate() {
@@ -200,7 +212,7 @@ impl<'a> Bench<'a> {
                 let start = Instant::now();
                 self.pools.all.install(|| answers.fill(tracer, rays));
                 let ms = start.elapsed().as_secs_f64() * 1e3;
-                timings.push(Timing { kernel: checks.kernel, view: index, kind: Some(kind), ms });
+                timings.push(Timing { kernel: checks.kernel, view: index, kind: Some(kind), pass, ms });
 
                 let first =
                     checks.checks.iter().find(|check| check.view == index && check.kind == Some(kind));
@@ -213,7 +225,7 @@ impl<'a> Bench<'a> {
                     }
                 }
             }
-            if self.settings.frames {
+            if self.settings.frames && pass == 0 {
                 let view = &self.scene.views[index];
                 std::thread::sleep(SETTLE);
                 let start = Instant::now();
@@ -221,7 +233,7 @@ impl<'a> Bench<'a> {
                 let image = self.pools.all.install(|| trace::render(tracer, &self.scene.mesh, view, &path));
                 let ms = start.elapsed().as_secs_f64() * 1e3;
                 drop(image);
-                timings.push(Timing { kernel: checks.kernel, view: index, kind: None, ms });
+                timings.push(Timing { kernel: checks.kernel, view: index, kind: None, pass, ms });
             }
         }
         Ok(timings)
@@ -317,8 +329,9 @@ mod tests {
             assert!(!samples.failed());
             assert_eq!(samples.checks[0].checks.len(), RayKind::ALL.len());
             assert!(samples.checks[0].checks.iter().all(|check| check.equal == check.rays));
-            // Three batches and the frame.
-            assert_eq!(samples.visits.iter().map(|visit| visit.timings.len()).collect::<Vec<_>>(), [4, 4]);
+            // Three batches in each pass, and one frame.
+            let timings = samples.visits.iter().map(|visit| visit.timings.len());
+            assert_eq!(timings.collect::<Vec<_>>(), [3 * PASSES + 1; 2]);
         });
     }
 

@@ -22,6 +22,9 @@ pub struct Timing {
     pub view: usize,
     /// Kind of rays, or `None` for the whole path-traced frame.
     pub kind: Option<RayKind>,
+    /// Which of the visit's passes over all batches it was part of, from 0.
+    #[serde(default)]
+    pub pass: usize,
     /// Wall clock.
     pub ms: f64,
 }

@@ -210,21 +210,28 @@ pub fn builds(cell: &CellSamples, regime: &str) -> Vec<f64> {
     cell.visits.iter().filter_map(|visit| median(&visit.builds.warm_ms)).collect()
 }
 
-/// Per visit, the time of all matching traces together; visits without any are left out.
+/// Per visit, the time of all matching traces of a pass together, the median of its passes; visits without any are
+/// left out.
 pub fn times(
     cell: &CellSamples,
     kernel: Kernel,
     view: Option<usize>,
     kind: impl Fn(Option<RayKind>) -> bool,
 ) -> Vec<f64> {
-    let sum = |visit: &VisitSamples| {
+    let of_visit = |visit: &VisitSamples| {
         let matching = visit.timings.iter().filter(|timing| {
             timing.kernel == kernel && view.is_none_or(|view| view == timing.view) && kind(timing.kind)
         });
-        let times: Vec<f64> = matching.map(|timing| timing.ms).collect();
-        (!times.is_empty()).then(|| times.iter().sum())
+        let mut passes = Vec::new();
+        for timing in matching {
+            if passes.len() <= timing.pass {
+                passes.resize(timing.pass + 1, 0.0);
+            }
+            passes[timing.pass] += timing.ms;
+        }
+        median(&passes)
     };
-    cell.visits.iter().filter_map(sum).collect()
+    cell.visits.iter().filter_map(of_visit).collect()
 }
 
 fn sum(loads: impl Iterator<Item = Load>) -> Load {
@@ -243,7 +250,8 @@ mod tests {
     use crate::bench::samples::Timing;
     use crate::geometry::Dropped;
 
-    /// Two views, shadow rays in the first only, three rounds; primary rays take 1 ms a view, shadow 2 ms.
+    /// Two views, shadow rays in the first only, three rounds of three passes, one of which is disturbed; primary
+    /// rays take 1 ms a view, shadow 2 ms.
     fn scene() -> SceneSamples {
         let check = |view, kind, rays| Check {
             view,
@@ -266,18 +274,22 @@ mod tests {
             ],
             mismatch: None,
         };
-        let timing = |view, kind, ms| Timing { kernel: Kernel::Phr, view, kind, ms };
+        let timing = |view, kind, pass, ms| Timing { kernel: Kernel::Phr, view, kind, pass, ms };
+        let batches = |(pass, slower): (usize, f64)| {
+            [
+                timing(0, Some(RayKind::Primary), pass, slower),
+                timing(0, Some(RayKind::Shadow), pass, 2.0 * slower),
+                timing(1, Some(RayKind::Primary), pass, slower),
+            ]
+        };
+        let passes = [1.0, 1.0, 7.0].into_iter().enumerate();
+        let frames = [timing(0, None, 0, 9.0), timing(1, None, 0, 5.0)];
+        let timings: Vec<Timing> = passes.flat_map(batches).chain(frames).collect();
         let visit = |round| VisitSamples {
             round,
             place: 0,
             builds: Builds { cold_ms: 30.0, warm_ms: vec![10.0, 11.0, 10.0], ..Builds::default() },
-            timings: vec![
-                timing(0, Some(RayKind::Primary), 1.0),
-                timing(0, Some(RayKind::Shadow), 2.0),
-                timing(0, None, 9.0),
-                timing(1, Some(RayKind::Primary), 1.0),
-                timing(1, None, 5.0),
-            ],
+            timings: timings.clone(),
             load: Load::default(),
         };
         let cell = Cell { builder: "phr-hq".into(), width: 4, kernels: vec![Kernel::Phr] };
