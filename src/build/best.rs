@@ -1,5 +1,6 @@
 //! As good as it gets: a tree of PHR, made better afterwards.
 
+use super::areas::Areas;
 use super::hierarchy::Hierarchy;
 use super::optimise::{OptimiseConfig, Optimiser};
 use super::rules::Rules;
@@ -44,7 +45,8 @@ impl Builder for Best {
     fn build(&mut self, mesh: &Mesh) -> Build {
         let (optimiser, BestConfig { phr, optimise }) = (&mut self.optimiser, &self.config);
         // Which leaves are worth more than one quartet is decided in the end.
-        let rules = |scene| Rules { max_leaf: QUARTET, collapse: None, ..phr.rules(mesh.len(), scene) };
+        let rules =
+            |areas: &Areas| Rules { max_leaf: QUARTET, collapse: None, ..phr.rules(mesh.len(), areas) };
         let (is_drawn, mut cuts) =
             self.hierarchy.recurse(mesh, &phr.auxiliary(), rules, |recursion, memory| {
                 optimiser.draw(recursion, recursion.root(), mesh, memory)

@@ -1,5 +1,6 @@
 //! An auxiliary BVH and a build over its cuts: what PHR and the method of Hunt et al. have in common.
 
+use super::areas::Areas;
 use super::cut::Order;
 use super::cut_recursion::{CutRecursion, Scratch};
 use super::lbvh::{Auxiliary, AuxiliaryConfig};
@@ -8,7 +9,7 @@ use super::small_sweep::Isa;
 use super::top_down::{self, Memory};
 use super::{Build, Counts, Phase, Stopwatch};
 use crate::bvh::Bvh4;
-use crate::geometry::{Aabb, Mesh};
+use crate::geometry::Mesh;
 
 /// The memory of builds from a hierarchy.
 #[derive(Default)]
@@ -30,12 +31,12 @@ pub(super) struct Cuts {
 }
 
 impl Hierarchy {
-    /// Builds over `mesh` by the rules made for the scene's box.
+    /// Builds over `mesh` by the rules made for the scene's areas.
     pub fn build<R: Refine>(
         &mut self,
         mesh: &Mesh,
         auxiliary: &AuxiliaryConfig,
-        rules: impl FnOnce(Aabb) -> Rules<R>,
+        rules: impl FnOnce(&Areas) -> Rules<R>,
     ) -> Build {
         let (tree, cuts) = self.recurse(mesh, auxiliary, rules, |recursion, memory| {
             top_down::build(recursion, recursion.root(), &recursion.order.references, memory)
@@ -48,7 +49,7 @@ impl Hierarchy {
         &mut self,
         mesh: &Mesh,
         auxiliary: &AuxiliaryConfig,
-        rules: impl FnOnce(Aabb) -> Rules<R>,
+        rules: impl FnOnce(&Areas) -> Rules<R>,
         make: impl FnOnce(&CutRecursion<'_, R>, &mut Memory<Scratch>) -> T,
     ) -> (T, Cuts) {
         let mut phases = self.auxiliary.build(mesh, auxiliary);
@@ -57,7 +58,7 @@ impl Hierarchy {
         let recursion = CutRecursion {
             tree: &self.auxiliary.tree,
             order: Order { keys: &self.auxiliary.order.keys, references },
-            rules: rules(self.auxiliary.order.bounds()),
+            rules: rules(&self.auxiliary.areas),
             isa: self.isa,
         };
         let made = make(&recursion, &mut self.memory);

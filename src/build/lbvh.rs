@@ -3,6 +3,7 @@
 //! united on the way up instead of by atomic counters; and references that share a code are parted by the
 //! middle of their own centroids' bounds, so that 32 bits suffice for any scene.
 
+use super::areas::Areas;
 use super::binary::{BinaryTree, Node};
 use super::in_order::{self, Spare};
 use super::morton_order::MortonOrder;
@@ -10,7 +11,7 @@ use super::presplit::PresplitConfig;
 use super::run::{Leaves, Run};
 use super::upper::{self, Upper};
 use super::{Phase, Stopwatch, pages};
-use crate::geometry::{Aabb, Mesh};
+use crate::geometry::Mesh;
 use std::sync::OnceLock;
 
 /// Which subtrees of the auxiliary BVH are leaves beside those of few references: near the leaves nothing is lost
@@ -19,7 +20,7 @@ use std::sync::OnceLock;
 pub struct Clusters {
     /// Most references of a cluster.
     pub most: u32,
-    /// Largest area of its box, relative to the scene's.
+    /// Largest area of its box, relative to the scene's ([`super::PhrConfig::calibration`]).
     pub area: f32,
 }
 
@@ -32,15 +33,17 @@ pub(super) struct AuxiliaryConfig {
     pub leaf: u32,
     /// and these.
     pub clusters: Option<Clusters>,
+    /// Areas are relative to so many times that of a part of the scene ([`Areas::calibrated`]), not to the scene's.
+    pub calibration: Option<f32>,
 }
 
 impl AuxiliaryConfig {
     /// That of the paper.
-    pub const PAPER: Self = Self { presplit: None, leaf: 1, clusters: None };
+    pub const PAPER: Self = Self { presplit: None, leaf: 1, clusters: None, calibration: None };
 
-    fn leaves(&self, scene: Aabb) -> Leaves {
+    fn leaves(&self, areas: &Areas) -> Leaves {
         let clusters = self.clusters.unwrap_or(Clusters { most: self.leaf, area: 0.0 });
-        Leaves { always: self.leaf, most: clusters.most, area: clusters.area * scene.half_area() }
+        Leaves { always: self.leaf, most: clusters.most, area: clusters.area * areas.reference }
     }
 }
 
@@ -51,6 +54,8 @@ pub(super) struct Auxiliary {
     pub order: MortonOrder,
     /// The tree.
     pub tree: BinaryTree,
+    /// What thresholds are relative to.
+    pub areas: Areas,
     spare: Spare<Run>,
 }
 
@@ -62,8 +67,12 @@ impl Auxiliary {
         // Parting equal codes reorders keys.
         let mut all_keys = std::mem::take(&mut self.order.keys);
         let keys = &mut all_keys[..];
-        let leaves = config.leaves(self.order.bounds());
         let references = &self.order.references(mesh);
+        self.areas = match config.calibration {
+            Some(parts) => Areas::calibrated(self.order.bounds(), keys, references, parts),
+            None => Areas::of(self.order.bounds()),
+        };
+        let leaves = config.leaves(&self.areas);
         self.tree.root = None;
         if !keys.is_empty() {
             // Of leaves of several references about half are full.
@@ -110,6 +119,7 @@ mod tests {
     use super::*;
     use crate::build::morton_order::{code, part, reference};
     use crate::build::references::References;
+    use crate::geometry::Aabb;
 
     fn triangles(n: usize, place: impl Fn(usize) -> [f32; 3]) -> Mesh {
         let vertices = (0..n).flat_map(|i| {

@@ -1,6 +1,7 @@
 //! Builders: from an indexed mesh to a traversable [`Bvh4`].
 
 mod aac;
+mod areas;
 mod axes;
 mod best;
 mod binary;

@@ -1,5 +1,6 @@
 //! Progressive Hierarchical Refinement (Hendrich, Meister, Bittner 2017): the paper's builder.
 
+use super::areas::Areas;
 use super::binary::{BinaryTree, Node};
 use super::cut::{Growing, is_whole, open};
 use super::hierarchy::Hierarchy;
@@ -53,6 +54,10 @@ pub struct PhrConfig {
     /// What parts of the tree that fit a cache are to be cheapest in as wide trees, larger leaves included: they are split
     /// down to quartets, and `max_leaf` does not count. `None` in the paper, where the largest child is opened first.
     pub collapse: Option<Costs>,
+    /// Areas of clusters, of nodes split spatially and of overlaps are relative to so many times the median area of 2048
+    /// references that follow one another along the Morton curve, where that is less than the scene's: a flat wide scene
+    /// is large for what is in it. `None` in the paper, whose open problem parameters chosen by the scene are (section 6).
+    pub calibration: Option<f32>,
     /// Which triangles are split before the Morton sort (paper 5.3); `None` for none.
     pub presplit: Option<PresplitConfig>,
     /// Where a spatial split cuts a node of a single triangle, the triangle is clipped and not only its box.
@@ -86,6 +91,7 @@ impl PhrConfig {
         subtree_sweep: 0,
         clusters: None,
         overlap_threshold: 0.0,
+        calibration: None,
         presplit: None,
         clip_triangles: false,
         collapse: None,
@@ -101,20 +107,20 @@ impl PhrConfig {
 
     /// Of the auxiliary BVH.
     pub(super) fn auxiliary(&self) -> AuxiliaryConfig {
-        let Self { presplit, auxiliary_leaf, clusters, .. } = *self;
-        AuxiliaryConfig { presplit, leaf: auxiliary_leaf.clamp(1, QUARTET), clusters }
+        let Self { presplit, auxiliary_leaf, clusters, calibration, .. } = *self;
+        AuxiliaryConfig { presplit, leaf: auxiliary_leaf.clamp(1, QUARTET), clusters, calibration }
     }
 
-    /// The rules for a scene of so many triangles with the given box.
-    pub(super) fn rules(&self, triangles: usize, scene: Aabb) -> Rules<Threshold> {
-        let refine = Threshold::new(scene, self);
+    /// The rules for a scene of so many triangles with the given areas.
+    pub(super) fn rules(&self, triangles: usize, areas: &Areas) -> Rules<Threshold> {
+        let refine = Threshold::new(areas.scene, self);
         let (initial_threshold, initial_len) =
             self.initial_cut(triangles).unwrap_or((refine.at(0), self.max_cut));
         Rules {
             initial_threshold,
             refine,
             initial_len,
-            spatial_above: scene.half_area() * self.spatial_threshold,
+            spatial_above: areas.reference * self.spatial_threshold,
             spatial_bias: self.spatial_bias,
             max_references: self.max_references,
             opens_once: true,
@@ -122,8 +128,7 @@ impl PhrConfig {
             max_leaf: if self.collapse.is_some() { QUARTET } else { self.max_leaf },
             collapse: self.collapse.map(Costs::possible),
             leaf_sweep: self.leaf_sweep,
-            overlap_above: (self.overlap_threshold > 0.0)
-                .then_some(scene.half_area() * self.overlap_threshold),
+            overlap_above: (self.overlap_threshold > 0.0).then_some(areas.reference * self.overlap_threshold),
             subtree_sweep: self.subtree_sweep.min(subtree_sweep::MOST as u32),
             clip_triangles: self.clip_triangles,
         }
@@ -138,10 +143,9 @@ pub(super) struct Threshold {
 }
 
 impl Threshold {
-    /// The thresholds of a scene with the given box.
-    pub fn new(scene: Aabb, config: &PhrConfig) -> Self {
-        let at =
-            |d: u32| f64::from(scene.half_area()) / f64::from(config.alpha * d as f32 + config.delta).exp2();
+    /// The thresholds of a scene whose box has the given half area.
+    pub fn new(scene: f32, config: &PhrConfig) -> Self {
+        let at = |d: u32| f64::from(scene) / f64::from(config.alpha * d as f32 + config.delta).exp2();
         Self { by_depth: (0..=128).map(|d| at(d) as f32).collect(), own: config.own_threshold }
     }
 
@@ -220,7 +224,7 @@ impl Builder for Phr {
     }
 
     fn build(&mut self, mesh: &Mesh) -> Build {
-        self.hierarchy.build(mesh, &self.config.auxiliary(), |scene| self.config.rules(mesh.len(), scene))
+        self.hierarchy.build(mesh, &self.config.auxiliary(), |areas| self.config.rules(mesh.len(), areas))
     }
 
     fn recycle(&mut self, tree: Bvh4) {

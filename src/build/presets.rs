@@ -25,6 +25,7 @@ pub const ABLATION: &[&str] = &[
     "phr-hq-presplit",
     "phr-hq-sweep",
     "phr-hq-leaf-28",
+    "phr-hq-calibration",
     "phr-hq-collapse",
     "phr-hq-optimised",
 ];
@@ -45,6 +46,7 @@ impl PhrConfig {
         subtree_sweep: 32,
         presplit: Some(PresplitConfig::NEEDLES),
         clip_triangles: true,
+        calibration: Some(1e3),
         collapse: Some(Costs::EMBREE),
         ..Self::FAST
     };
@@ -117,6 +119,7 @@ pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
         "phr-hq-presplit" => phr(PhrConfig { presplit: Some(PresplitConfig::NEEDLES), ..hq }),
         "phr-hq-sweep" => phr(PhrConfig { leaf_sweep: 16, ..hq }),
         "phr-hq-leaf-28" => phr(PhrConfig { max_leaf: 28, ..hq }),
+        "phr-hq-calibration" => phr(PhrConfig { calibration: PhrConfig::QUALITY.calibration, ..hq }),
         "phr-hq-collapse" => phr(PhrConfig { collapse: Some(Costs::EMBREE), ..hq }),
         "phr-hq-optimised" => {
             Box::new(Best::new(name, BestConfig { phr: hq, optimise: OptimiseConfig::DEFAULT }))

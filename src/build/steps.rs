@@ -59,7 +59,7 @@ impl<'a> Steps<'a> {
             let link = |node: &Node| (node.bounds(), Link::inner(node.pair().unwrap_or_default()));
             [link(&pairs[0][0]), link(&pairs[0][1]), link(&pairs[1][0]), link(&pairs[1][1])]
         });
-        let threshold = Threshold::new(auxiliary.order.bounds(), &PhrConfig::FAST);
+        let threshold = Threshold::new(auxiliary.areas.scene, &PhrConfig::FAST);
         let cut = |root| initial_cut(&auxiliary.tree, root, threshold.at(0), PhrConfig::FAST.max_cut);
         Self {
             initial: auxiliary.tree.root.map_or_else(Vec::new, cut),

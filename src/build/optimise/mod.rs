@@ -89,6 +89,7 @@ impl Optimiser {
 mod samples {
     use super::Tree;
     use crate::build::PhrConfig;
+    use crate::build::areas::Areas;
     use crate::build::hierarchy::Hierarchy;
     use crate::build::lbvh::AuxiliaryConfig;
     use crate::build::rules::Rules;
@@ -98,7 +99,7 @@ mod samples {
     /// The tree of PHR-Fast's splits.
     pub fn drawn(mesh: &Mesh) -> Tree {
         let mut tree = Tree::default();
-        let rules = |scene| Rules { max_leaf: QUARTET, ..PhrConfig::FAST.rules(mesh.len(), scene) };
+        let rules = |areas: &Areas| Rules { max_leaf: QUARTET, ..PhrConfig::FAST.rules(mesh.len(), areas) };
         Hierarchy::default().recurse(mesh, &AuxiliaryConfig::PAPER, rules, |recursion, memory| {
             let root = recursion.root().expect("there are triangles");
             assert!(tree.draw(recursion, root, mesh.len(), memory, &Default::default()));

@@ -1,6 +1,7 @@
 //! The auxiliary BVH (paper 4.7), by bisection of sorted Morton codes.
 
 use super::wide::Wide;
+use crate::build::areas::{PART, PARTS, STEP};
 use crate::build::lbvh::{AuxiliaryConfig, Clusters};
 use crate::build::morton::Quantizer;
 use crate::build::morton_order::MIDDLE_DEPTH;
@@ -87,8 +88,8 @@ impl Tree {
     }
 }
 
-/// The tree over the triangles of `mesh`; `None` without triangles.
-pub fn lbvh(mesh: &Mesh, config: &AuxiliaryConfig) -> Option<Rc<Tree>> {
+/// The tree over the triangles of `mesh`, and the half area that thresholds are relative to; `None` without triangles.
+pub fn lbvh(mesh: &Mesh, config: &AuxiliaryConfig) -> Option<(Rc<Tree>, f32)> {
     let triangles = (0..mesh.len() as u32).map(|prim| Reference { prim, bounds: mesh.bounds_of(prim) });
     let mut references: Vec<Reference> = triangles.collect();
     let mut centers: Aabb = references.iter().fold(Aabb::EMPTY, |all, r| all.grow(r.bounds.center2()));
@@ -110,11 +111,27 @@ pub fn lbvh(mesh: &Mesh, config: &AuxiliaryConfig) -> Option<Rc<Tree>> {
     if run.is_empty() {
         return None;
     }
+    let scene = mesh.bounds().half_area();
+    let reference = config.calibration.map_or(scene, |parts| scene.min(parts * area_of_parts(&run)));
     let root = subtree(&run, 0, config.leaf);
-    Some(match &config.clusters {
+    let root = match &config.clusters {
         None => root,
-        Some(Clusters { most, area }) => root.clustered(*most, area * mesh.bounds().half_area()),
-    })
+        Some(Clusters { most, area }) => root.clustered(*most, area * reference),
+    };
+    Some((root, reference))
+}
+
+/// The median half area of some references each of parts of equal length, infinite if there are not enough for one.
+fn area_of_parts(run: &[Item]) -> f32 {
+    let parts = PARTS.min(run.len() / PART);
+    let area = |part: usize| {
+        let first = part * run.len() / parts;
+        let some = (first..first + PART).step_by(STEP);
+        some.map(|i| run[i].1.bounds).collect::<Aabb>().half_area()
+    };
+    let mut areas: Vec<f32> = (0..parts).map(area).collect();
+    areas.sort_by(f32::total_cmp);
+    if parts == 0 { f32::INFINITY } else { areas[parts / 2] }
 }
 
 /// The subtree over a run of sorted codes that has been parted `depth` times by the middle.

@@ -30,6 +30,14 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
         ("clusters", PhrConfig { clusters: Some(Clusters { most: 20, area: 3e-2 }), ..PhrConfig::FAST }),
         ("subtree sweep", PhrConfig { subtree_sweep: 256, ..PhrConfig::FAST }),
         ("overlap", PhrConfig { overlap_threshold: 1e-2, spatial_threshold: 1e-4, ..PhrConfig::FAST }),
+        (
+            "calibration",
+            PhrConfig {
+                calibration: Some(0.3),
+                clusters: Some(Clusters { most: 20, area: 3e-2 }),
+                ..PhrConfig::FAST
+            },
+        ),
         ("own threshold", PhrConfig { own_threshold, delta: 2.0, ..PhrConfig::FAST }),
         ("spatial bias", PhrConfig { spatial_bias: 1.2, spatial_threshold: 1e-4, ..PhrConfig::FAST }),
         ("speed", PhrConfig::SPEED),
@@ -48,6 +56,7 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
                 spatial_threshold: 1e-6,
                 spatial_bias: 1.1,
                 own_threshold,
+                calibration: Some(2.0),
                 max_references: 4.0,
                 collapse,
                 ..PhrConfig::FAST

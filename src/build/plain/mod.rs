@@ -29,8 +29,8 @@ const MAX_DEPTH: u32 = 50;
 /// PHR.
 pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
     let scene = mesh.bounds().half_area();
-    let PhrConfig { presplit, auxiliary_leaf: leaf, clusters, .. } = *config;
-    let root = lbvh(mesh, &AuxiliaryConfig { presplit, leaf, clusters })?;
+    let PhrConfig { presplit, auxiliary_leaf: leaf, clusters, calibration, .. } = *config;
+    let (root, reference) = lbvh(mesh, &AuxiliaryConfig { presplit, leaf, clusters, calibration })?;
     let threshold = |depth: u32| {
         // Equation 2.
         let divisor = f64::from(config.alpha * depth as f32 + config.delta).exp2();
@@ -38,14 +38,14 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
     };
     let builder = Plain {
         mesh,
-        spatial_above: scene * config.spatial_threshold,
+        spatial_above: reference * config.spatial_threshold,
         max_leaf: if config.collapse.is_some() { 4 } else { config.max_leaf },
         collapse: config.collapse,
         // Parts that fit a cache.
         part: (mesh.len() / 256).clamp(512, 4096) as u32,
         leaf_sweep: config.leaf_sweep,
         subtree_sweep: config.subtree_sweep,
-        overlap_above: (config.overlap_threshold > 0.0).then_some(scene * config.overlap_threshold),
+        overlap_above: (config.overlap_threshold > 0.0).then_some(reference * config.overlap_threshold),
         clip_triangles: config.clip_triangles,
         spatial_bias: config.spatial_bias,
         refine: &|side, clip, depth| {
@@ -69,12 +69,12 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
 
 /// The LBVH itself.
 pub fn linear(mesh: &Mesh) -> Option<Wide> {
-    lbvh(mesh, &AuxiliaryConfig { leaf: 4, ..AuxiliaryConfig::PAPER }).map(|root| root.widened())
+    lbvh(mesh, &AuxiliaryConfig { leaf: 4, ..AuxiliaryConfig::PAPER }).map(|(root, _)| root.widened())
 }
 
 /// The method of Hunt et al. 2007 with cuts of constant length.
 pub fn hunt(mesh: &Mesh, config: &HuntConfig) -> Option<Wide> {
-    let root = lbvh(mesh, &AuxiliaryConfig::PAPER)?;
+    let (root, _) = lbvh(mesh, &AuxiliaryConfig::PAPER)?;
     let builder = Plain {
         mesh,
         spatial_above: f32::INFINITY,
