@@ -1,6 +1,7 @@
 //! A tree of ours as Embree's nodes and leaves in memory, for [`super::graft`]: one layout for all trees.
 
 use super::layout::{Node, Triangle4, Unavailable, reference};
+use super::pages::Pages;
 use super::query;
 use crate::bvh::{Child, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Hit;
@@ -8,21 +9,18 @@ use crate::geometry::Hit;
 /// A tree in Embree's layout. References are addresses within, so nothing may be moved or changed.
 pub(super) struct Image<const N: usize> {
     root: u64,
-    nodes: Vec<Node<N>>,
-    leaves: Vec<Triangle4>,
+    nodes: Pages<Node<N>>,
+    leaves: Pages<Triangle4>,
 }
 
 impl<const N: usize> Image<N> {
     /// Lays `tree` out depth first. Trees that Embree's kernels could not walk are refused: references beyond
     /// the tree, nodes or blocks used twice, more than [`MAX_DEPTH`] levels, triangles beyond `triangles`.
     pub fn of(tree: &WideBvh<N>, triangles: usize) -> Result<Self, Unavailable> {
-        // Never grown beyond these capacities, so that addresses stay.
-        let mut nodes: Vec<Node<N>> = Vec::with_capacity(tree.nodes.len());
-        let mut leaves: Vec<Triangle4> = Vec::with_capacity(tree.blocks.len());
-        advise_huge_pages(&nodes);
-        advise_huge_pages(&leaves);
+        let mut nodes: Pages<Node<N>> = Pages::with_capacity(tree.nodes.len())?;
+        let mut leaves: Pages<Triangle4> = Pages::with_capacity(tree.blocks.len())?;
         let (first_node, first_leaf) =
-            (nodes.as_ptr().expose_provenance(), leaves.as_ptr().expose_provenance());
+            (nodes.start().expose_provenance(), leaves.start().expose_provenance());
         let mut root = reference::EMPTY;
         let mut stack = vec![(tree.root, 0, None)];
         while let Some((link, depth, parent)) = stack.pop() {
@@ -72,7 +70,7 @@ impl<const N: usize> Image<N> {
                         return Unavailable::because(format_args!("the mesh has no triangle {prim}"));
                     }
                     let place = leaves.len();
-                    leaves.extend(blocks.iter().map(embree_block));
+                    blocks.iter().for_each(|block| leaves.push(embree_block(block)));
                     reference::leaf(first_leaf + place * size_of::<Triangle4>(), count)
                 }
             };
@@ -97,23 +95,6 @@ impl<const N: usize> Image<N> {
         size_of_val(&self.nodes[..]) + size_of_val(&self.leaves[..])
     }
 }
-
-/// Asks for huge pages under an array not yet filled, as Embree does for its own: else page walks would tell a
-/// tree of ours from one of Embree's.
-#[cfg(target_os = "linux")]
-fn advise_huge_pages<T>(array: &Vec<T>) {
-    const PAGE: usize = 4096;
-    let start = array.as_ptr().addr().next_multiple_of(PAGE);
-    let end = (array.as_ptr().addr() + array.capacity() * size_of::<T>()) / PAGE * PAGE;
-    if start < end {
-        let first = array.as_ptr().with_addr(start).cast_mut().cast();
-        // SAFETY: whole pages within the array's allocation; the advice changes no contents. Failing is harmless.
-        unsafe { libc::madvise(first, end - start, libc::MADV_HUGEPAGE) };
-    }
-}
-
-#[cfg(not(target_os = "linux"))]
-fn advise_huge_pages<T>(_: &Vec<T>) {}
 
 /// The node with its boxes; children are set as they are placed.
 fn embree_node<const N: usize>(node: &WideNode<N>) -> Node<N> {

@@ -25,6 +25,8 @@ mod layout;
 #[cfg(feature = "graft")]
 pub mod native;
 mod packets;
+#[cfg(feature = "graft")]
+mod pages;
 mod query;
 pub mod rtcbuild;
 #[cfg(test)]
