@@ -24,7 +24,7 @@ BARRED = lbvh|phr-fast|phr-hq|phr-speed|phr-quality|phr-best|embree-[a-z-]+
 GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
 # PHR-Fast and PHR-HQ, and each with one extension (`phr ablation`).
 ABLATED = phr-fast $(addprefix phr-fast-,coarse clusters subtrees) phr-hq \
-	$(addprefix phr-hq-,coarse cut own bias overlap subtrees sweep leaf-28 collapse clip presplit optimised)
+	$(addprefix phr-hq-,coarse cut own bias overlap subtrees sweep leaf-28 calibration collapse clip presplit optimised)
 GROWTH = $(foreach size,1 2 4 8 16 32,scalable-$(size)M)
 PACKAGES = libembree-dev libclang-dev
 # Cargo's own tests run by nextest where it is installed.

@@ -16,9 +16,8 @@ use std::time::{Duration, Instant};
 /// Pause before each trace, in which the threads of the builder go to sleep.
 const SETTLE: Duration = Duration::from_millis(3);
 
-/// Times that a visit traces everything. What disturbs a machine comes in bursts shorter than a visit; builds are
-/// repeated likewise.
-pub const PASSES: usize = 3;
+/// Times that a visit traces everything, as it repeats builds: the median of them is rid of single disturbances.
+const PASSES: usize = 3;
 
 /// A scene under measurement.
 pub struct Bench<'a> {
@@ -112,16 +111,14 @@ impl<'a> Bench<'a> {
         shown.views.rotate_left(round % kernels);
         let mut timings = Vec::new();
         let accounts = Accounts::read();
-        for pass in 0..PASSES {
-            for view in &shown.views {
-                let Ok(tracer) = view.tracer else { continue };
-                let Some(checks) = samples.checks.iter_mut().find(|checks| checks.kernel == view.kernel)
-                else {
-                    continue;
-                };
-                if checks.mismatch.is_none() && checks.unavailable.is_none() {
-                    timings.extend(self.time(tracer, pass, checks)?);
-                }
+        let passes = (0..PASSES).flat_map(|pass| shown.views.iter().map(move |view| (pass, view)));
+        for (pass, view) in passes {
+            let Ok(tracer) = view.tracer else { continue };
+            let Some(checks) = samples.checks.iter_mut().find(|checks| checks.kernel == view.kernel) else {
+                continue;
+            };
+            if checks.mismatch.is_none() && checks.unavailable.is_none() {
+                timings.extend(self.time(tracer, pass, checks)?);
             }
         }
         let load = accounts.since();
@@ -193,8 +190,8 @@ impl<'a> Bench<'a> {
         self.pools.all.install(|| answers.compare(&self.scene.mesh, rays, right, tracers))
     }
 
-    /// Traces each batch against the clock, and in the first pass frames where they are asked for. Answers that hash to other distances than at first are compared
-    /// again: trees of parallel builders may differ, but not so that a hit is wrong.
+    /// Traces each batch against the clock, and in the first pass frames where they are asked for. Answers that hash
+    /// to other distances than at first are compared again: trees of parallel builders may differ, but not so that a hit is wrong.
     fn time(
         &mut self,
         tracer: &dyn Tracer,

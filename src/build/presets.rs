@@ -75,7 +75,7 @@ impl BestConfig {
     pub const DEFAULT: Self = Self {
         phr: PhrConfig {
             alpha: 0.55,
-            delta: 10.0,
+            delta: 8.0,
             max_cut: 1 << 16,
             own_threshold: Some(OwnThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
             clusters: None,

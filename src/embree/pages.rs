@@ -1,8 +1,8 @@
 //! Memory for a tree that is laid out once and traced: fresh from the system, on huge pages where it has them, as
 //! Embree's own memory is.
 //!
-//! An allocator would hand out what was freed before, on whatever pages that was, in the same order in every round of a
-//! benchmark: one tree would trace several per cent faster than another for no merit of its own, round after round.
+//! An allocator would hand out what was freed before, on whatever pages that was, which may differ from tree to tree
+//! and costs traversal several per cent.
 
 #![allow(unsafe_code)]
 
@@ -18,7 +18,6 @@ pub(super) struct Pages<T> {
     /// Bytes before the first element: it lies where a huge page begins.
     skipped: usize,
     len: usize,
-    capacity: usize,
     elements: std::marker::PhantomData<T>,
 }
 
@@ -36,16 +35,16 @@ impl<T: Copy> Pages<T> {
         #[cfg(target_os = "linux")]
         let _ = map.advise(memmap2::Advice::HugePage);
         let skipped = map.as_ptr().align_offset(HUGE);
-        Ok(Self { map, skipped, len: 0, capacity, elements: std::marker::PhantomData })
+        Ok(Self { map, skipped, len: 0, elements: std::marker::PhantomData })
     }
 
     /// Appends an element, for which there must be room.
     pub fn push(&mut self, element: T) {
-        assert!(self.len < self.capacity, "more elements than there is room for");
-        let place = self.start().wrapping_add(self.len).cast_mut();
-        // SAFETY: the place lies within the map, as capacity elements and the bytes skipped do, and is aligned; nobody
-        // else refers to it, as `self` is borrowed mutably.
-        unsafe { place.write(element) };
+        let first = self.skipped + self.len * size_of::<T>();
+        let place = &mut self.map[first..first + size_of::<T>()];
+        // SAFETY: as many bytes as an element has, which nobody else refers to; they are aligned, as the first
+        // element's are.
+        unsafe { place.as_mut_ptr().cast::<T>().write(element) };
         self.len += 1;
     }
 
@@ -70,5 +69,24 @@ impl<T> DerefMut for Pages<T> {
         let start = self.map.as_mut_ptr().wrapping_add(self.skipped).cast();
         // SAFETY: `len` elements were written there, and `self` is borrowed mutably.
         unsafe { std::slice::from_raw_parts_mut(start, self.len) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn elements_stay_where_they_are_put() {
+        let mut pages = Pages::<[u32; 3]>::with_capacity(300_000).unwrap();
+        let start = pages.start();
+        assert_eq!(start.addr() % HUGE, 0);
+        assert!(pages.is_empty());
+        (0..300_000).for_each(|i| pages.push([i, i + 1, i + 2]));
+        pages[7][1] = 0;
+        assert_eq!((pages.start(), pages.as_ptr(), pages.len()), (start, start, 300_000));
+        assert!(pages.iter().enumerate().all(|(i, element)| element[0] == i as u32));
+        assert_eq!((pages[7], pages[299_999]), ([7, 0, 9], [299_999, 300_000, 300_001]));
+        assert!(Pages::<u64>::with_capacity(0).unwrap().is_empty());
     }
 }
