@@ -14,9 +14,10 @@
 
 CARGO ?= cargo
 ARGS ?=
-# Scene files of `make bench-builders`, its rounds and pixels.
+# Scene files of `make bench-builders`, its rounds, the seconds for which they go on in a scene, and pixels.
 SCENES ?= $(wildcard ../shared/scenes/*.ply.zst)
 ROUNDS ?= 3
+MIN_SECONDS ?= 60
 SIZE ?= 160
 BARS = results/bars
 # Builders that have bars, and sizes over which they grow.
@@ -42,9 +43,9 @@ bench-builders: packages
 	./target/release/phr bench $(GROWTH) --build-only --filter ' ($(GROWING)) 4 ' \
 		--rounds $(ROUNDS) --threads 2 --out $(BARS)/growth $(ARGS)
 	./target/release/phr bench --set builtin $(SCENES) --build-only --filter ' ($(BARRED)) 4 ' \
-		--rounds $(ROUNDS) --threads 2 --one-thread --out $(BARS)/threads $(ARGS)
+		--rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2 --one-thread --out $(BARS)/threads $(ARGS)
 	./target/release/phr bench --set builtin $(SCENES) --size $(SIZE) \
-		--rounds $(ROUNDS) --threads 2 --out $(BARS) $(ARGS)
+		--rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2 --out $(BARS) $(ARGS)
 	./target/release/phr bench --set builtin $(SCENES) --size $(SIZE) $(addprefix --builder ,$(ABLATED)) \
 		--rounds $(ROUNDS) --threads 2 --out $(BARS)-ablation $(ARGS)
 	./target/release/phr plot $(BARS)

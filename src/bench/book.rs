@@ -203,7 +203,7 @@ impl<'a> Book<'a> {
     }
 }
 
-/// Refuses to mix samples of different programs or settings; the number of rounds may grow.
+/// Refuses to mix samples of different programs or settings; the number of rounds may grow, the time as well.
 fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunError> {
     let differs = |what: String| Err(RunError::Resume { folder: folder.to_owned(), what });
     if old.program != new.program {
@@ -214,7 +214,8 @@ fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunEr
     }
     let settings = |environment: &Environment| environment.plan["settings"].as_object().cloned();
     let (old, new) = (settings(old).unwrap_or_default(), settings(new).unwrap_or_default());
-    match new.iter().find(|(key, value)| *key != "rounds" && old.get(*key) != Some(value)) {
+    let must_agree = |key: &str| !matches!(key, "rounds" | "seconds");
+    match new.iter().find(|(key, value)| must_agree(key) && old.get(*key) != Some(value)) {
         Some((key, _)) => differs(format!("{key} ({})", old.get(key).unwrap_or(&serde_json::Value::Null))),
         None => Ok(()),
     }

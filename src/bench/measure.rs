@@ -294,6 +294,7 @@ mod tests {
             views: 1,
             max_depth: 4,
             rounds: 1,
+            seconds: 0,
             threads: 1,
             seed: 1,
             build_only: false,

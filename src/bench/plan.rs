@@ -8,6 +8,7 @@ use crate::trace::PathSettings;
 use regex::Regex;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Why a request cannot be run.
 #[derive(Debug, thiserror::Error)]
@@ -56,7 +57,10 @@ pub enum PlanError {
     NotAFolder(PathBuf),
 }
 
-/// What can be set about a run, and must be the same where one is resumed (but for `rounds`).
+/// A day.
+const MOST_SECONDS: u64 = 24 * 60 * 60;
+
+/// What can be set about a run, and must be the same where one is resumed (but for `rounds` and `seconds`).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Settings {
     /// Pixels across.
@@ -67,8 +71,11 @@ pub struct Settings {
     pub views: usize,
     /// Longest path, in segments.
     pub max_depth: u32,
-    /// Visits to each cell.
+    /// Visits to each cell,
     pub rounds: usize,
+    /// and further ones until the scene has been measured for so many seconds: small scenes get more rounds.
+    #[serde(default)]
+    pub seconds: u64,
     /// Threads of each side.
     pub threads: usize,
     /// Seed of the paths and of the order of visits.
@@ -88,6 +95,11 @@ impl Settings {
         PathSettings { width: self.width, height: self.height, max_depth: self.max_depth, seed: self.seed }
     }
 
+    /// Whether a scene that has been measured for `spent`, in rounds before `round`, is to have that too.
+    pub fn wants(&self, round: usize, spent: Duration) -> bool {
+        round < self.rounds || spent < Duration::from_secs(self.seconds)
+    }
+
     fn check(&self) -> Result<(), PlanError> {
         let counts = [
             ("size", self.width as usize, 1 << 14),
@@ -96,6 +108,13 @@ impl Settings {
             ("rounds", self.rounds, 1 << 16),
             ("threads", self.threads, 1 << 10),
         ];
+        if self.seconds > MOST_SECONDS {
+            return Err(PlanError::TooMuch {
+                option: "seconds",
+                value: self.seconds as usize,
+                most: MOST_SECONDS as usize,
+            });
+        }
         for (option, value, most) in counts {
             if value == 0 {
                 return Err(PlanError::Zero(option));
@@ -264,6 +283,7 @@ mod tests {
                 views: 1,
                 max_depth: 8,
                 rounds: 1,
+                seconds: 0,
                 threads: 1,
                 seed: 1,
                 build_only: false,
@@ -271,6 +291,16 @@ mod tests {
                 frames: false,
             },
         }
+    }
+
+    #[test]
+    fn rounds_are_added_until_the_time_is_over() {
+        let settings = Settings { rounds: 3, seconds: 60, ..request(&[], None).settings };
+        let wants = |round, seconds| settings.wants(round, Duration::from_secs(seconds));
+        assert!(wants(2, 1000) && !wants(3, 1000));
+        assert!(wants(2, 10) && wants(3, 59) && wants(300, 59) && !wants(3, 60));
+        let settings = Settings { seconds: 0, ..settings };
+        assert!(!settings.wants(3, Duration::ZERO));
     }
 
     #[test]

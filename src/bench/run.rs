@@ -13,6 +13,7 @@ use crate::geometry::Tracer;
 use crate::scene::{Scene, SceneError};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 /// Why a run could not be made or finished.
 #[derive(Debug, thiserror::Error)]
@@ -173,7 +174,8 @@ impl Run<'_> {
         let invalid = rays.iter().map(|view| view.invalid as u64).sum();
         let index = book.scene(planned, scene, cells, rays.len(), invalid)?;
         let mut bench = Bench::new(scene, &rays, reference, settings, pools, self.stop);
-        for round in 0..settings.rounds {
+        let start = Instant::now();
+        for round in (0..).take_while(|&round| settings.wants(round, start.elapsed())) {
             for (place, cell) in order(cells, &planned.name, settings.seed, round).into_iter().enumerate() {
                 if self.stopped() {
                     return Ok(());
@@ -187,7 +189,9 @@ impl Run<'_> {
                     }
                     book.save()?;
                 }
-                progress.advance(weight(planned));
+                if round < settings.rounds {
+                    progress.advance(weight(planned));
+                }
             }
         }
         progress.scene(&summary::scene_rows(&book.samples.scenes[index], &book.header()));

@@ -136,12 +136,14 @@ pub(super) fn append<T: Batch>(
         a.set_len(written[0]);
         b.set_len(written[1]);
     }
-    for (at, mut batch) in left_over {
+    let end = chain.end();
+    a.reserve_exact(end[0] - a.len());
+    b.reserve_exact(end[1] - b.len());
+    // They may be many, and their memory, unlike that of the others, is not kept.
+    for (at, batch) in left_over {
         let (from_a, from_b) = batch.elements();
         a.extend(from_a.iter().map(|a| T::moved(a, at)));
         b.extend_from_slice(from_b);
-        batch.clear();
-        spare.put(batch);
     }
 }
 

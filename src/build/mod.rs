@@ -26,6 +26,7 @@ mod linear;
 mod morton;
 mod morton_order;
 mod near_leaves;
+mod needle;
 mod object_split;
 mod optimise;
 mod pages;

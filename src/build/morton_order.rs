@@ -3,8 +3,8 @@
 #![allow(unsafe_code)]
 
 use super::morton::Quantizer;
-use super::presplit::{self, PresplitConfig};
-use super::references::{Extent, Fragment, GRAIN, References};
+use super::presplit::{Presplit, PresplitConfig};
+use super::references::{Extent, GRAIN, References};
 use super::{Stopwatch, pages, radix_sort};
 use crate::geometry::{Aabb, Mesh};
 use glam::Vec3A;
@@ -21,16 +21,16 @@ pub(super) struct MortonOrder {
     pub keys: Vec<Key>,
     /// What bounds the triangles.
     extent: Option<Extent>,
-    fragments: Vec<Fragment>,
+    presplit: Presplit,
 }
 
 /// (code << 32 | reference).
 pub(super) type Key = u64;
 
-/// The key of a reference with the given box.
+/// The key of a reference.
 #[inline]
-fn key_of(quantizer: &Quantizer, bounds: Aabb, reference: usize) -> Key {
-    u64::from(quantizer.code(bounds.center2())) << 32 | reference as u64
+fn key_of(code: u32, reference: u32) -> Key {
+    u64::from(code) << 32 | u64::from(reference)
 }
 
 /// The reference of a key.
@@ -57,41 +57,48 @@ impl MortonOrder {
     ) {
         let mut extent = Extent::of(mesh);
         watch.lap("bounds");
-        self.fragments.clear();
+        self.presplit.clear();
         if let Some(config) = presplit {
-            self.fragments = presplit::presplit(mesh, extent.bounds, config);
-            extent = self.fragments.iter().fold(extent, |extent, fragment| extent.grow(fragment.bounds));
+            self.presplit.split(mesh, extent.bounds, config);
+            extent = self.presplit.chunks.iter().fold(extent, |extent, chunk| extent.union(chunk.extent));
             watch.lap("presplit");
         }
         self.extent = Some(extent);
         let quantizer = Quantizer::new(extent.centers);
-        let pieces = self.fragments.chunk_by(|a, b| a.prim == b.prim);
-        let (n, more) = (mesh.len(), self.fragments.len() - pieces.count());
-        let keys = pages::lend(spare, n + more);
-        let (of_triangles, of_pieces) = keys.split_at_mut(n);
-        of_triangles.par_chunks_mut(GRAIN).enumerate().for_each(|(chunk, keys)| {
-            let first = (chunk * GRAIN) as u32;
-            let prims = first..first + keys.len() as u32;
-            let mut keys = prims.clone().zip(keys);
+        let chunks = &self.presplit.chunks;
+        let more: usize = chunks.iter().map(|chunk| chunk.pieces - chunk.needles).sum();
+        let keys = pages::lend(spare, mesh.len() + more);
+        let (of_triangles, mut of_pieces) = keys.split_at_mut(mesh.len());
+        let mut parts = Vec::with_capacity(of_triangles.len().div_ceil(GRAIN));
+        let mut piece = 0;
+        for (i, of_triangles) in of_triangles.chunks_mut(GRAIN).enumerate() {
+            let (pieces, needles) = chunks.get(i).map_or((0, 0), |chunk| (chunk.pieces, chunk.needles));
+            let (own, others) = of_pieces.split_at_mut(pieces - needles);
+            parts.push((i * GRAIN, of_triangles, own, piece..piece + pieces));
+            (of_pieces, piece) = (others, piece + pieces);
+        }
+        assert!(of_pieces.is_empty());
+        parts.into_par_iter().for_each(|(first, of_triangles, of_pieces, pieces)| {
+            let prims = first as u32..(first + of_triangles.len()) as u32;
+            let mut triangles = prims.clone().zip(&mut *of_triangles);
             quantizer.codes(prims.map(|prim| mesh.bounds_of(prim).center2()), |code| {
-                if let Some((prim, key)) = keys.next() {
-                    key.write(u64::from(code) << 32 | u64::from(prim));
+                if let Some((prim, key)) = triangles.next() {
+                    key.write(key_of(code, prim));
                 }
             });
+            let (mut others, mut last) = (of_pieces.iter_mut(), None);
+            for (i, fragment) in pieces.clone().zip(&self.presplit.fragments[pieces]) {
+                // The first piece of a triangle takes its place.
+                let place = if last.replace(fragment.prim) == Some(fragment.prim) {
+                    others.next().expect("there are places for all but the first of each")
+                } else {
+                    &mut of_triangles[fragment.prim as usize - first]
+                };
+                place.write(key_of(quantizer.code(fragment.bounds.center2()), (mesh.len() + i) as u32));
+            }
+            assert!(others.next().is_none());
         });
-        let (mut of_pieces, mut last) = (of_pieces.iter_mut(), None);
-        for (i, fragment) in self.fragments.iter().enumerate() {
-            let key = key_of(&quantizer, fragment.bounds, n + i);
-            // The first piece of a triangle takes its place.
-            let place = if last.replace(fragment.prim) == Some(fragment.prim) {
-                of_pieces.next().expect("there are places for all but the first of each")
-            } else {
-                &mut of_triangles[fragment.prim as usize]
-            };
-            place.write(key);
-        }
-        assert!(of_pieces.next().is_none());
-        // SAFETY: a key was written for each triangle, and, as just seen, in all places after those.
+        // SAFETY: a key was written for each triangle of each part, and, as seen, in all places after those.
         let keys = unsafe { &mut *(std::ptr::from_mut(keys) as *mut [Key]) };
         watch.lap("codes");
         pages::resize(&mut self.keys, keys.len(), 0);
@@ -101,7 +108,7 @@ impl MortonOrder {
 
     /// What the keys refer to.
     pub fn references<'a>(&'a self, mesh: &'a Mesh) -> References<'a> {
-        References { mesh, fragments: &self.fragments }
+        References { mesh, fragments: &self.presplit.fragments }
     }
 
     /// Box of the scene.
@@ -111,7 +118,7 @@ impl MortonOrder {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.keys.capacity() * size_of::<Key>() + self.fragments.capacity() * size_of::<Fragment>()
+        self.keys.capacity() * size_of::<Key>() + self.presplit.bytes()
     }
 }
 

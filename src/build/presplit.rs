@@ -7,10 +7,10 @@
 //! have a k-th in all. As a needle's piece gets shorter it fills more of its box, twice as much with each
 //! halving, and stops being one. There is no budget to spend: a scene without needles is left as it is.
 
-use super::reference_split::split_reference;
-use super::references::{Fragment, GRAIN};
+use super::in_order::{self, Batch, Place, Spare};
+use super::needle::{Needle, Splitter};
+use super::references::{Extent, Fragment, GRAIN};
 use crate::geometry::{Aabb, Mesh};
-use glam::Vec3A;
 use rayon::prelude::*;
 
 /// Which triangles are presplit.
@@ -31,143 +31,105 @@ impl PresplitConfig {
     pub const NEEDLES: Self = Self { filled: 0.15, min_area: 1.0 / (1 << 15) as f32, max_extra: 0.25 };
 }
 
-/// Most times a triangle is halved.
-const MAX_LEVELS: u32 = 12;
-
-/// A triangle to be split.
-struct Needle {
-    prim: u32,
-    /// Sum of its projections' areas.
-    projected: f32,
-    /// Halvings until its pieces are small or no needles.
-    levels: u32,
+/// Presplit triangles; memory is reused from build to build.
+#[derive(Default)]
+pub(super) struct Presplit {
+    /// The pieces of all needles: in the order of the triangles, those of each in a row.
+    pub fragments: Vec<Fragment>,
+    /// By [`GRAIN`] triangles; none where none is split.
+    pub chunks: Vec<Chunk>,
+    spare: Spare<Pieces>,
 }
 
-/// The pieces of all needles of `mesh`, whose box is `scene`: in the order of the triangles, those of each in a row.
-pub(super) fn presplit(mesh: &Mesh, scene: Aabb, config: &PresplitConfig) -> Vec<Fragment> {
-    let min_area = scene.half_area() * config.min_area;
-    let needles: Vec<Vec<Needle>> = mesh
-        .triangles()
-        .par_chunks(GRAIN)
-        .enumerate()
-        .map(|(chunk, triangles)| {
-            let numbered = (chunk as u32 * GRAIN as u32..).zip(triangles);
-            numbered
-                .filter_map(|(prim, triangle)| needle(mesh.corners_of(triangle), prim, min_area, config))
-                .collect()
-        })
-        .collect();
-    let extra: u64 = needles.iter().flatten().map(|needle| (1 << needle.levels) - 1).sum();
-    if extra > (mesh.len() as f64 * f64::from(config.max_extra)) as u64 {
-        return Vec::new();
-    }
-    let splitter = Splitter { grid: Grid::new(scene), min_area, filled: config.filled };
-    let pieces: Vec<Vec<Fragment>> = needles
-        .par_iter()
-        .map(|needles| {
-            let mut pieces = Vec::new();
-            for needle in needles {
-                let corners = mesh.corners(needle.prim);
-                splitter.split(corners, Aabb::of_triangle(corners), needle, &mut pieces);
-            }
-            pieces
-        })
-        .collect();
-    pieces.concat()
+/// What was split of [`GRAIN`] triangles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Chunk {
+    /// The triangles that are split.
+    pub needles: usize,
+    /// Their pieces.
+    pub pieces: usize,
+    /// What bounds the pieces.
+    pub extent: Extent,
 }
 
-/// The triangle as a needle, if it is one with a box larger than `min_area`.
-#[inline]
-fn needle(corners: [Vec3A; 3], prim: u32, min_area: f32, config: &PresplitConfig) -> Option<Needle> {
-    let area = Aabb::of_triangle(corners).half_area();
-    if area <= min_area {
-        return None;
-    }
-    let projected = projected_area(corners);
-    (projected < config.filled * area).then(|| Needle {
-        prim,
-        projected,
-        levels: halvings(((area / min_area).log2() * 0.5).min((config.filled * area / projected).log2())),
-    })
-}
-
-fn halvings(levels: f32) -> u32 {
-    (levels.ceil() as u32).clamp(1, MAX_LEVELS)
-}
-
-/// The sum of the areas of a triangle's projections on the coordinate planes: each lies in a face of its box,
-/// and the three faces' areas are half the box's.
-fn projected_area(corners: [Vec3A; 3]) -> f32 {
-    let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).abs();
-    0.5 * normal.element_sum()
-}
-
-/// Splits needles.
-struct Splitter {
-    grid: Grid,
-    min_area: f32,
-    filled: f32,
-}
-
-impl Splitter {
-    /// Appends the pieces of a needle, in order along it.
-    fn split(&self, corners: [Vec3A; 3], bounds: Aabb, needle: &Needle, pieces: &mut Vec<Fragment>) {
-        let mut stack = arrayvec::ArrayVec::<_, { MAX_LEVELS as usize + 2 }>::new();
-        stack.push((bounds, 0));
-        while let Some((bounds, level)) = stack.pop() {
-            let area = bounds.half_area();
-            // A piece halved `level` times is about as much shorter.
-            let projected = needle.projected / (1 << level) as f32;
-            let is_needle = level < needle.levels && area > self.min_area && projected < self.filled * area;
-            if is_needle && let Some((axis, plane)) = self.grid.central_plane(bounds) {
-                let halves = split_reference(&corners, bounds, axis, plane);
-                if halves.iter().any(|half| !half.is_empty()) {
-                    let [left, right] = halves;
-                    stack.extend([right, left].into_iter().filter(|b| !b.is_empty()).map(|b| (b, level + 1)));
-                    continue;
-                }
-            }
-            pieces.push(Fragment { bounds, prim: needle.prim });
+impl Presplit {
+    /// Splits the needles of `mesh`, whose box is `scene`.
+    pub fn split(&mut self, mesh: &Mesh, scene: Aabb, config: &PresplitConfig) {
+        self.clear();
+        let min_area = scene.half_area() * config.min_area;
+        let needles: Vec<Vec<Needle>> = mesh
+            .triangles()
+            .par_chunks(GRAIN)
+            .enumerate()
+            .map(|(chunk, triangles)| {
+                let numbered = (chunk as u32 * GRAIN as u32..).zip(triangles);
+                numbered
+                    .filter_map(|(prim, triangle)| {
+                        Needle::of(mesh.corners_of(triangle), prim, min_area, config.filled)
+                    })
+                    .collect()
+            })
+            .collect();
+        let count = needles.iter().map(|needles| needles.len() as u64).sum::<u64>();
+        let pieces = needles.iter().flatten().map(Needle::most_pieces).sum::<u64>();
+        if pieces - count > (mesh.len() as f64 * f64::from(config.max_extra)) as u64 {
+            return;
         }
+        let splitter = Splitter::new(scene, min_area, config.filled);
+        let Self { fragments, chunks, spare } = self;
+        in_order::append(needles.len(), spare, fragments, chunks, |i, pieces: &mut Pieces| {
+            for needle in &needles[i] {
+                let corners = mesh.corners(needle.prim);
+                splitter.split(corners, Aabb::of_triangle(corners), needle, &mut pieces.fragments);
+            }
+            pieces.count(needles[i].len());
+        });
+    }
+
+    /// Splits none.
+    pub fn clear(&mut self) {
+        self.fragments.clear();
+        self.chunks.clear();
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let mut fragments = self.fragments.capacity();
+        self.spare.for_each(|pieces| fragments += pieces.fragments.capacity());
+        fragments * size_of::<Fragment>() + self.chunks.capacity() * size_of::<Chunk>()
     }
 }
 
-/// Cells per axis of the grid whose planes split needles.
-const CELLS: f32 = (1 << 16) as f32;
-
-/// A grid over the scene. Needles that lie side by side are cut by the same planes, so that their pieces fit
-/// into the same nodes.
-struct Grid {
-    origin: Vec3A,
-    extent: Vec3A,
-    /// Cells per unit.
-    scale: Vec3A,
+/// The pieces of a chunk's needles.
+#[derive(Default)]
+struct Pieces {
+    fragments: Vec<Fragment>,
+    chunk: Option<Chunk>,
 }
 
-impl Grid {
-    fn new(scene: Aabb) -> Self {
-        let extent = scene.extent().max(Vec3A::ZERO);
-        let scale =
-            Vec3A::select(extent.cmpgt(Vec3A::splat(1e-30)), Vec3A::splat(CELLS) / extent, Vec3A::ZERO);
-        Self { origin: scene.min, extent, scale }
+impl Pieces {
+    /// All pieces of so many triangles are there.
+    fn count(&mut self, needles: usize) {
+        let extent = self.fragments.iter().fold(Extent::EMPTY, |all, fragment| all.grow(fragment.bounds));
+        self.chunk = Some(Chunk { needles, pieces: self.fragments.len(), extent });
+    }
+}
+
+impl Batch for Pieces {
+    type A = Fragment;
+    type B = Chunk;
+
+    fn elements(&self) -> (&[Fragment], &[Chunk]) {
+        (&self.fragments, self.chunk.as_slice())
     }
 
-    /// The plane that halves the largest cells among those that cross the middle half of the longest edge of
-    /// `bounds`, or its very middle where there is none: the two halves should be alike first, a piece be of few
-    /// cells second.
-    fn central_plane(&self, bounds: Aabb) -> Option<(usize, f32)> {
-        let extent = bounds.extent();
-        let axis = extent.max_position();
-        let middle = bounds.center()[axis];
-        let cell = |x: f32| ((x - self.origin[axis]) * self.scale[axis]).clamp(0.0, CELLS - 1.0) as u32;
-        let (low, high) = (cell(middle - 0.25 * extent[axis]), cell(middle + 0.25 * extent[axis]));
-        let plane = if low == high {
-            middle
-        } else {
-            let bit = 31 - (low ^ high).leading_zeros();
-            self.origin[axis] + self.extent[axis] * ((high >> bit << bit) as f32 / CELLS)
-        };
-        (bounds.min[axis] < plane && plane < bounds.max[axis]).then_some((axis, plane))
+    fn moved(fragment: &Fragment, _: Place) -> Fragment {
+        *fragment
+    }
+
+    fn clear(&mut self) {
+        self.fragments.clear();
+        self.chunk = None;
     }
 }
 
@@ -181,7 +143,9 @@ mod tests {
     }
 
     fn presplit_all(mesh: &Mesh, config: &PresplitConfig) -> Vec<Fragment> {
-        presplit(mesh, mesh.bounds(), config)
+        let mut presplit = Presplit::default();
+        presplit.split(mesh, mesh.bounds(), config);
+        presplit.fragments
     }
 
     /// Diagonal needles, some of no area at all, all through one box.

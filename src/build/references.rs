@@ -59,7 +59,8 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    const EMPTY: Self = Self { bounds: Aabb::EMPTY, centers: Aabb::EMPTY };
+    /// Of nothing.
+    pub const EMPTY: Self = Self { bounds: Aabb::EMPTY, centers: Aabb::EMPTY };
 
     /// Looks at all triangles of `mesh`.
     pub fn of(mesh: &Mesh) -> Self {
@@ -74,10 +75,12 @@ impl Extent {
                 }
                 Self { bounds, centers }
             })
-            .reduce(
-                || Self::EMPTY,
-                |a, b| Self { bounds: a.bounds.union(b.bounds), centers: a.centers.union(b.centers) },
-            )
+            .reduce(|| Self::EMPTY, Self::union)
+    }
+
+    /// The extent of both.
+    pub fn union(self, other: Self) -> Self {
+        Self { bounds: self.bounds.union(other.bounds), centers: self.centers.union(other.centers) }
     }
 
     /// The extent with another reference.

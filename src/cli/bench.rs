@@ -40,6 +40,9 @@ pub struct Arguments {
     /// Visits to each builder [default: 5; 4 for the built-in set]
     #[arg(long, value_name = "N")]
     rounds: Option<usize>,
+    /// Seconds for each scene, at least: rounds are added until they are over
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    seconds: u64,
     /// Threads for each side [default: all processors]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -101,6 +104,7 @@ impl Arguments {
             views: self.views,
             max_depth: 8,
             rounds: self.rounds.unwrap_or(if quick { 4 } else { 5 }),
+            seconds: self.seconds,
             threads: self.threads.unwrap_or_else(super::all_threads),
             seed: self.seed,
             build_only: self.build_only,
@@ -220,8 +224,12 @@ fn outline(plan: &Plan, folder: &Path) -> String {
         format!("{} views of {} x {} pixels", settings.views, settings.width, settings.height)
     };
     let (rounds, threads) = (settings.rounds, settings.threads);
+    let more = match settings.seconds {
+        0 => String::new(),
+        seconds => format!(", more where a scene takes less than {seconds} seconds"),
+    };
     text + &format!(
-        "{visits} visits in {rounds} rounds, {threads} threads, {rays}, into {}",
+        "{visits} visits in {rounds} rounds{more}, {threads} threads, {rays}, into {}",
         folder.display()
     )
 }

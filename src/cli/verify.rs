@@ -37,6 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         views: arguments.views,
         max_depth: 8,
         rounds: 1,
+        seconds: 0,
         threads: arguments.threads.unwrap_or_else(super::all_threads),
         seed: 1,
         one_thread: false,

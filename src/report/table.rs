@@ -50,12 +50,17 @@ pub fn heading(rows: &[Row]) -> String {
     format!("# Run {id}\n\n{utc}, revision {revision}; {engines}\n\n")
 }
 
+/// How many rounds rows had, or from how many to how many.
+pub fn rounds<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
+    let (least, most) =
+        rows.fold((u32::MAX, 0), |(least, most), row| (least.min(row.rounds), most.max(row.rounds)));
+    if least >= most { most.to_string() } else { format!("{least} to {most}") }
+}
+
 /// What the columns of the scenes' tables mean.
 fn legend(rows: &[Row]) -> String {
     let Some(row) = rows.first() else { return String::new() };
-    let rounds = || rows.iter().filter(|row| row.error.is_empty()).map(|row| row.rounds);
-    let (least, most) = (rounds().min().unwrap_or(0), rounds().max().unwrap_or(0));
-    let rounds = if least == most { most.to_string() } else { format!("{least} to {most}") };
+    let rounds = rounds(rows.iter().filter(|row| row.error.is_empty()));
     let kernel = if kernels_are_mixed(rows, &scenes(rows)) {
         "under the same kernel, or where it was not traced under that, under Embree's: tree and kernel together"
     } else {

@@ -5,7 +5,7 @@ use crate::build::areas::{PART, PARTS, STEP};
 use crate::build::lbvh::{AuxiliaryConfig, Clusters};
 use crate::build::morton::Quantizer;
 use crate::build::morton_order::MIDDLE_DEPTH;
-use crate::build::presplit::presplit;
+use crate::build::presplit::Presplit;
 use crate::geometry::{Aabb, Mesh};
 use std::rc::Rc;
 
@@ -93,9 +93,12 @@ pub fn lbvh(mesh: &Mesh, config: &AuxiliaryConfig) -> Option<(Rc<Tree>, f32)> {
     let triangles = (0..mesh.len() as u32).map(|prim| Reference { prim, bounds: mesh.bounds_of(prim) });
     let mut references: Vec<Reference> = triangles.collect();
     let mut centers: Aabb = references.iter().fold(Aabb::EMPTY, |all, r| all.grow(r.bounds.center2()));
-    let pieces = config.presplit.map_or(Vec::new(), |config| presplit(mesh, mesh.bounds(), &config));
+    let mut presplit = Presplit::default();
+    if let Some(config) = &config.presplit {
+        presplit.split(mesh, mesh.bounds(), config);
+    }
     let mut is_split = vec![false; mesh.len()];
-    for piece in pieces {
+    for piece in presplit.fragments {
         centers = centers.grow(piece.bounds.center2());
         let reference = Reference { prim: piece.prim, bounds: piece.bounds };
         // The first piece of a triangle takes its place, the others come at the end.

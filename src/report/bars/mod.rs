@@ -6,7 +6,7 @@ pub mod judge;
 pub mod list;
 
 use super::grid::{Grid, short};
-use super::table::remarks;
+use super::table::{remarks, rounds};
 use crate::bench::records::Row;
 use growth::growth;
 use judge::{Judge, Judged, is_at_least, is_of_bytes};
@@ -99,9 +99,10 @@ fn measured(rows: &[Row]) -> String {
     let mut ids: Vec<&str> = Vec::new();
     let mut runs: Vec<String> = Vec::new();
     for row in rows {
-        let Row { run_id, utc, git_rev, threads, rounds, .. } = row;
+        let Row { run_id, utc, git_rev, threads, .. } = row;
         if !ids.contains(&run_id.as_str()) {
             ids.push(run_id);
+            let rounds = rounds(rows.iter().filter(|row| row.run_id == *run_id && row.error.is_empty()));
             runs.push(format!("{utc}, revision {git_rev}, threads: {threads}, rounds: {rounds}"));
         }
     }
