@@ -4,15 +4,15 @@
 #![allow(missing_docs)] // criterion's macros make undocumented functions
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use phr::{build, scene};
+use phr::{builders, scene};
 
 fn builders(criterion: &mut Criterion) {
     for name in ["rooms", "hair"] {
         let scene = scene::generator(name).expect("a built-in scene").generate();
         let mut group = criterion.benchmark_group(format!("build/{name}"));
         group.sample_size(10).throughput(Throughput::Elements(scene.mesh.len() as u64));
-        for builder in build::NAMES {
-            let mut builder = build::by_name(builder).expect("a name of the list");
+        for builder in builders::NAMES {
+            let mut builder = builders::by_name(builder).expect("a name of the list");
             group.bench_function(BenchmarkId::from_parameter(builder.name()), |bencher| {
                 bencher.iter(|| builder.build(&scene.mesh));
             });

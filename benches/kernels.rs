@@ -6,12 +6,12 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use phr::geometry::{Hit, Tracer};
 use phr::trace::{BvhTracer, Isa, PathSettings, RayKind, record};
-use phr::{build, scene};
+use phr::{builders, scene};
 
 fn kernels(criterion: &mut Criterion) {
     for name in ["rooms", "hair"] {
         let scene = scene::generator(name).expect("a built-in scene").generate();
-        let tree = build::by_name("phr-hq").expect("a name of the list").build(&scene.mesh).tree;
+        let tree = builders::by_name("phr-hq").expect("a name of the list").build(&scene.mesh).tree;
         let settings = PathSettings { width: 128, height: 128, ..PathSettings::default() };
         let batches = record(&BvhTracer::new(&tree), &scene.mesh, &scene.views[0], &settings).batches;
         for kind in RayKind::ALL {

@@ -7,7 +7,7 @@
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use phr::build::steps::{Steps, Traffic, Way};
+use phr::builders::steps::{Steps, Traffic, Way};
 use phr::geometry::Mesh;
 use phr::scene;
 use rayon::ThreadPool;

@@ -4,7 +4,7 @@
 
 #![cfg(all(feature = "embree", feature = "files"))]
 
-use phr::build;
+use phr::builders;
 use phr::embree::{Config, Device, EmbreeBuilder, Width};
 use phr::geometry::{Hit, Tracer};
 use phr::scene::{self, Scene};
@@ -37,8 +37,8 @@ fn check(scene: &Scene) {
     let device = Device::new(&config).unwrap();
     let embree = device.prepare(&scene.mesh).unwrap().commit().unwrap();
     let settings = PathSettings { width: 48, height: 48, max_depth: 8, seed: 5 };
-    for name in build::NAMES {
-        let tree = build::by_name(name).unwrap().build(&scene.mesh).tree;
+    for name in builders::NAMES {
+        let tree = builders::by_name(name).unwrap().build(&scene.mesh).tree;
         tree.validate(&scene.mesh).unwrap_or_else(|invalid| panic!("{name} on {}: {invalid}", scene.name));
         for isa in [Isa::Scalar, Isa::best()] {
             let ours = BvhTracer::with_isa(&tree, isa);

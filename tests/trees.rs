@@ -1,6 +1,6 @@
 //! Every builder on every awkward input: the tree is whole, and the same at any number of threads.
 
-use phr::build::{self, Best, BestConfig, Build, Builder as _, Costs, OptimiseConfig, Phr, PhrConfig};
+use phr::builders::{self, Best, BestConfig, Build, Builder as _, Costs, OptimiseConfig, Phr, PhrConfig};
 use phr::bvh::{Bvh4, Child, Link, sah_cost};
 use phr::geometry::Mesh;
 
@@ -101,14 +101,14 @@ fn awkward() -> Vec<(&'static str, Mesh)> {
 
 fn build_with(threads: usize, name: &str, mesh: &Mesh) -> Build {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let mut builder = build::by_name(name).unwrap();
+    let mut builder = builders::by_name(name).unwrap();
     pool.install(|| builder.build(mesh))
 }
 
 #[test]
 fn every_tree_is_whole_and_the_same_at_any_thread_count() {
     for (input, mesh) in awkward() {
-        for name in build::NAMES.iter().chain(build::ABLATION) {
+        for name in builders::NAMES.iter().chain(builders::ABLATION) {
             let build = build_with(1, name, &mesh);
             if let Err(invalid) = build.tree.validate(&mesh) {
                 panic!("{name} on {input}: {invalid}");
@@ -124,8 +124,8 @@ fn every_tree_is_whole_and_the_same_at_any_thread_count() {
 #[test]
 fn a_used_builder_builds_the_same_tree_as_a_new_one() {
     let (first, second) = (random_soup(20_000, 5.0), needles(3000));
-    for name in build::NAMES {
-        let mut used = build::by_name(name).unwrap();
+    for name in builders::NAMES {
+        let mut used = builders::by_name(name).unwrap();
         used.build(&first);
         assert!(used.build(&second).tree == build_with(1, name, &second).tree, "{name}");
     }
@@ -134,7 +134,7 @@ fn a_used_builder_builds_the_same_tree_as_a_new_one() {
 #[test]
 fn four_triangles_are_one_quartet() {
     let mesh = soup((0..4).map(|i| [[i as f32, 0., 0.], [i as f32 + 1.0, 0., 0.], [i as f32, 1., 1.]]));
-    for name in build::NAMES {
+    for name in builders::NAMES {
         let tree = build_with(1, name, &mesh).tree;
         assert_eq!(tree.root.get(), Child::Leaf { first: 0, count: 1 }, "{name}");
         assert_eq!(sah_cost(&tree), 1.0, "{name}");
@@ -147,7 +147,7 @@ fn two_distant_quartets_cost_what_a_hand_says() {
     // the whole is 10 x 1 x 0, half area 10, so 1 + (1 * 1 + 1 * 1) / 10.
     let triangle = |x: f32| [[x, 0., 0.], [x + 1.0, 0., 0.], [x, 1., 0.]];
     let mesh = soup([0., 0., 0., 0., 9., 9., 9., 9.].map(triangle));
-    for name in build::NAMES {
+    for name in builders::NAMES {
         let tree: Bvh4 = build_with(1, name, &mesh).tree;
         assert!((sah_cost(&tree) - 1.2).abs() < 1e-6, "{name}: {}", sah_cost(&tree));
     }

@@ -4,7 +4,7 @@
 use super::facts::{Builds, Facts, OnOneThread};
 use super::load::{Accounts, least_disturbed};
 use super::plan::Settings;
-use crate::build::{self, Build, Builder};
+use crate::builders::{self, Build, Builder};
 use crate::bvh::{Statistics, WideBvh};
 use crate::geometry::{Mesh, Ray, Tracer};
 use crate::trace::{BvhTracer, Isa, RayKind, TraversalCounts};
@@ -94,7 +94,7 @@ pub fn place(builder: &str) -> usize {
 
 /// All cells of this program, in the table's order.
 pub fn cells(build_only: bool) -> Vec<Cell> {
-    let ours = build::NAMES.iter().chain(build::ABLATION).map(|name| Cell {
+    let ours = builders::NAMES.iter().chain(builders::ABLATION).map(|name| Cell {
         builder: (*name).into(),
         width: 4,
         kernels: super::embree_side::kernels_of_ours(),
@@ -189,7 +189,7 @@ pub struct Shown<'a> {
 /// # Errors
 /// A builder that failed or was not the one asked for, in one line.
 pub fn visit(cell: &Cell, visit: &Visit<'_>, observer: &mut dyn FnMut(Shown<'_>)) -> Result<(), String> {
-    match build::by_name(&cell.builder) {
+    match builders::by_name(&cell.builder) {
         Some(builder) => {
             ours(builder, visit, observer);
             Ok(())

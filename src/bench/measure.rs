@@ -243,7 +243,7 @@ mod tests {
     use super::super::facts::{Builds, Facts};
     use super::super::rays;
     use super::*;
-    use crate::build;
+    use crate::builders;
     use crate::geometry::{Dropped, Hit, Mesh, Ray};
     use crate::trace::BvhTracer;
 
@@ -286,7 +286,7 @@ mod tests {
     /// Runs `test` with a bench over the sheet and the reference's own tree.
     fn with_bench(test: impl FnOnce(&mut Bench<'_>, &dyn Tracer)) {
         let scene = scene();
-        let built = build::by_name("lbvh").unwrap().build(&scene.mesh);
+        let built = builders::by_name("lbvh").unwrap().build(&scene.mesh);
         let tracer = BvhTracer::new(&built.tree);
         let settings = Settings {
             width: 16,

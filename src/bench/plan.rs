@@ -239,7 +239,7 @@ fn cells(builders: &[String], build_only: bool) -> Result<Vec<Cell>, PlanError> 
         }
     }
     let wanted = |cell: &Cell| match builders {
-        [] => !crate::build::ABLATION.contains(&cell.builder.as_str()),
+        [] => !crate::builders::ABLATION.contains(&cell.builder.as_str()),
         _ => builders.contains(&cell.builder),
     };
     Ok(all.into_iter().filter(wanted).collect())
@@ -324,7 +324,8 @@ mod tests {
         };
         let all = lines(None);
         assert!(
-            all.len() >= 2 * crate::build::NAMES.len() && all.iter().all(|line| line.split(' ').count() == 4)
+            all.len() >= 2 * crate::builders::NAMES.len()
+                && all.iter().all(|line| line.split(' ').count() == 4)
         );
         let hq: Vec<String> = names.iter().map(|name| format!("{name} phr-hq 4 phr")).collect();
         assert_eq!(lines(Some("phr-hq 4 phr$")), hq);

@@ -2,7 +2,7 @@
 
 use crate::bench::contender::{Cell, Kernel, Shown, Visit};
 use crate::bench::environment::Library;
-use crate::build;
+use crate::builders;
 use crate::bvh::WideBvh;
 use crate::geometry::{Mesh, Tracer};
 use crate::trace::BvhTracer;
@@ -46,7 +46,7 @@ pub fn reference(
     pool: &ThreadPool,
     observer: &mut dyn FnMut(&dyn Tracer),
 ) -> Result<(), String> {
-    let builder = build::NAMES.last().and_then(|name| build::by_name(name));
+    let builder = builders::NAMES.last().and_then(|name| builders::by_name(name));
     let mut builder = builder.ok_or("this program has no builders")?;
     let built = pool.install(|| builder.build(mesh));
     observer(&BvhTracer::new(&built.tree));

@@ -225,7 +225,7 @@ fn part_by_middle(centers: &mut [Vec4]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::build::morton_order;
+    use crate::builders::morton_order;
 
     #[test]
     fn parts_are_those_of_runs_in_the_same_order() {

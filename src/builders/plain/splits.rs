@@ -1,6 +1,6 @@
 //! Object and spatial splits by their definitions.
 
-use crate::build::split_cost::Weight;
+use crate::builders::split_cost::Weight;
 use crate::geometry::Aabb;
 
 /// The members of the left side of the object split of least cost (paper 4.2, equation 1).

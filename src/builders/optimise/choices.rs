@@ -27,7 +27,7 @@ impl Costs {
     pub const EMBREE: Self = Self { node: 1.0, leaf: 0.5, block: 0.35, max_leaf: 16 };
 
     /// The same with leaves that a link can tell of.
-    pub(in crate::build) fn possible(self) -> Self {
+    pub(in crate::builders) fn possible(self) -> Self {
         Self { max_leaf: self.max_leaf.min(QUARTET * MAX_LEAF_BLOCKS as u32), ..self }
     }
 
@@ -39,13 +39,13 @@ impl Costs {
 
     /// A leaf of at most a block.
     #[inline]
-    pub(in crate::build) fn block(&self, area: f32, count: u32) -> Solved {
+    pub(in crate::builders) fn block(&self, area: f32, count: u32) -> Solved {
         Solved { cost: [area * self.of_leaf(1); WIDTH - 1], count }
     }
 
     /// A subtree of half area `area` over two others, and what to choose for it.
     #[inline]
-    pub(in crate::build) fn over(&self, area: f32, l: &Solved, r: &Solved) -> (Solved, Choice) {
+    pub(in crate::builders) fn over(&self, area: f32, l: &Solved, r: &Solved) -> (Solved, Choice) {
         let count = l.count + r.count;
         let shared = |slots: u32| {
             let of = |left: u32| (l.cost[left as usize - 1] + r.cost[(slots - left) as usize - 1], left);
@@ -70,7 +70,7 @@ const PARALLEL_LEVELS: u32 = 12;
 
 /// What was chosen for an inner node of the binary tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::build) struct Choice(u32);
+pub(in crate::builders) struct Choice(u32);
 
 impl Choice {
     /// Of a place where nothing was chosen.
@@ -132,7 +132,7 @@ impl Choices {
 
 /// Least costs of a subtree as up to 1, 2, 3 children of a wide node.
 #[derive(Clone, Copy)]
-pub(in crate::build) struct Solved {
+pub(in crate::builders) struct Solved {
     cost: [f32; WIDTH - 1],
     count: u32,
 }

@@ -49,7 +49,7 @@ impl Areas {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::build::lbvh::{Auxiliary, AuxiliaryConfig};
+    use crate::builders::lbvh::{Auxiliary, AuxiliaryConfig};
     use crate::geometry::Mesh;
 
     /// Triangles of edge `size`, `n` by `n` of them `step` apart, on a plain of two triangles.

@@ -223,9 +223,9 @@ impl Bins {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::build::object_split::Sweep;
-    use crate::build::small_sweep::Isa;
-    use crate::build::spatial_split::{SpatialSweep, anywhere};
+    use crate::builders::object_split::Sweep;
+    use crate::builders::small_sweep::Isa;
+    use crate::builders::spatial_split::{SpatialSweep, anywhere};
 
     #[test]
     fn bins_find_the_split_of_the_full_sweep() {

@@ -85,7 +85,7 @@ pub(super) fn order<const MOST: usize>(isa: Isa, centers: &[Vec3A], order: &mut 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::order_by_ranks;
-    use crate::build::lanes::{Avx2, Avx512};
+    use crate::builders::lanes::{Avx2, Avx512};
     use glam::Vec3A;
 
     #[target_feature(enable = "avx512f")]

@@ -2,8 +2,8 @@
 
 use super::cut::Member;
 use super::splits::unions;
-use crate::build::split_cost::Weight;
-use crate::build::subtree_sweep::{HALVE, STEPS};
+use crate::builders::split_cost::Weight;
+use crate::builders::subtree_sweep::{HALVE, STEPS};
 use crate::geometry::Aabb;
 use glam::Vec3A;
 use std::rc::Rc;

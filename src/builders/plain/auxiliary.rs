@@ -1,11 +1,11 @@
 //! The auxiliary BVH (paper 4.7), by bisection of sorted Morton codes.
 
 use super::wide::Wide;
-use crate::build::areas::{PART, PARTS, STEP};
-use crate::build::lbvh::{AuxiliaryConfig, Clusters};
-use crate::build::morton::Quantizer;
-use crate::build::morton_order::MIDDLE_DEPTH;
-use crate::build::presplit::Presplit;
+use crate::builders::areas::{PART, PARTS, STEP};
+use crate::builders::lbvh::{AuxiliaryConfig, Clusters};
+use crate::builders::morton::Quantizer;
+use crate::builders::morton_order::MIDDLE_DEPTH;
+use crate::builders::presplit::Presplit;
 use crate::geometry::{Aabb, Mesh};
 use std::rc::Rc;
 

@@ -88,12 +88,12 @@ impl Optimiser {
 #[cfg(test)]
 mod samples {
     use super::Tree;
-    use crate::build::PhrConfig;
-    use crate::build::areas::Areas;
-    use crate::build::hierarchy::Hierarchy;
-    use crate::build::lbvh::AuxiliaryConfig;
-    use crate::build::rules::Rules;
-    use crate::build::top_down::QUARTET;
+    use crate::builders::PhrConfig;
+    use crate::builders::areas::Areas;
+    use crate::builders::hierarchy::Hierarchy;
+    use crate::builders::lbvh::AuxiliaryConfig;
+    use crate::builders::rules::Rules;
+    use crate::builders::top_down::QUARTET;
     use crate::geometry::Mesh;
 
     /// The tree of PHR-Fast's splits.

@@ -117,8 +117,8 @@ impl Auxiliary {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::build::morton_order::{code, part, reference};
-    use crate::build::references::References;
+    use crate::builders::morton_order::{code, part, reference};
+    use crate::builders::references::References;
     use crate::geometry::Aabb;
 
     fn triangles(n: usize, place: impl Fn(usize) -> [f32; 3]) -> Mesh {

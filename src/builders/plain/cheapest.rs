@@ -3,7 +3,7 @@
 use super::cut::Member;
 use super::subtree::Side;
 use super::wide::Wide;
-use crate::build::optimise::Costs;
+use crate::builders::optimise::Costs;
 use crate::geometry::Aabb;
 
 /// A binary tree, with what it costs as at most one, two and three children of a wide node.

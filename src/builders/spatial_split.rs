@@ -217,7 +217,7 @@ impl Planes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::build::plain::splits;
+    use crate::builders::plain::splits;
     use glam::Vec3A;
 
     fn nodes(boxes: &[[f32; 2]]) -> (Vec<Node>, Aabb) {

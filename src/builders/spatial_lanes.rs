@@ -62,7 +62,7 @@ pub(super) fn search(
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::*;
-    use crate::build::lanes::{Avx2, Avx512};
+    use crate::builders::lanes::{Avx2, Avx512};
 
     #[target_feature(enable = "avx512f")]
     pub(super) unsafe fn avx512(

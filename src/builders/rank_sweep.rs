@@ -109,7 +109,7 @@ impl RankSweep {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::build::object_split::Sweep;
+    use crate::builders::object_split::Sweep;
 
     #[test]
     fn every_instruction_set_finds_the_split_of_the_full_sweep() {

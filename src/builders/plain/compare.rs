@@ -5,9 +5,9 @@ use super::meshes::{
 };
 use super::wide::Wide;
 use super::{hunt, linear, phr};
-use crate::build::small_sweep::Isa;
-use crate::build::upper::RUN;
-use crate::build::{
+use crate::builders::small_sweep::Isa;
+use crate::builders::upper::RUN;
+use crate::builders::{
     Build, Builder, Clusters, Costs, Hunt, HuntConfig, Lbvh, OwnThreshold, Phr, PhrConfig, PresplitConfig,
 };
 use crate::bvh::Bvh4;

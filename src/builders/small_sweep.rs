@@ -78,7 +78,7 @@ pub(super) fn best(isa: Isa, nodes: &[Node], limit: f32, weight: Weight) -> Obje
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::*;
-    use crate::build::lanes::{Avx2, Avx512, Avx512Half};
+    use crate::builders::lanes::{Avx2, Avx512, Avx512Half};
 
     #[target_feature(enable = "avx512f,avx512vl")]
     pub(super) unsafe fn avx512(nodes: &[Node], limit: f32, weight: Weight) -> ObjectSplit {
@@ -204,7 +204,7 @@ fn pass<L: Lanes, const SLOTS: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::build::object_split::Sweep;
+    use crate::builders::object_split::Sweep;
     use crate::geometry::Aabb;
     use glam::Vec3A;
 
