@@ -18,7 +18,10 @@ pub mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
 pub mod geometry;
+mod memory;
+mod parallel;
 pub mod scene;
+mod simd;
 pub mod trace;
 
 #[cfg(feature = "harness")]

@@ -1,13 +1,13 @@
 //! Build-from-hierarchy with cuts of constant length (Hunt, Mark, Fussell 2007, adapted to BVHs as in paper 5):
 //! PHR's recursion, refined by opening the largest nodes until the cut is long enough, without spatial splits.
 
-use super::binary::BinaryTree;
-use super::cut::{Growing, open};
-use super::hierarchy::Hierarchy;
-use super::lbvh::AuxiliaryConfig;
-use super::rules::{Refine, Rules};
-use super::side::Side;
-use super::{Build, Builder};
+use crate::builders::binary::BinaryTree;
+use crate::builders::builder::{Build, Builder};
+use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
+use crate::builders::phr::cut::{Growing, open};
+use crate::builders::phr::hierarchy::Hierarchy;
+use crate::builders::phr::policy::{Refine, Rules};
+use crate::builders::phr::side::Side;
 use crate::bvh::Bvh4;
 use crate::geometry::{Aabb, Mesh};
 
@@ -70,7 +70,7 @@ impl Hunt {
 
     /// The same with other instructions, which the processor must have.
     #[cfg(test)]
-    pub(super) fn with_isa(mut self, isa: super::small_sweep::Isa) -> Self {
+    pub(crate) fn with_isa(mut self, isa: crate::builders::split::object::lanes::Isa) -> Self {
         self.hierarchy.isa = isa;
         self
     }

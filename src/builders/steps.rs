@@ -1,27 +1,27 @@
 //! The steps of a build, each on its own, for `benches/steps.rs`: no stable interface.
 
-use super::Phase;
-use super::binary::Node;
-use super::bins::Bins;
-use super::cut::{Growing, SPACE};
-use super::in_order::Batch;
-use super::initial_cut::initial_cut;
-use super::lbvh::{Auxiliary, AuxiliaryConfig};
-use super::morton_order::reference;
-use super::object_split::{ObjectSplit, Sweep};
-use super::phr::{PhrConfig, Threshold};
-use super::piece::Piece;
-use super::rank_sweep::{self, RankSweep};
-use super::rules::Refine;
-use super::side::Side;
-use super::small_sweep::{self, Isa};
-use super::spatial_split::{SpatialSweep, anywhere};
-use super::split_cost::Weight;
-use super::subtree_sweep::SubtreeSweep;
-use super::subtrees::Subtrees;
-use super::top_down::{QUARTET, WIDTH};
+use crate::builders::binary::Node;
+use crate::builders::binary::subtrees::Subtrees;
+use crate::builders::builder::Phase;
+use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};
+use crate::builders::lbvh::sort::reference;
+use crate::builders::phr::cut::{Growing, SPACE};
+use crate::builders::phr::initial_cut::initial_cut;
+use crate::builders::phr::policy::Refine;
+use crate::builders::phr::side::Side;
+use crate::builders::phr::{PhrConfig, Threshold};
+use crate::builders::split::cost::Weight;
+use crate::builders::split::object::bins::Bins;
+use crate::builders::split::object::lanes::{self, Isa};
+use crate::builders::split::object::ranks::{self, RankSweep};
+use crate::builders::split::object::{ObjectSplit, Sweep};
+use crate::builders::split::spatial::{SpatialSweep, anywhere};
+use crate::builders::split::sweep_sah::SubtreeSweep;
+use crate::builders::wide::top_down::{QUARTET, WIDTH};
+use crate::builders::wide::treelet::Piece;
 use crate::bvh::{Link, TriangleBlock, WideNode};
 use crate::geometry::{Aabb, Mesh};
+use crate::parallel::ordered_append::Batch;
 
 /// Levels over which [`Steps::refine`] halves and refines.
 const LEVELS: u32 = 16;
@@ -220,7 +220,7 @@ impl Way {
         match self {
             Self::Chosen | Self::Sorted => true,
             Self::Binned => len > 2,
-            Self::Ranked => Isa::best() != Isa::Scalar && len <= rank_sweep::LONGEST,
+            Self::Ranked => Isa::best() != Isa::Scalar && len <= ranks::LONGEST,
             Self::Avx2 => Isa::best() != Isa::Scalar && len <= Isa::Avx2.longest(),
             Self::Avx512 => Isa::best() == Isa::Avx512 && len <= Isa::Avx512.longest(),
         }
@@ -263,8 +263,8 @@ impl Cuts {
             Way::Sorted => sorted.best(Isa::Scalar, nodes, bounds, weight),
             Way::Binned => bins.best(nodes, weight.limit(bounds.half_area(), n), weight),
             Way::Ranked => ranks.best(Isa::best(), nodes, weight.limit(bounds.half_area(), n), weight),
-            Way::Avx2 => small_sweep::best(Isa::Avx2, nodes, weight.limit(bounds.half_area(), n), weight),
-            Way::Avx512 => small_sweep::best(Isa::Avx512, nodes, weight.limit(bounds.half_area(), n), weight),
+            Way::Avx2 => lanes::best(Isa::Avx2, nodes, weight.limit(bounds.half_area(), n), weight),
+            Way::Avx512 => lanes::best(Isa::Avx512, nodes, weight.limit(bounds.half_area(), n), weight),
         };
         self.each().map(best).filter(|split| *split == ObjectSplit::NONE).count()
     }

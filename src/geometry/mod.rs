@@ -3,6 +3,7 @@
 mod aabb;
 mod mesh;
 mod ray;
+pub(crate) mod triangle_split;
 
 pub use aabb::Aabb;
 pub use mesh::{Dropped, Mesh, MeshError};

@@ -11,7 +11,7 @@ const BUCKETS: usize = 1 << (31 - SHIFT);
 
 /// Nodes that promise most, and the memory to find them.
 #[derive(Default)]
-pub(super) struct Candidates {
+pub(crate) struct Candidates {
     /// The nodes, by index.
     pub nodes: Vec<u32>,
     /// The bucket of what moving each node could gain; 0 for nothing.

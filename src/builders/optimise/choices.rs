@@ -2,8 +2,8 @@
 //! Ylitie, Karras, Laine 2017): which subtrees become leaves, and how the children of each wide node are shared
 //! out among the subtrees below.
 
-use super::super::top_down::{QUARTET, WIDTH};
 use super::tree::{ROOT, Tree};
+use crate::builders::wide::top_down::{QUARTET, WIDTH};
 use crate::bvh::MAX_LEAF_BLOCKS;
 use rayon::join;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -27,7 +27,7 @@ impl Costs {
     pub const EMBREE: Self = Self { node: 1.0, leaf: 0.5, block: 0.35, max_leaf: 16 };
 
     /// The same with leaves that a link can tell of.
-    pub(in crate::builders) fn possible(self) -> Self {
+    pub(crate) fn possible(self) -> Self {
         Self { max_leaf: self.max_leaf.min(QUARTET * MAX_LEAF_BLOCKS as u32), ..self }
     }
 
@@ -39,13 +39,13 @@ impl Costs {
 
     /// A leaf of at most a block.
     #[inline]
-    pub(in crate::builders) fn block(&self, area: f32, count: u32) -> Solved {
+    pub(crate) fn block(&self, area: f32, count: u32) -> Solved {
         Solved { cost: [area * self.of_leaf(1); WIDTH - 1], count }
     }
 
     /// A subtree of half area `area` over two others, and what to choose for it.
     #[inline]
-    pub(in crate::builders) fn over(&self, area: f32, l: &Solved, r: &Solved) -> (Solved, Choice) {
+    pub(crate) fn over(&self, area: f32, l: &Solved, r: &Solved) -> (Solved, Choice) {
         let count = l.count + r.count;
         let shared = |slots: u32| {
             let of = |left: u32| (l.cost[left as usize - 1] + r.cost[(slots - left) as usize - 1], left);
@@ -70,7 +70,7 @@ const PARALLEL_LEVELS: u32 = 12;
 
 /// What was chosen for an inner node of the binary tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::builders) struct Choice(u32);
+pub(crate) struct Choice(u32);
 
 impl Choice {
     /// Of a place where nothing was chosen.
@@ -108,7 +108,7 @@ impl Choice {
 
 /// A choice for each pair's parent.
 #[derive(Default)]
-pub(super) struct Choices(Vec<AtomicU32>);
+pub(crate) struct Choices(Vec<AtomicU32>);
 
 impl Choices {
     /// Chooses for all of `tree`; returns the wide tree's cost.
@@ -132,7 +132,7 @@ impl Choices {
 
 /// Least costs of a subtree as up to 1, 2, 3 children of a wide node.
 #[derive(Clone, Copy)]
-pub(in crate::builders) struct Solved {
+pub(crate) struct Solved {
     cost: [f32; WIDTH - 1],
     count: u32,
 }
@@ -162,7 +162,7 @@ impl Solver<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::collapse::Collapse;
+    use super::super::emit::Collapse;
     use super::super::samples::{drawn, soup};
     use super::*;
     use crate::bvh::{Bvh4, Child, Link};

@@ -1,24 +1,25 @@
 //! A tree made better before it is one: the binary splits of a recursion are drawn up, subtrees reinserted where they
 //! enlarge the tree least, and the result is collapsed to the cheapest wide tree.
 
+pub(crate) mod best;
 mod candidates;
-pub(super) mod choices;
-mod collapse;
-mod draft;
-mod reinsert;
+pub(crate) mod choices;
+mod emit;
+mod record;
+mod reinsertion;
 mod tree;
 
 pub use choices::Costs;
 
-use super::Stopwatch;
-use super::in_order::Spare;
-use super::top_down::{Memory, TopDown};
+use crate::builders::builder::Stopwatch;
+use crate::builders::wide::top_down::{Memory, TopDown};
 use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
+use crate::parallel::ordered_append::Spare;
 use choices::Choices;
-use collapse::Collapse;
-use draft::Draft;
-use reinsert::Reinsertion;
+use emit::Collapse;
+use record::Draft;
+use reinsertion::Reinsertion;
 use tree::Tree;
 
 /// How much is done, and for which costs.
@@ -39,7 +40,7 @@ impl OptimiseConfig {
 
 /// The binary tree and the memory of the pass, kept from build to build.
 #[derive(Default)]
-pub(super) struct Optimiser {
+pub(crate) struct Optimiser {
     tree: Tree,
     drafts: Spare<Draft>,
     reinsertion: Reinsertion,
@@ -89,11 +90,11 @@ impl Optimiser {
 mod samples {
     use super::Tree;
     use crate::builders::PhrConfig;
-    use crate::builders::areas::Areas;
-    use crate::builders::hierarchy::Hierarchy;
-    use crate::builders::lbvh::AuxiliaryConfig;
-    use crate::builders::rules::Rules;
-    use crate::builders::top_down::QUARTET;
+    use crate::builders::lbvh::area_scale::Areas;
+    use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
+    use crate::builders::phr::hierarchy::Hierarchy;
+    use crate::builders::phr::policy::Rules;
+    use crate::builders::wide::top_down::QUARTET;
     use crate::geometry::Mesh;
 
     /// The tree of PHR-Fast's splits.

@@ -1,7 +1,7 @@
 //! The binary tree that is optimised: two siblings to a cache line, every pair with the way to its parent.
 
-use super::super::pages;
 use crate::geometry::Aabb;
+use crate::memory::huge_pages;
 use glam::{Vec3A, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// A subtree: its box and what is below. The fourth lanes carry bits that no arithmetic looks at.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(crate) struct Node {
     /// Lower corner, and the link.
     lower: Vec4,
     /// Upper corner, and the height or the triangles of a leaf.
@@ -19,7 +19,7 @@ pub(super) struct Node {
 /// Two siblings.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(super) struct Pair(pub [Node; 2]);
+pub(crate) struct Pair(pub [Node; 2]);
 
 /// In a link: where a leaf's triangles are, not a pair's index.
 const LEAF: u32 = 1 << 31;
@@ -106,7 +106,7 @@ impl Pair {
 /// A binary tree over leaves of up to four triangles. Node `i` is half `i % 2` of pair `i / 2`; the root is node 0,
 /// whose sibling is not in use. In pairs that came from a build siblings and the subtrees below are near each other.
 #[derive(Default)]
-pub(super) struct Tree {
+pub(crate) struct Tree {
     /// The nodes.
     pub pairs: Vec<Pair>,
     /// The triangles of the leaves.
@@ -119,21 +119,21 @@ pub(super) struct Tree {
 const CHUNK: usize = 1 << 14;
 
 /// The root's index.
-pub(super) const ROOT: u32 = 0;
+pub(crate) const ROOT: u32 = 0;
 
 impl Tree {
     /// Becomes empty but for a root to be placed, with room for what most trees over `n` triangles need.
     pub fn clear(&mut self, n: usize) {
         self.pairs.clear();
         self.prims.clear();
-        pages::reserve(&mut self.pairs, n / 2 + 64);
-        pages::reserve(&mut self.prims, n + n / 4 + 64);
+        huge_pages::reserve(&mut self.pairs, n / 2 + 64);
+        huge_pages::reserve(&mut self.prims, n + n / 4 + 64);
         self.pairs.push(Pair::UNUSED);
     }
 
     /// Sets the root and tells all pairs their parents.
     pub fn finish(&mut self, root: Node) {
-        pages::reserve(&mut self.parents, self.pairs.len());
+        huge_pages::reserve(&mut self.parents, self.pairs.len());
         self.parents.resize_with(self.pairs.len(), AtomicU32::default);
         *self.parents[0].get_mut() = ROOT;
         self.pairs[0].0[0] = root;

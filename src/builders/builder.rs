@@ -1,0 +1,92 @@
+//! What all builders have in common: a trait, a finished build, its phases and counts.
+
+use crate::bvh::Bvh4;
+use crate::geometry::Mesh;
+use std::time::{Duration, Instant};
+
+/// A named part of a build and how long it took on the wall clock.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Phase {
+    /// What was done: "boxes", "codes", "sort", "auxiliary tree", "cuts", ...
+    pub name: &'static str,
+    /// Wall-clock time.
+    pub duration: Duration,
+}
+
+/// What a builder counted on the way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Counts {
+    /// Binary splits made.
+    pub splits: u64,
+    /// Splits that were spatial (paper 4.4).
+    pub spatial_splits: u64,
+    /// Cut nodes swept over, summed over all splits.
+    pub swept: u64,
+    /// Nodes of the auxiliary tree.
+    pub auxiliary_nodes: u64,
+    /// Bytes held at the peak, temporaries and tree together.
+    pub peak_bytes: u64,
+}
+
+/// A finished build.
+#[derive(Clone, Debug)]
+pub struct Build {
+    /// The tree with its leaf data.
+    pub tree: Bvh4,
+    /// Durations, in order; they add up to the build.
+    pub phases: Vec<Phase>,
+    /// Counts.
+    pub counts: Counts,
+}
+
+/// Builds a BVH. Builders are total: any [`Mesh`], empty ones included, has a tree. They run on the rayon
+/// pool they are called from (`pool.install(|| builder.build(&mesh))`), and the tree is the same at any
+/// number of threads.
+pub trait Builder: Send {
+    /// The name used in commands and records, e.g. `phr-fast`.
+    fn name(&self) -> &'static str;
+
+    /// The parameters, for the records.
+    fn config(&self) -> serde_json::Value;
+
+    /// Builds the tree over all triangles of `mesh`. Temporary memory is kept for the next call.
+    fn build(&mut self, mesh: &Mesh) -> Build;
+
+    /// Gives back a tree that is no longer needed, so that the next one is built in its memory: fresh memory
+    /// costs as much as a good part of a build.
+    fn recycle(&mut self, tree: Bvh4);
+}
+
+impl Build {
+    /// Puts a build together; `temporary` is what the builder held beside the tree, bytes.
+    pub(crate) fn finish(tree: Bvh4, phases: Vec<Phase>, counts: Counts, temporary: usize) -> Self {
+        let peak_bytes = (temporary + tree.bytes()) as u64;
+        Self { tree, phases, counts: Counts { peak_bytes, ..counts } }
+    }
+
+    /// The whole build's duration: the sum of its phases.
+    pub fn duration(&self) -> Duration {
+        self.phases.iter().map(|phase| phase.duration).sum()
+    }
+}
+
+/// Times consecutive phases.
+pub(crate) struct Stopwatch {
+    last: Instant,
+    /// The phases so far.
+    pub phases: Vec<Phase>,
+}
+
+impl Stopwatch {
+    /// Starts the clock.
+    pub fn start() -> Self {
+        Self { last: Instant::now(), phases: Vec::new() }
+    }
+
+    /// Ends a phase.
+    pub fn lap(&mut self, name: &'static str) {
+        let now = Instant::now();
+        self.phases.push(Phase { name, duration: now - self.last });
+        self.last = now;
+    }
+}

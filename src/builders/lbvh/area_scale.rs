@@ -1,0 +1,90 @@
+//! What thresholds of area are relative to. The paper's are relative to the scene's area; choosing its parameters by
+//! the scene is left open there (section 6). In a flat wide city nearly all that is hit is smaller than any threshold
+//! that suits a room, so extensions may be relative to what the scene's own parts measure.
+
+use crate::builders::lbvh::sort::{Key, reference};
+use crate::builders::prims::refs::References;
+use crate::geometry::Aabb;
+use rayon::prelude::*;
+
+/// References of a part of a scene.
+pub(crate) const PART: usize = 2048;
+/// Most parts that are measured.
+pub(crate) const PARTS: usize = 64;
+/// One of so many references of a part is measured.
+pub(crate) const STEP: usize = 64;
+
+/// Half areas of a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Areas {
+    /// Of its box.
+    pub scene: f32,
+    /// Of what thresholds of extensions are relative to: no more than that.
+    pub reference: f32,
+}
+
+impl Areas {
+    /// Those of a scene with the given box.
+    pub fn of(scene: Aabb) -> Self {
+        Self { scene: scene.half_area(), reference: scene.half_area() }
+    }
+
+    /// Those of a scene whose keys are sorted: the reference area is `parts` times the median area of parts of the
+    /// scene, runs of [`PART`] references along the Morton curve.
+    pub fn calibrated(scene: Aabb, keys: &[Key], references: &References<'_>, parts: f32) -> Self {
+        let areas = Self::of(scene);
+        let count = PARTS.min(keys.len() / PART);
+        let area = |i: usize| {
+            let first = i * keys.len() / count;
+            let some = keys[first..first + PART].iter().step_by(STEP);
+            some.map(|&key| references.bounds(reference(key))).collect::<Aabb>().half_area()
+        };
+        let mut measured: Vec<f32> = (0..count).into_par_iter().with_min_len(16).map(area).collect();
+        measured.sort_by(f32::total_cmp);
+        let median = measured.get(count / 2).copied().unwrap_or(f32::INFINITY);
+        Self { reference: areas.scene.min(median * parts), ..areas }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};
+    use crate::geometry::Mesh;
+
+    /// Triangles of edge `size`, `n` by `n` of them `step` apart, on a plain of two triangles.
+    fn city(n: usize, step: f32, size: f32) -> Mesh {
+        let width = n as f32 * step;
+        let mut vertices = vec![[0.0, 0.0, 0.0], [width, 0.0, 0.0], [0.0, width, 0.0], [width, width, 0.0]];
+        for i in 0..n * n {
+            let (x, y) = ((i % n) as f32 * step, (i / n) as f32 * step);
+            vertices.extend([[x, y, 0.0], [x + size, y, size], [x, y + size, size]]);
+        }
+        let of_plain = [[0, 1, 2], [1, 2, 3]];
+        let others = (0..(n * n) as u32).map(|i| [3 * i + 4, 3 * i + 5, 3 * i + 6]);
+        Mesh::new(vertices, of_plain.into_iter().chain(others).collect()).unwrap().0
+    }
+
+    fn areas(mesh: &Mesh, calibration: Option<f32>) -> Areas {
+        let mut auxiliary = Auxiliary::default();
+        auxiliary.build(mesh, &AuxiliaryConfig { calibration, ..AuxiliaryConfig::PAPER });
+        auxiliary.areas
+    }
+
+    #[test]
+    fn areas_are_those_of_parts_where_the_scene_is_large_for_them() {
+        let mesh = city(160, 10.0, 1.0);
+        let scene = mesh.bounds().half_area();
+        assert_eq!(areas(&mesh, None), Areas { scene, reference: scene });
+        // A part of 2048 of the 160 x 160 is about a 12th of the scene, its box up to some times that.
+        let part = areas(&mesh, Some(1.0)).reference / scene;
+        assert!((0.04..0.5).contains(&part), "{part}");
+        let half = areas(&mesh, Some(0.5));
+        assert_eq!((half.scene, half.reference / scene), (scene, 0.5 * part));
+        // No more than the scene's area, nor anything without a part.
+        assert_eq!(areas(&mesh, Some(1e3)), Areas { scene, reference: scene });
+        let small = city(40, 10.0, 1.0);
+        assert_eq!(areas(&small, Some(1e-6)), areas(&small, None));
+        assert_eq!(areas(&Mesh::new(vec![], vec![]).unwrap().0, Some(1.0)).reference, 0.0);
+    }
+}

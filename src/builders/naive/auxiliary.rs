@@ -1,0 +1,179 @@
+//! The auxiliary BVH (paper 4.7), by bisection of sorted Morton codes.
+
+use super::wide::Wide;
+use crate::builders::lbvh::area_scale::{PART, PARTS, STEP};
+use crate::builders::lbvh::auxiliary::{AuxiliaryConfig, Clusters};
+use crate::builders::lbvh::morton::Quantizer;
+use crate::builders::lbvh::sort::MIDDLE_DEPTH;
+use crate::builders::prims::presplit::Presplit;
+use crate::geometry::{Aabb, Mesh};
+use std::rc::Rc;
+
+/// A triangle, or a part of one, with its box.
+#[derive(Clone, Copy)]
+pub struct Reference {
+    pub prim: u32,
+    pub bounds: Aabb,
+}
+
+/// A code and its reference.
+type Item = (u32, Reference);
+
+/// A subtree.
+pub struct Tree {
+    pub bounds: Aabb,
+    /// References below.
+    pub count: u32,
+    pub content: Content,
+}
+
+pub enum Content {
+    Leaf(Vec<Reference>),
+    Node([Rc<Tree>; 2]),
+}
+
+impl Tree {
+    pub fn leaf(references: &[Reference]) -> Rc<Self> {
+        let bounds = references.iter().map(|reference| reference.bounds).collect();
+        let count = references.len() as u32;
+        Rc::new(Self { bounds, count, content: Content::Leaf(references.to_vec()) })
+    }
+
+    /// The same with wide nodes: children of largest area are opened first (paper 4.5).
+    pub fn widened(&self) -> Wide {
+        let mut children = match &self.content {
+            Content::Node(pair) => pair.to_vec(),
+            Content::Leaf(references) => {
+                let mut prims: Vec<u32> = references.iter().map(|reference| reference.prim).collect();
+                prims.sort_unstable();
+                return Wide::Leaf(self.bounds, prims);
+            }
+        };
+        while children.len() < 4 {
+            let mut largest = None;
+            for (i, child) in children.iter().enumerate() {
+                let area = child.bounds.half_area();
+                if let Content::Node(pair) = &child.content
+                    && largest.as_ref().is_none_or(|(_, most, _)| area > *most)
+                {
+                    largest = Some((i, area, pair.clone()));
+                }
+            }
+            let Some((i, _, pair)) = largest else { break };
+            children.splice(i..=i, pair);
+        }
+        Wide::Node(self.bounds, children.iter().map(|child| child.widened()).collect())
+    }
+
+    /// The tree whose subtrees of at most `most` references and half `area` are leaves.
+    fn clustered(self: Rc<Self>, most: u32, area: f32) -> Rc<Self> {
+        let Content::Node([left, right]) = &self.content else { return self };
+        if self.count <= most && self.bounds.half_area() <= area {
+            return Self::leaf(&self.references());
+        }
+        Self::node(left.clone().clustered(most, area), right.clone().clustered(most, area))
+    }
+
+    fn references(&self) -> Vec<Reference> {
+        match &self.content {
+            Content::Leaf(references) => references.clone(),
+            Content::Node(children) => children.iter().flat_map(|child| child.references()).collect(),
+        }
+    }
+
+    fn node(left: Rc<Self>, right: Rc<Self>) -> Rc<Self> {
+        let bounds = left.bounds.union(right.bounds);
+        let count = left.count + right.count;
+        Rc::new(Self { bounds, count, content: Content::Node([left, right]) })
+    }
+}
+
+/// The tree over the triangles of `mesh`, and the half area that thresholds are relative to; `None` without triangles.
+pub fn lbvh(mesh: &Mesh, config: &AuxiliaryConfig) -> Option<(Rc<Tree>, f32)> {
+    let triangles = (0..mesh.len() as u32).map(|prim| Reference { prim, bounds: mesh.bounds_of(prim) });
+    let mut references: Vec<Reference> = triangles.collect();
+    let mut centers: Aabb = references.iter().fold(Aabb::EMPTY, |all, r| all.grow(r.bounds.center2()));
+    let mut presplit = Presplit::default();
+    if let Some(config) = &config.presplit {
+        presplit.split(mesh, mesh.bounds(), config);
+    }
+    let mut is_split = vec![false; mesh.len()];
+    for piece in presplit.fragments {
+        centers = centers.grow(piece.bounds.center2());
+        let reference = Reference { prim: piece.prim, bounds: piece.bounds };
+        // The first piece of a triangle takes its place, the others come at the end.
+        if std::mem::replace(&mut is_split[piece.prim as usize], true) {
+            references.push(reference);
+        } else {
+            references[piece.prim as usize] = reference;
+        }
+    }
+    let quantizer = Quantizer::new(centers);
+    let mut run: Vec<Item> = references.iter().map(|r| (quantizer.code(r.bounds.center2()), *r)).collect();
+    run.sort_by_key(|(code, _)| *code);
+    if run.is_empty() {
+        return None;
+    }
+    let scene = mesh.bounds().half_area();
+    let reference = config.calibration.map_or(scene, |parts| scene.min(parts * area_of_parts(&run)));
+    let root = subtree(&run, 0, config.leaf);
+    let root = match &config.clusters {
+        None => root,
+        Some(Clusters { most, area }) => root.clustered(*most, area * reference),
+    };
+    Some((root, reference))
+}
+
+/// The median half area of some references each of parts of equal length, infinite if there are not enough for one.
+fn area_of_parts(run: &[Item]) -> f32 {
+    let parts = PARTS.min(run.len() / PART);
+    let area = |part: usize| {
+        let first = part * run.len() / parts;
+        let some = (first..first + PART).step_by(STEP);
+        some.map(|i| run[i].1.bounds).collect::<Aabb>().half_area()
+    };
+    let mut areas: Vec<f32> = (0..parts).map(area).collect();
+    areas.sort_by(f32::total_cmp);
+    if parts == 0 { f32::INFINITY } else { areas[parts / 2] }
+}
+
+/// The subtree over a run of sorted codes that has been parted `depth` times by the middle.
+fn subtree(run: &[Item], depth: u32, leaf: u32) -> Rc<Tree> {
+    if run.len() <= leaf as usize {
+        return Tree::leaf(&run.iter().map(|(_, reference)| *reference).collect::<Vec<_>>());
+    }
+    let different = run[0].0 ^ run[run.len() - 1].0;
+    if different != 0 {
+        let bit = 31 - different.leading_zeros();
+        let (left, right): (Vec<_>, Vec<_>) = run.iter().partition(|(code, _)| code >> bit & 1 == 0);
+        return Tree::node(subtree(&left, depth, leaf), subtree(&right, depth, leaf));
+    }
+    // Of one code: at the middle of the centroids' bounds.
+    let mut run = run.to_vec();
+    let half = run.len() / 2;
+    let mut split = half;
+    if run.len() > 2 && depth < MIDDLE_DEPTH {
+        split = to_front(&mut run);
+    }
+    if split == 0 || split == run.len() {
+        split = half;
+    }
+    let (left, right) = run.split_at(split);
+    Tree::node(subtree(left, depth + 1, leaf), subtree(right, depth + 1, leaf))
+}
+
+/// Swaps to the front what lies before the middle of the longest edge of the centroids' bounds; returns how many.
+fn to_front(run: &mut [Item]) -> usize {
+    let center = |item: &Item| item.1.bounds.center2();
+    let centers = run.iter().fold(Aabb::EMPTY, |all, item| all.grow(center(item)));
+    let axis = centers.extent().max_position();
+    let middle = centers.center()[axis];
+    let mut split = 0;
+    for i in 0..run.len() {
+        if center(&run[i])[axis] < middle {
+            run.swap(split, i);
+            split += 1;
+        }
+    }
+    split
+}

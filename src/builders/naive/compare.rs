@@ -1,0 +1,167 @@
+//! The fast builders against the plain ones.
+
+use super::meshes::{
+    beads, clusters, coarse, concentric, geometric, grids, identical, needles, scaled, soup,
+};
+use super::wide::Wide;
+use super::{hunt, linear, phr};
+use crate::builders::lbvh::top_tree::RUN;
+use crate::builders::split::object::lanes::Isa;
+use crate::builders::{
+    Build, Builder, Clusters, Costs, Hunt, HuntConfig, Lbvh, OwnThreshold, Phr, PhrConfig, PresplitConfig,
+};
+use crate::bvh::Bvh4;
+use crate::geometry::Mesh;
+use crate::scene::scalable;
+
+/// Configurations that between them use all that there is.
+fn configs() -> Vec<(&'static str, PhrConfig)> {
+    let presplit = Some(PresplitConfig::NEEDLES);
+    let own_threshold = Some(OwnThreshold { references: 30, area: 1e-2 });
+    let collapse = Some(Costs { node: 1.0, leaf: 0.3, block: 0.4, max_leaf: 20 });
+    vec![
+        ("fast", PhrConfig::FAST),
+        ("hq", PhrConfig::HQ),
+        ("filled cut", PhrConfig { cut_share: 0.1, max_cut: 64, ..PhrConfig::FAST }),
+        ("auxiliary leaves", PhrConfig { auxiliary_leaf: 4, ..PhrConfig::FAST }),
+        ("leaf sweep", PhrConfig { leaf_sweep: 16, max_leaf: 28, ..PhrConfig::FAST }),
+        ("presplit", PhrConfig { presplit, ..PhrConfig::FAST }),
+        ("clipped triangles", PhrConfig { clip_triangles: true, ..PhrConfig::FAST }),
+        ("clusters", PhrConfig { clusters: Some(Clusters { most: 20, area: 3e-2 }), ..PhrConfig::FAST }),
+        ("subtree sweep", PhrConfig { subtree_sweep: 256, ..PhrConfig::FAST }),
+        ("overlap", PhrConfig { overlap_threshold: 1e-2, spatial_threshold: 1e-4, ..PhrConfig::FAST }),
+        (
+            "calibration",
+            PhrConfig {
+                calibration: Some(0.3),
+                clusters: Some(Clusters { most: 20, area: 3e-2 }),
+                ..PhrConfig::FAST
+            },
+        ),
+        ("own threshold", PhrConfig { own_threshold, delta: 2.0, ..PhrConfig::FAST }),
+        ("spatial bias", PhrConfig { spatial_bias: 1.2, spatial_threshold: 1e-4, ..PhrConfig::FAST }),
+        ("speed", PhrConfig::SPEED),
+        ("quality", PhrConfig::QUALITY),
+        ("cheapest", PhrConfig { collapse, subtree_sweep: 20, presplit, ..PhrConfig::HQ }),
+        (
+            "all",
+            PhrConfig {
+                auxiliary_leaf: 4,
+                clusters: Some(Clusters { most: 40, area: 1e-3 }),
+                overlap_threshold: 1e-6,
+                subtree_sweep: 50,
+                leaf_sweep: 32,
+                presplit,
+                clip_triangles: true,
+                spatial_threshold: 1e-6,
+                spatial_bias: 1.1,
+                own_threshold,
+                calibration: Some(2.0),
+                max_references: 4.0,
+                collapse,
+                ..PhrConfig::FAST
+            },
+        ),
+    ]
+}
+
+const HUNT_50: HuntConfig = HuntConfig { cut_length: 50, max_leaf: 8 };
+
+fn small_meshes() -> Vec<(String, Mesh)> {
+    let mut meshes = Vec::new();
+    for n in [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 15, 16, 17, 20, 23, 24, 25, 33, 47, 49, 64, 100, 257, 600] {
+        let seed = n as u64;
+        let size = [0.02, 0.3, 1.0][n % 3];
+        meshes.push((format!("soup of {n}"), soup(n, size, seed)));
+        meshes.push((format!("{n} needles"), needles(n, seed)));
+        meshes.push((format!("{n} on a coarse grid"), coarse(n, [2.0, 5.0, 20.0][n % 3], seed)));
+        meshes.push((format!("{n} in clusters"), clusters(n, seed)));
+        meshes.push((format!("{n} beads"), beads(n, seed)));
+        meshes.push((format!("{n} identical"), identical(n)));
+        meshes.push((format!("{n} concentric"), concentric(n)));
+        meshes.push((format!("{n} geometric"), geometric(n)));
+    }
+    for scale in [1e-38, 1e-20, 1e-3, 1e9, 1e18] {
+        meshes.push((format!("soup of size {scale}"), scaled(500, scale, 5)));
+    }
+    meshes.push(("grids".to_owned(), grids(12)));
+    meshes
+}
+
+fn large_meshes() -> Vec<(&'static str, Mesh)> {
+    vec![
+        ("a large soup", soup(9000, 0.02, 1)),
+        ("many needles", needles(3000, 2)),
+        ("many beads", beads(2500, 6)),
+        ("more beads", beads(4500, 7)),
+        ("large grids", grids(32)),
+        ("a large coarse grid", coarse(6000, 14.0, 3)),
+        ("many in clusters", clusters(9000, 4)),
+        ("many identical", identical(5000)),
+        ("many geometric", geometric(5000)),
+        ("a generated scene", scalable(30_000, 1).mesh),
+        ("another generated scene", scalable(12_000, 2).mesh),
+    ]
+}
+
+fn assert_same(tree: &Bvh4, mesh: &Mesh, expected: Option<&Wide>, what: &str) {
+    assert_eq!(tree.validate(mesh), Ok(()), "{what}");
+    let difference = Wide::difference(Wide::of_tree(tree).as_ref(), expected);
+    assert!(difference.is_none(), "{what}, child {}", difference.unwrap());
+}
+
+/// Compares all builders on a mesh; returns how many spatial splits were made by the configurations.
+fn compare(what: &str, mesh: &Mesh) -> Vec<u64> {
+    let mut spatial_splits = Vec::new();
+    for (name, config) in configs() {
+        let Build { tree, counts, .. } = Phr::new("", config).build(mesh);
+        spatial_splits.push(counts.spatial_splits);
+        assert_same(&tree, mesh, phr(mesh, &config).as_ref(), &format!("{what}, {name}"));
+    }
+    // Runs are made wide each on its own, and nodes over them do not reach into them.
+    if mesh.len() <= RUN {
+        let tree = Lbvh::default().build(mesh).tree;
+        assert_same(&tree, mesh, linear(mesh).as_ref(), &format!("{what}, lbvh"));
+    }
+    let tree = Hunt::new("", HUNT_50).build(mesh).tree;
+    assert_same(&tree, mesh, hunt(mesh, &HUNT_50).as_ref(), &format!("{what}, hunt"));
+    spatial_splits
+}
+
+#[test]
+fn small_trees_are_the_plain_ones_node_for_node() {
+    small_meshes().iter().for_each(|(what, mesh)| {
+        compare(what, mesh);
+    });
+}
+
+#[test]
+fn large_trees_are_the_plain_ones_node_for_node() {
+    let mut spatial_splits = vec![0; configs().len()];
+    for (what, mesh) in large_meshes() {
+        spatial_splits.iter_mut().zip(compare(what, &mesh)).for_each(|(sum, n)| *sum += n);
+    }
+    assert!(spatial_splits.iter().all(|&n| n > 50), "{spatial_splits:?}");
+}
+
+#[test]
+fn trees_are_the_same_with_any_instructions_and_any_number_of_threads() {
+    let pools = [1, 2, 8].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
+    for (what, mesh) in large_meshes() {
+        let same = |name: &str, build: &(dyn Fn(Isa) -> Bvh4 + Sync)| {
+            let expected = build(Isa::Scalar);
+            for isa in Isa::available() {
+                for pool in &pools {
+                    let tree = pool.install(|| build(isa));
+                    let threads = pool.current_num_threads();
+                    assert!(tree == expected, "{what}, {name}: {isa:?}, {threads} threads");
+                }
+            }
+        };
+        for (name, config) in configs() {
+            same(name, &|isa| Phr::new("", config).with_isa(isa).build(&mesh).tree);
+        }
+        same("lbvh", &|_| Lbvh::default().build(&mesh).tree);
+        same("hunt", &|isa| Hunt::new("", HUNT_50).with_isa(isa).build(&mesh).tree);
+    }
+}

@@ -1,0 +1,371 @@
+//! The builders over cuts as the paper writes them down (Hendrich, Meister, Bittner 2017), as simple as they can
+//! be: what the fast ones must agree with, node for node.
+
+mod auxiliary;
+mod cheapest;
+mod compare;
+mod cut;
+mod meshes;
+pub(crate) mod splits;
+mod subtree;
+mod wide;
+
+use crate::builders::hunt::HuntConfig;
+use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
+use crate::builders::optimise::Costs;
+use crate::builders::phr::PhrConfig;
+use crate::builders::split::cost::Weight;
+use crate::geometry::triangle_split::split_reference;
+use crate::geometry::{Aabb, Mesh};
+use auxiliary::{Content, lbvh};
+use cheapest::Binary;
+use cut::{Cut, Kind, Member};
+use splits::Plane;
+use wide::Wide;
+
+/// From this depth on references are halved by count.
+const MAX_DEPTH: u32 = 50;
+
+/// PHR.
+pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
+    let scene = mesh.bounds().half_area();
+    let PhrConfig { presplit, auxiliary_leaf: leaf, clusters, calibration, .. } = *config;
+    let (root, reference) = lbvh(mesh, &AuxiliaryConfig { presplit, leaf, clusters, calibration })?;
+    let threshold = |depth: u32| {
+        // Equation 2.
+        let divisor = f64::from(config.alpha * depth as f32 + config.delta).exp2();
+        (f64::from(scene) / divisor) as f32
+    };
+    let builder = Plain {
+        mesh,
+        spatial_above: reference * config.spatial_threshold,
+        max_leaf: if config.collapse.is_some() { 4 } else { config.max_leaf },
+        collapse: config.collapse,
+        // Parts that fit a cache.
+        part: (mesh.len() / 256).clamp(512, 4096) as u32,
+        leaf_sweep: config.leaf_sweep,
+        subtree_sweep: config.subtree_sweep,
+        overlap_above: (config.overlap_threshold > 0.0).then_some(reference * config.overlap_threshold),
+        clip_triangles: config.clip_triangles,
+        spatial_bias: config.spatial_bias,
+        refine: &|side, clip, depth| {
+            let count: u32 = side.iter().map(|member| member.tree.count).sum();
+            let bounds: Aabb = side.iter().map(|member| member.bounds).collect();
+            let own = config.own_threshold.filter(|own| count >= own.references);
+            let threshold =
+                threshold(depth).min(own.map_or(f32::INFINITY, |own| bounds.half_area() * own.area));
+            side.into_iter()
+                .flat_map(|member| {
+                    let stays = member.is_leaf() || member.bounds.half_area() <= threshold;
+                    if stays { vec![member] } else { member.open(clip) }
+                })
+                .collect()
+        },
+    };
+    let (above, len) = config.initial_cut(mesh.len()).unwrap_or((threshold(0), config.max_cut));
+    let members = cut::initial(root, above, len);
+    builder.subtree(&Cut::whole(members, config.max_references))
+}
+
+/// The LBVH itself.
+pub fn linear(mesh: &Mesh) -> Option<Wide> {
+    lbvh(mesh, &AuxiliaryConfig { leaf: 4, ..AuxiliaryConfig::PAPER }).map(|(root, _)| root.widened())
+}
+
+/// The method of Hunt et al. 2007 with cuts of constant length.
+pub fn hunt(mesh: &Mesh, config: &HuntConfig) -> Option<Wide> {
+    let (root, _) = lbvh(mesh, &AuxiliaryConfig::PAPER)?;
+    let builder = Plain {
+        mesh,
+        spatial_above: f32::INFINITY,
+        max_leaf: config.max_leaf,
+        collapse: None,
+        part: 0,
+        leaf_sweep: 0,
+        subtree_sweep: 0,
+        overlap_above: None,
+        spatial_bias: 1.0,
+        clip_triangles: false,
+        refine: &|mut side, clip, _| {
+            loop {
+                let mut inner: Vec<usize> = (0..side.len()).filter(|&i| !side[i].is_leaf()).collect();
+                inner.sort_by(|&a, &b| side[b].bounds.half_area().total_cmp(&side[a].bounds.half_area()));
+                inner.truncate(config.cut_length.saturating_sub(side.len()));
+                if inner.is_empty() {
+                    return side;
+                }
+                let open = |(i, member): (usize, &Member)| {
+                    if inner.contains(&i) { member.open(clip) } else { vec![member.clone()] }
+                };
+                side = side.iter().enumerate().flat_map(open).collect();
+            }
+        },
+    };
+    let members = cut::initial(root, 0.0, config.cut_length);
+    builder.subtree(&Cut::whole(members, 1.0))
+}
+
+/// Opens members of a side of a split, clipped to a box, at a depth.
+type Refine<'a> = dyn Fn(Vec<Member>, &Aabb, u32) -> Vec<Member> + 'a;
+
+struct Plain<'a> {
+    mesh: &'a Mesh,
+    spatial_above: f32,
+    max_leaf: u32,
+    collapse: Option<Costs>,
+    part: u32,
+    leaf_sweep: u32,
+    subtree_sweep: u32,
+    overlap_above: Option<f32>,
+    spatial_bias: f32,
+    clip_triangles: bool,
+    refine: &'a Refine<'a>,
+}
+
+impl Plain<'_> {
+    /// The wide tree over a cut; `None` if clipping left nothing of it.
+    fn subtree(&self, cut: &Cut) -> Option<Wide> {
+        if let Some(costs) = &self.collapse
+            && cut.count() < self.part
+        {
+            return self.binary(cut, costs).map(|root| root.widened());
+        }
+        if cut.kind() != Kind::Inner {
+            return leaf(cut);
+        }
+        Wide::of(self.children(cut).iter().filter_map(|child| self.subtree(child)).collect())
+    }
+
+    /// The binary tree over a cut; `None` if clipping left nothing of it.
+    fn binary(&self, cut: &Cut, costs: &Costs) -> Option<Binary> {
+        if let Some(swept) = &cut.swept {
+            return Some(Binary::pair(swept.sides.each_ref().map(|side| Binary::swept(side, costs)), costs));
+        }
+        if cut.kind() != Kind::Inner {
+            let Wide::Leaf(bounds, prims) = leaf(cut)? else { unreachable!("a leaf") };
+            return Some(Binary::leaf(bounds, prims, costs));
+        }
+        if cut.count() <= self.subtree_sweep && cut.bounds().half_area() <= self.spatial_above {
+            let references = cut.references();
+            return (!references.is_empty()).then(|| Binary::swept(&subtree::sweep(references), costs));
+        }
+        let mut sides: Vec<Binary> =
+            self.split(cut).iter().filter_map(|side| self.binary(side, costs)).collect();
+        let last = sides.pop()?;
+        Some(match sides.pop() {
+            Some(first) => Binary::pair([first, last], costs),
+            None => last,
+        })
+    }
+
+    /// Up to four children: the largest is split first (paper 4.5). Once no inner one is left, a leaf that was
+    /// made only because it is no dearer than a node is split too, as that costs no node here.
+    fn children(&self, cut: &Cut) -> Vec<Cut> {
+        let mut children = vec![cut.clone()];
+        while children.len() < 4 {
+            let largest = |kind: Kind| {
+                let mut found: Option<usize> = None;
+                for (i, child) in children.iter().enumerate() {
+                    let area = child.bounds().half_area();
+                    if child.kind() == kind && found.is_none_or(|f| area > children[f].bounds().half_area()) {
+                        found = Some(i);
+                    }
+                }
+                found
+            };
+            let soft = || if children.len() > 1 { largest(Kind::SoftLeaf) } else { None };
+            let Some(next) = largest(Kind::Inner).or_else(soft) else { break };
+            let sides = self.split(&children[next]);
+            children.splice(next..=next, sides);
+        }
+        children
+    }
+
+    /// Splits a cut in two (paper 3.2, Figure 3): find the split, reorder, refine both sides. One of them may be
+    /// clipped away, and an inner cut may be found to be a leaf.
+    fn split(&self, part: &Cut) -> Vec<Cut> {
+        if part.swept.is_none()
+            && part.count() <= self.subtree_sweep
+            && part.bounds().half_area() <= self.spatial_above
+        {
+            return self.sweep(part);
+        }
+        if let Some(swept) = &part.swept {
+            return swept.sides.iter().map(|side| self.swept(part, side)).collect();
+        }
+        let cut = self.open_for_split(part.clone());
+        match cut.kind() {
+            _ if cut.members.is_empty() => return vec![],
+            Kind::Leaf => return vec![cut],
+            Kind::SoftLeaf | Kind::Inner => {}
+        }
+        let mut clips = [cut.clip; 2];
+        let sides = match self.find(&cut) {
+            Split::Spatial(plane) => {
+                clips = plane.cut(cut.clip).map(|clip| clip.expect("the plane lies inside"));
+                let mut sides = [vec![], vec![]];
+                for member in &cut.members {
+                    let parts = self.parts(member, plane);
+                    for (side, bounds) in sides.iter_mut().zip(parts) {
+                        side.extend(bounds.map(|bounds| Member { bounds, ..member.clone() }));
+                    }
+                }
+                sides
+            }
+            Split::Object(is_left) => [true, false].map(|side| {
+                let members = cut.members.iter().zip(&is_left);
+                members.filter(|(_, is_left)| **is_left == side).map(|(member, _)| member.clone()).collect()
+            }),
+            Split::Halves => {
+                let (left, right) = cut.members.split_at(cut.members.len() / 2);
+                [left.to_vec(), right.to_vec()]
+            }
+        };
+        if part.kind() != Kind::SoftLeaf && self.leaf_is_cheaper(&cut, &sides) {
+            return vec![Cut { is_soft: true, ..cut }];
+        }
+        let references: u32 = sides.iter().flatten().map(|member| member.tree.count).sum();
+        let mut cuts = Vec::new();
+        for (side, clip) in sides.into_iter().zip(clips) {
+            let own: u32 = side.iter().map(|member| member.tree.count).sum();
+            // Room for references is shared in proportion.
+            let share = f64::from(cut.capacity) * f64::from(own) / f64::from(references);
+            let depth = cut.depth + 1;
+            let members = if cut.is_near_leaves { side } else { (self.refine)(side, &clip, depth) };
+            if !members.is_empty() {
+                let capacity = (share as u32).max(own);
+                let is_near_leaves = cut.is_near_leaves;
+                cuts.push(Cut {
+                    members,
+                    clip,
+                    capacity,
+                    depth,
+                    is_near_leaves,
+                    is_soft: false,
+                    swept: None,
+                });
+            }
+        }
+        cuts
+    }
+
+    /// Splits a cut of few references, none of which is to be split spatially, down to its leaves.
+    fn sweep(&self, cut: &Cut) -> Vec<Cut> {
+        let references = cut.references();
+        if references.is_empty() {
+            return vec![];
+        }
+        let whole = self.swept(cut, &subtree::sweep(references));
+        if whole.kind() == Kind::Inner { self.split(&whole) } else { vec![whole] }
+    }
+
+    /// One side of a split of such a cut.
+    fn swept(&self, like: &Cut, side: &subtree::Side) -> Cut {
+        let subtree::Side { members, below } = side.clone();
+        let mut cut = Cut { members, swept: below, is_soft: false, clip: like.clip, ..*like };
+        if let Some(below) = &cut.swept {
+            let sides = below.sides.each_ref().map(|side| side.members.clone());
+            cut.is_soft = self.leaf_is_cheaper(&cut, &sides);
+        }
+        cut
+    }
+
+    /// Opens what has to be for a split: a lone member, and all near the leaves or in too deep a tree.
+    fn open_for_split(&self, mut cut: Cut) -> Cut {
+        while let [lone] = &cut.members[..]
+            && !lone.is_leaf()
+        {
+            cut.members = lone.open(&cut.clip);
+        }
+        let is_lone_leaf = cut.members.len() == 1 && cut.members[0].is_leaf();
+        let is_small = cut.count() <= self.leaf_sweep || is_lone_leaf;
+        if !cut.is_near_leaves && (is_small || cut.depth >= MAX_DEPTH) {
+            cut.members = cut.references();
+            cut.is_near_leaves = true;
+        }
+        cut
+    }
+
+    fn find(&self, cut: &Cut) -> Split {
+        if cut.depth >= MAX_DEPTH {
+            return Split::Halves;
+        }
+        let boxes: Vec<Aabb> = cut.members.iter().map(|member| member.bounds).collect();
+        let weight = if cut.is_near_leaves { Weight::Quartets } else { Weight::Nodes };
+        let object = splits::object(&boxes, weight);
+        let area = cut.bounds().half_area();
+        if area > self.spatial_above
+            && self.may_overlap(object.as_ref(), &boxes)
+            && let Some((cost, plane)) = splits::spatial(&boxes, weight)
+            && cost < area * weight.of(boxes.len())
+        {
+            let object_cost = object.as_ref().map_or(f32::INFINITY, |object| object.cost);
+            let counted = |member: &Member| {
+                let sides = plane.cut(member.bounds).iter().flatten().count();
+                sides as u64 * u64::from(member.tree.count)
+            };
+            let references = cut.members.iter().map(counted).sum::<u64>();
+            let growth = references as f32 / cut.count() as f32;
+            let is_preferred = cost < object_cost || cost * growth < object_cost * self.spatial_bias;
+            if is_preferred && references <= u64::from(cut.capacity) {
+                return Split::Spatial(plane);
+            }
+        }
+        object.map_or(Split::Halves, |object| Split::Object(object.is_left))
+    }
+
+    /// Whether the sides of an object split have enough in common for a spatial split to be tried.
+    fn may_overlap(&self, object: Option<&splits::Object>, boxes: &[Aabb]) -> bool {
+        let (Some(least), Some(object)) = (self.overlap_above, object) else { return true };
+        let side = |is_left: bool| -> Aabb {
+            let members = boxes.iter().zip(&object.is_left);
+            members.filter(|(_, left)| **left == is_left).map(|(bounds, _)| *bounds).collect()
+        };
+        side(true).intersection(side(false)).half_area() > least
+    }
+
+    /// What of a member's box is on both sides of a plane; of a single triangle perhaps the boxes of its parts.
+    fn parts(&self, member: &Member, plane: Plane) -> [Option<Aabb>; 2] {
+        let parts = plane.cut(member.bounds);
+        if let ([Some(_), Some(_)], true, Content::Leaf(references)) =
+            (parts, self.clip_triangles, &member.tree.content)
+            && let [reference] = references[..]
+        {
+            let corners = self.mesh.corners(reference.prim);
+            let halves = split_reference(&corners, member.bounds, plane.axis, plane.at);
+            return halves.map(|half| (!half.is_empty()).then_some(half));
+        }
+        parts
+    }
+
+    /// Whether a leaf costs no more than a node over two leaves: a leaf costs its quartets, a node one.
+    fn leaf_is_cheaper(&self, cut: &Cut, sides: &[Vec<Member>; 2]) -> bool {
+        let leaf = |members: &[Member]| {
+            let bounds: Aabb = members.iter().map(|member| member.bounds).collect();
+            let count: u32 = members.iter().map(|member| member.tree.count).sum();
+            bounds.half_area() * count.div_ceil(4) as f32
+        };
+        let node = cut.bounds().half_area() + (leaf(&sides[0]) + leaf(&sides[1]));
+        cut.count() <= self.max_leaf && leaf(&cut.members) <= node
+    }
+}
+
+/// How a cut is split.
+enum Split {
+    /// At a plane.
+    Spatial(Plane),
+    /// By membership in the left side.
+    Object(Vec<bool>),
+    /// In the middle of the order of the Morton codes.
+    Halves,
+}
+
+/// A leaf of what is left of the references of a cut.
+fn leaf(cut: &Cut) -> Option<Wide> {
+    let references = cut.references();
+    let bounds = references.iter().map(|member| member.bounds).collect();
+    let mut prims: Vec<u32> = references.iter().map(Member::prim).collect();
+    prims.sort_unstable();
+    prims.dedup();
+    (!prims.is_empty()).then_some(Wide::Leaf(bounds, prims))
+}

@@ -1,0 +1,105 @@
+//! Object and spatial splits by their definitions.
+
+use crate::builders::split::cost::Weight;
+use crate::geometry::Aabb;
+
+/// The members of the left side of the object split of least cost (paper 4.2, equation 1).
+pub struct Object {
+    pub cost: f32,
+    pub is_left: Vec<bool>,
+}
+
+/// Sweeps along all three axes over the members sorted by centroid. `None` if nothing is gained.
+pub fn object(boxes: &[Aabb], weight: Weight) -> Option<Object> {
+    let n = boxes.len();
+    let mut least = weight.limit(union(boxes).half_area(), n);
+    let mut best = None;
+    for axis in 0..3 {
+        let center = |i: usize| boxes[i].min[axis] + boxes[i].max[axis];
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|&a, &b| center(a).partial_cmp(&center(b)).expect("centroids are finite"));
+        let sorted: Vec<Aabb> = order.iter().map(|&i| boxes[i]).collect();
+        let left = unions(sorted.iter());
+        let right = unions(sorted.iter().rev());
+        for i in 1..n {
+            let cost = left[i].half_area() * weight.of(i) + right[n - i].half_area() * weight.of(n - i);
+            if cost < least {
+                least = cost;
+                let mut is_left = vec![false; n];
+                order[..i].iter().for_each(|&member| is_left[member] = true);
+                best = Some(Object { cost, is_left });
+            }
+        }
+    }
+    best
+}
+
+/// The unions of the first 0, 1, 2, ... boxes.
+pub(crate) fn unions<'a>(boxes: impl Iterator<Item = &'a Aabb>) -> Vec<Aabb> {
+    let mut all = vec![Aabb::EMPTY];
+    for bounds in boxes {
+        all.push(all[all.len() - 1].union(*bounds));
+    }
+    all
+}
+
+fn union(boxes: &[Aabb]) -> Aabb {
+    boxes.iter().copied().collect()
+}
+
+/// A plane normal to an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    pub axis: usize,
+    pub at: f32,
+}
+
+impl Plane {
+    /// The parts of a box on both sides. What lies in the plane is on the left.
+    pub fn cut(&self, bounds: Aabb) -> [Option<Aabb>; 2] {
+        let (min, max) = (bounds.min[self.axis], bounds.max[self.axis]);
+        let (mut left, mut right) = (bounds, bounds);
+        left.max[self.axis] = max.min(self.at);
+        right.min[self.axis] = min.max(self.at);
+        [(min < self.at || max <= self.at).then_some(left), (max > self.at).then_some(right)]
+    }
+}
+
+/// The spatial split of least cost (paper 4.4, equation 3): at every boundary of every box, all boxes are cut and
+/// those on both sides united. `None` if there is no plane.
+pub fn spatial(boxes: &[Aabb], weight: Weight) -> Option<(f32, Plane)> {
+    let bounds = union(boxes);
+    let mut best: Option<(f32, Plane)> = None;
+    for axis in 0..3 {
+        let mut planes: Vec<f32> = boxes.iter().flat_map(|b| [b.min[axis], b.max[axis]]).collect();
+        planes.retain(|&at| bounds.min[axis] < at && at < bounds.max[axis]);
+        planes.sort_by(f32::total_cmp);
+        planes.dedup();
+        for at in planes {
+            let plane = Plane { axis, at };
+            let cost = plane.cost(boxes, weight);
+            if best.is_none_or(|(least, _)| cost < least) {
+                best = Some((cost, plane));
+            }
+        }
+    }
+    best
+}
+
+impl Plane {
+    fn cost(&self, boxes: &[Aabb], weight: Weight) -> f32 {
+        let mut sides = [Aabb::EMPTY; 2];
+        let mut counts = [0; 2];
+        for bounds in boxes {
+            for (side, part) in self.cut(*bounds).into_iter().enumerate() {
+                if let Some(part) = part {
+                    sides[side] = sides[side].union(part);
+                    counts[side] += 1;
+                }
+            }
+        }
+        // A plane inside the union has something on both sides.
+        assert!(counts[0] > 0 && counts[1] > 0);
+        sides[0].half_area() * weight.of(counts[0]) + sides[1].half_area() * weight.of(counts[1])
+    }
+}

@@ -1,0 +1,3 @@
+//! Extensions: they change the tree.
+
+pub(crate) mod collapse;

@@ -1,0 +1,104 @@
+//! The initial cut (paper 4.1): the nodes larger than a threshold are opened, the largest first, until none is left or
+//! the cut is long enough.
+//!
+//! A node is no larger than its parent, so that opening the largest first opens those above some area. That is halved
+//! until too many would be; then the last that may be is looked for among them. No queue is needed, and much of a cut
+//! is opened at a time, in parallel.
+
+use crate::builders::binary::{BinaryTree, Node};
+use rayon::prelude::*;
+
+/// Nodes opened by one task.
+const CHUNK: usize = 1 << 10;
+
+/// The initial cut below `root` in the order of the tree: nodes of a half area of more than `threshold` are opened, the
+/// largest first and of equal ones the first, while there are fewer than `max_len`. A lone root is opened whatever its
+/// size.
+pub(crate) fn initial_cut(tree: &BinaryTree, root: Node, threshold: f32, max_len: usize) -> Vec<Node> {
+    let mut cut = vec![root];
+    // Each node that is opened adds one.
+    let mut room = max_len.saturating_sub(1);
+    let mut largest = root.bounds().half_area();
+    if room > 0 && !root.is_leaf() && largest <= threshold {
+        return tree.children(&root).to_vec();
+    }
+    while room > 0 && largest > threshold {
+        let above = (largest.min(f32::MAX) * 0.5).max(threshold);
+        let mut opened = Opened::of(tree, &cut, |area| area > above);
+        if opened.areas.len() > room {
+            let (larger, &mut least, _) =
+                opened.areas.select_nth_unstable_by(room - 1, |a, b| b.total_cmp(a));
+            let larger = larger.iter().filter(|&&area| area > least).count();
+            return up_to(tree, &cut, least, room - larger, &opened.areas);
+        }
+        room -= opened.areas.len();
+        largest = opened.largest;
+        cut = opened.nodes;
+    }
+    cut
+}
+
+/// Opens the nodes of half areas of more than `least`, and of those equal to it the first `equal`; `areas` are those of
+/// more and of as much, among others.
+fn up_to(tree: &BinaryTree, cut: &[Node], least: f32, equal: usize, areas: &[f32]) -> Vec<Node> {
+    if areas.iter().filter(|&&area| area == least).count() == equal {
+        return Opened::of(tree, cut, |area| area >= least).nodes;
+    }
+    let mut room = equal;
+    let mut opened = Opened::default();
+    opened.open(tree, cut, |area| {
+        let is_one = area == least && room > 0;
+        room -= usize::from(is_one);
+        area > least || is_one
+    });
+    opened.nodes
+}
+
+/// What comes of opening the nodes of a cut.
+#[derive(Default)]
+struct Opened {
+    /// The nodes, in the order of the tree.
+    nodes: Vec<Node>,
+    /// Half areas of those that were opened.
+    areas: Vec<f32>,
+    /// The largest of the half areas of inner nodes that were not.
+    largest: f32,
+}
+
+impl Opened {
+    /// Opens nodes again and again as long as `is_opened` says so of their half areas.
+    fn of(tree: &BinaryTree, cut: &[Node], is_opened: impl Fn(f32) -> bool + Sync) -> Self {
+        let chunks = cut.par_chunks(CHUNK).map(|chunk| {
+            let mut opened = Self::default();
+            opened.open(tree, chunk, &is_opened);
+            opened
+        });
+        let chunks: Vec<Self> = chunks.collect();
+        Self {
+            nodes: chunks.iter().flat_map(|chunk| &chunk.nodes).copied().collect(),
+            areas: chunks.iter().flat_map(|chunk| &chunk.areas).copied().collect(),
+            largest: chunks.iter().map(|chunk| chunk.largest).fold(0.0, f32::max),
+        }
+    }
+
+    fn open(&mut self, tree: &BinaryTree, cut: &[Node], mut is_opened: impl FnMut(f32) -> bool) {
+        let mut stack = Vec::new();
+        for &node in cut {
+            stack.push(node);
+            while let Some(node) = stack.pop() {
+                let area = node.bounds().half_area();
+                if node.is_leaf() {
+                    self.nodes.push(node);
+                } else if is_opened(area) {
+                    self.areas.push(area);
+                    let [left, right] = *tree.children(&node);
+                    tree.prefetch(&right);
+                    stack.extend([right, left]);
+                } else {
+                    self.largest = self.largest.max(area);
+                    self.nodes.push(node);
+                }
+            }
+        }
+    }
+}

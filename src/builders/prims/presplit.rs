@@ -1,0 +1,224 @@
+//! Presplitting (Karras & Aila 2013, section 4; suggested in the paper's 5.3): triangles whose boxes are mostly
+//! empty are replaced by pieces of them before the Morton sort.
+//!
+//! Which triangles deserve it? Not all with a large box: a right triangle in a wall fills half of its box, its
+//! neighbour fills the other half, and its pieces need leaves and nodes while no box above them shrinks.
+//! Only *needles* do: of a thin diagonal triangle each half has a quarter of the box's area, so that k pieces
+//! have a k-th in all. As a needle's piece gets shorter it fills more of its box, twice as much with each
+//! halving, and stops being one. There is no budget to spend: a scene without needles is left as it is.
+
+use crate::builders::prims::needle::{Needle, Splitter};
+use crate::builders::prims::refs::{Extent, Fragment, GRAIN};
+use crate::geometry::{Aabb, Mesh};
+use crate::parallel::ordered_append::{self, Batch, Place, Spare};
+use rayon::prelude::*;
+
+/// Which triangles are presplit.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct PresplitConfig {
+    /// A needle's projections on the coordinate planes sum up to at most this part of half its box's area (at
+    /// most 0.5 for any triangle).
+    pub filled: f32,
+    /// Boxes of at most this part of the scene's area are not split.
+    pub min_area: f32,
+    /// Most pieces per triangle of the scene, beyond the first of each. Where it would be exceeded the scene is of
+    /// needles throughout, as hair is: their pieces overlap as the needles do, and none is split.
+    pub max_extra: f32,
+}
+
+impl PresplitConfig {
+    /// The constants are where the cost stops falling on scenes of rods, pipes and rotated buildings.
+    pub const NEEDLES: Self = Self { filled: 0.15, min_area: 1.0 / (1 << 15) as f32, max_extra: 0.25 };
+}
+
+/// Presplit triangles; memory is reused from build to build.
+#[derive(Default)]
+pub(crate) struct Presplit {
+    /// The pieces of all needles: in the order of the triangles, those of each in a row.
+    pub fragments: Vec<Fragment>,
+    /// By [`GRAIN`] triangles; none where none is split.
+    pub chunks: Vec<Chunk>,
+    spare: Spare<Pieces>,
+}
+
+/// What was split of [`GRAIN`] triangles.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chunk {
+    /// The triangles that are split.
+    pub needles: usize,
+    /// Their pieces.
+    pub pieces: usize,
+    /// What bounds the pieces.
+    pub extent: Extent,
+}
+
+impl Presplit {
+    /// Splits the needles of `mesh`, whose box is `scene`.
+    pub fn split(&mut self, mesh: &Mesh, scene: Aabb, config: &PresplitConfig) {
+        self.clear();
+        let min_area = scene.half_area() * config.min_area;
+        let needles: Vec<Vec<Needle>> = mesh
+            .triangles()
+            .par_chunks(GRAIN)
+            .enumerate()
+            .map(|(chunk, triangles)| {
+                let numbered = (chunk as u32 * GRAIN as u32..).zip(triangles);
+                numbered
+                    .filter_map(|(prim, triangle)| {
+                        Needle::of(mesh.corners_of(triangle), prim, min_area, config.filled)
+                    })
+                    .collect()
+            })
+            .collect();
+        let count = needles.iter().map(|needles| needles.len() as u64).sum::<u64>();
+        let pieces = needles.iter().flatten().map(Needle::most_pieces).sum::<u64>();
+        if pieces - count > (mesh.len() as f64 * f64::from(config.max_extra)) as u64 {
+            return;
+        }
+        let splitter = Splitter::new(scene, min_area, config.filled);
+        let Self { fragments, chunks, spare } = self;
+        ordered_append::append(needles.len(), spare, fragments, chunks, |i, pieces: &mut Pieces| {
+            for needle in &needles[i] {
+                let corners = mesh.corners(needle.prim);
+                splitter.split(corners, Aabb::of_triangle(corners), needle, &mut pieces.fragments);
+            }
+            pieces.count(needles[i].len());
+        });
+    }
+
+    /// Splits none.
+    pub fn clear(&mut self) {
+        self.fragments.clear();
+        self.chunks.clear();
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let mut fragments = self.fragments.capacity();
+        self.spare.for_each(|pieces| fragments += pieces.fragments.capacity());
+        fragments * size_of::<Fragment>() + self.chunks.capacity() * size_of::<Chunk>()
+    }
+}
+
+/// The pieces of a chunk's needles.
+#[derive(Default)]
+struct Pieces {
+    fragments: Vec<Fragment>,
+    chunk: Option<Chunk>,
+}
+
+impl Pieces {
+    /// All pieces of so many triangles are there.
+    fn count(&mut self, needles: usize) {
+        let extent = self.fragments.iter().fold(Extent::EMPTY, |all, fragment| all.grow(fragment.bounds));
+        self.chunk = Some(Chunk { needles, pieces: self.fragments.len(), extent });
+    }
+}
+
+impl Batch for Pieces {
+    type A = Fragment;
+    type B = Chunk;
+
+    fn elements(&self) -> (&[Fragment], &[Chunk]) {
+        (&self.fragments, self.chunk.as_slice())
+    }
+
+    fn moved(fragment: &Fragment, _: Place) -> Fragment {
+        *fragment
+    }
+
+    fn clear(&mut self) {
+        self.fragments.clear();
+        self.chunk = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn soup(triangles: &[[[f32; 3]; 3]]) -> Mesh {
+        let ids = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        Mesh::new(triangles.concat(), ids).unwrap().0
+    }
+
+    fn presplit_all(mesh: &Mesh, config: &PresplitConfig) -> Vec<Fragment> {
+        let mut presplit = Presplit::default();
+        presplit.split(mesh, mesh.bounds(), config);
+        presplit.fragments
+    }
+
+    /// Diagonal needles, some of no area at all, all through one box.
+    fn needles(n: usize, scale: f32) -> Mesh {
+        let mut state = 1u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 24) as f32 * scale
+        };
+        let mut point = || [random(), random(), random()];
+        let needle = |i: usize, a: [f32; 3], b| [a, b, [a[0] + scale * 1e-3 * (i % 3) as f32, a[1], a[2]]];
+        soup(&(0..n).map(|i| needle(i, point(), point())).collect::<Vec<_>>())
+    }
+
+    const NO_BOUND: PresplitConfig = PresplitConfig { max_extra: 1e6, ..PresplitConfig::NEEDLES };
+
+    #[test]
+    fn needles_are_split_and_other_triangles_are_not() {
+        let wall = [[0., 0., 0.], [9., 0., 0.], [0., 9., 0.]];
+        let slope = [[0., 0., 0.], [9., 0., 0.], [9., 9., 9.]];
+        let along_an_axis = [[0., 0., 0.], [9., 0., 0.], [0., 0.1, 0.]];
+        let needle = [[0., 0., 0.], [9., 9., 9.], [0., 0.1, 0.]];
+        let pieces = presplit_all(&soup(&[wall, slope, along_an_axis, needle]), &NO_BOUND);
+        assert!(pieces.len() > 8 && pieces.iter().all(|piece| piece.prim == 3), "{}", pieces.len());
+        let area: f32 = pieces.iter().map(|piece| piece.bounds.half_area()).sum();
+        assert!(area < 243.0 / 8.0, "{area}");
+    }
+
+    #[test]
+    fn pieces_cover_their_triangle_and_lie_in_its_box() {
+        for scale in [1.0, 1e18, 1e-15, 1e-40] {
+            let mesh = needles(200, scale);
+            let pieces = presplit_all(&mesh, &NO_BOUND);
+            assert!(pieces.len() > 1000 || scale < 1e-20, "{scale}: {}", pieces.len());
+            for of_one in pieces.chunk_by(|a, b| a.prim == b.prim) {
+                let prim = of_one[0].prim;
+                let whole = mesh.bounds_of(prim);
+                assert!(of_one.iter().all(|p| !p.bounds.is_empty() && whole.contains(p.bounds)));
+                let [a, b, c] = mesh.corners(prim).map(|v| v.as_dvec3());
+                for (i, j) in (0..=40).flat_map(|i| (0..=40 - i).map(move |j| (i, j))) {
+                    let point = a + (b - a) * (f64::from(i) / 40.0) + (c - a) * (f64::from(j) / 40.0);
+                    // The point is rounded to double precision.
+                    let slack = f64::from(scale) * 1e-15;
+                    assert!(
+                        of_one.iter().any(|p| point.cmpge(p.bounds.min.as_dvec3() - slack).all()
+                            && point.cmple(p.bounds.max.as_dvec3() + slack).all()),
+                        "{scale}: triangle {prim} at {i}, {j}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_scene_of_needles_throughout_is_left_as_it_is() {
+        let mesh = needles(5000, 100.0);
+        let all = presplit_all(&mesh, &NO_BOUND).len();
+        let extra = (all - 5000) as f32 / 5000.0;
+        for (max_extra, expected) in [(0.0, 0), (0.5, 0), (0.99 * extra, 0), (1.01 * extra + 1.0, all)] {
+            let pieces = presplit_all(&mesh, &PresplitConfig { max_extra, ..PresplitConfig::NEEDLES });
+            assert!(pieces.len() == expected || max_extra > extra, "{max_extra}: {}", pieces.len());
+        }
+    }
+
+    #[test]
+    fn pieces_are_the_same_at_any_number_of_threads() {
+        let mesh = needles(30_000, 1.0);
+        let at = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let pieces = pool.install(|| presplit_all(&mesh, &NO_BOUND));
+            pieces.into_iter().map(|piece| (piece.prim, piece.bounds)).collect::<Vec<_>>()
+        };
+        let alone = at(1);
+        assert!(at(3) == alone && at(8) == alone);
+    }
+}

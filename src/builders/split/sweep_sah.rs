@@ -1,0 +1,279 @@
+//! The binary tree over a few references at once, by sweeps of the SAH along all three axes down to quartets.
+//!
+//! Near the leaves refining cuts costs more than it saves: cuts are short, and each is gathered, sorted and
+//! measured anew. Here references are put in order of their centroids once per axis, and splits keep the order;
+//! all of it stays in the first-level cache.
+//!
+//! A cut of leaves alone, of which there is nothing to refine, is split so too, to the very tree that splitting cut
+//! after cut makes.
+
+#![allow(unsafe_code)]
+
+use crate::builders::binary::Node;
+use crate::builders::binary::subtrees::Subtrees;
+use crate::builders::split::cost::Weight;
+use crate::builders::split::object::lanes::Isa;
+use crate::builders::split::three_axes::{Costs, order, sweep_axes};
+use crate::builders::wide::top_down::QUARTET;
+use crate::geometry::Aabb;
+use arrayvec::ArrayVec;
+use glam::Vec3A;
+
+/// Most references of a subtree: they are numbered by bytes.
+pub(crate) const MOST: usize = 256;
+
+/// Centroids are put in order by so many steps along each axis of their bounds; within a step they keep the order
+/// in which they came, that of the Morton codes.
+pub(crate) const STEPS: usize = 64;
+
+/// From this depth on references are halved by count, which bounds the depth of a subtree by it and another 6
+/// levels.
+pub(crate) const HALVE: u32 = 12;
+
+/// The leaf blocks that so many references fill.
+const BLOCKS: [f32; MOST + 1] = {
+    let mut blocks = [0.0; MOST + 1];
+    let mut n = 0;
+    while n <= MOST {
+        blocks[n] = n.div_ceil(QUARTET as usize) as f32;
+        n += 1;
+    }
+    blocks
+};
+
+/// Memory for one subtree at a time.
+pub(crate) struct SubtreeSweep {
+    len: usize,
+    boxes: [Aabb; MOST],
+    prims: [u32; MOST],
+    /// The references in order of their centroids along each axis; splits reorder ranges of all three.
+    order: [[u8; MOST]; 3],
+    /// By reference: whether it goes to the right.
+    is_right: [u8; MOST],
+    /// By place in the orders: half areas of the boxes of what follows, by axis.
+    areas: [Vec3A; MOST],
+}
+
+impl Default for SubtreeSweep {
+    fn default() -> Self {
+        Self {
+            len: 0,
+            boxes: [Aabb::EMPTY; MOST],
+            prims: [0; MOST],
+            order: [[0; MOST]; 3],
+            is_right: [0; MOST],
+            areas: [Vec3A::ZERO; MOST],
+        }
+    }
+}
+
+/// Places of the orders yet to be split.
+#[derive(Clone, Copy)]
+struct Range {
+    first: usize,
+    end: usize,
+    /// Splits that may still be looked for below one another.
+    levels: u32,
+    /// Place of its pair.
+    pair: usize,
+    /// Half area of its box.
+    area: f32,
+}
+
+/// A split: how many references go to the left of those in order along an axis; 0 if none gains anything.
+#[derive(Clone, Copy)]
+struct Split {
+    axis: usize,
+    left: usize,
+}
+
+impl SubtreeSweep {
+    /// Forgets the references.
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Adds a reference, of which there may be [`MOST`].
+    #[inline]
+    pub fn push(&mut self, bounds: Aabb, prim: u32) {
+        self.boxes[self.len] = bounds;
+        self.prims[self.len] = prim;
+        self.len += 1;
+    }
+
+    /// The tree over the references, appended to `done`; `None` without references.
+    pub fn build(&mut self, isa: Isa, done: &mut Subtrees) -> Option<Node> {
+        if self.len == 0 {
+            return None;
+        }
+        if self.len > QUARTET as usize {
+            self.put_in_steps();
+        }
+        #[cfg(target_arch = "x86_64")]
+        if isa != Isa::Scalar {
+            // SAFETY: `Isa::best` has found the feature.
+            return Some(unsafe { self.tree_avx2::<false>(HALVE, done) });
+        }
+        let _ = isa;
+        Some(self.tree::<false>(HALVE, done))
+    }
+
+    /// The tree that splitting the references as a cut of leaves makes, of which there are some, to `levels` of splits;
+    /// below, references are halved as they came. It is appended to `done`.
+    pub fn build_as_cut(&mut self, isa: Isa, levels: u32, done: &mut Subtrees) -> Node {
+        if self.len > QUARTET as usize {
+            self.put_in_order(isa);
+        }
+        #[cfg(target_arch = "x86_64")]
+        if isa != Isa::Scalar {
+            // SAFETY: `Isa::best` has found the feature.
+            return unsafe { self.tree_avx2::<true>(levels, done) };
+        }
+        self.tree::<true>(levels, done)
+    }
+
+    /// As [`Self::tree`], compiled for newer processors; it does the same operations.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,bmi1,bmi2")]
+    unsafe fn tree_avx2<const AS_CUT: bool>(&mut self, levels: u32, done: &mut Subtrees) -> Node {
+        self.tree::<AS_CUT>(levels, done)
+    }
+
+    /// The tree over the references, which are in order, if they are more than a quartet.
+    #[inline(always)]
+    fn tree<const AS_CUT: bool>(&mut self, levels: u32, done: &mut Subtrees) -> Node {
+        let n = self.len;
+        let place = done.prims.len();
+        let bounds: Aabb = self.boxes[..n].iter().copied().collect();
+        if n <= QUARTET as usize {
+            done.prims.extend(&self.prims[..n]);
+            return Node::leaf(bounds, place, n as u32);
+        }
+        let mut ranges = ArrayVec::<Range, MOST>::new();
+        let node = |bounds, range: Range, done: &mut Subtrees, ranges: &mut ArrayVec<Range, MOST>| {
+            let count = (range.end - range.first) as u32;
+            if count <= QUARTET {
+                return Node::leaf(bounds, place + range.first, count);
+            }
+            let pair = done.pairs.len();
+            done.pairs.push([Node::ZERO; 2]);
+            ranges.push(Range { pair, area: bounds.half_area(), ..range });
+            Node::of_pair(bounds, pair, count)
+        };
+        let root = Range { first: 0, end: n, levels, pair: 0, area: 0.0 };
+        let root = node(bounds, root, done, &mut ranges);
+        while let Some(range) = ranges.pop() {
+            let Range { first, end, levels, pair, .. } = range;
+            let n = end - first;
+            let split = if levels > 0 { self.best::<AS_CUT>(range) } else { Split { axis: 0, left: n / 2 } };
+            let [left, right] = if AS_CUT && (levels == 0 || split.left == 0) {
+                self.halve(first, end)
+            } else {
+                self.part(first, end, split)
+            };
+            let middle = first + if split.left > 0 { split.left } else { n / 2 };
+            let levels = levels.saturating_sub(1);
+            let right = node(right, Range { first: middle, end, levels, ..range }, done, &mut ranges);
+            let left = node(left, Range { first, end: middle, levels, ..range }, done, &mut ranges);
+            done.pairs[pair] = [left, right];
+        }
+        done.prims.extend(self.order[0][..n].iter().map(|&i| self.prims[usize::from(i)]));
+        root
+    }
+
+    /// Puts the references in order of their centroids along each axis, those that came first first.
+    fn put_in_order(&mut self, isa: Isa) {
+        let mut centers = [Vec3A::ZERO; MOST];
+        for (center, bounds) in centers.iter_mut().zip(&self.boxes[..self.len]) {
+            *center = bounds.center2();
+        }
+        order(isa, &centers[..self.len], &mut self.order);
+    }
+
+    /// Counting sorts by the steps in which centroids lie.
+    #[inline(always)]
+    fn put_in_steps(&mut self) {
+        let boxes = &self.boxes[..self.len];
+        let centers = boxes.iter().fold(Aabb::EMPTY, |all, b| all.grow(b.center2()));
+        let scale = Vec3A::splat(STEPS as f32 * 0.999) / centers.extent();
+        let scale = Vec3A::select(scale.cmplt(Vec3A::splat(f32::MAX)), scale, Vec3A::ZERO);
+        let mut begin = [[0u8; STEPS]; 3];
+        let mut steps = [[0u8; 3]; MOST];
+        for (b, steps) in boxes.iter().zip(&mut steps) {
+            let place = ((b.center2() - centers.min) * scale).to_array();
+            for axis in 0..3 {
+                let step = place[axis] as i32 as usize % STEPS;
+                steps[axis] = step as u8;
+                begin[axis][step] = begin[axis][step].wrapping_add(1);
+            }
+        }
+        for begin in &mut begin {
+            let mut sum = 0u8;
+            for begin in begin {
+                (*begin, sum) = (sum, sum.wrapping_add(*begin));
+            }
+        }
+        for (i, steps) in steps[..boxes.len()].iter().enumerate() {
+            for axis in 0..3 {
+                let place = &mut begin[axis][usize::from(steps[axis]) % STEPS];
+                self.order[axis][usize::from(*place)] = i as u8;
+                *place = place.wrapping_add(1);
+            }
+        }
+    }
+
+    /// The split of least cost (paper 4.2, equation 1), of equal ones the first by axis, then by position. As of a cut,
+    /// one that gains something, if there is any; else leaves cost their blocks, and there always is one.
+    #[inline(always)]
+    fn best<const AS_CUT: bool>(&mut self, Range { first, end, area, .. }: Range) -> Split {
+        let order = self.order.each_ref().map(|order| &order[first..end]);
+        let Costs { least, left } = if AS_CUT {
+            let limit = Weight::Nodes.limit(area, end - first);
+            sweep_axes(&self.boxes, order, &mut self.areas, limit, |n| Weight::Nodes.of(n))
+        } else {
+            sweep_axes(&self.boxes, order, &mut self.areas, f32::INFINITY, |n| BLOCKS[n])
+        };
+        let axis = (1..3).fold(0, |best, axis| if least[axis] < least[best] { axis } else { best });
+        Split { axis, left: (left[axis] as usize).max(usize::from(!AS_CUT)) }
+    }
+
+    /// Parts references by the middle as they came; returns the boxes of both halves.
+    fn halve(&mut self, first: usize, end: usize) -> [Aabb; 2] {
+        let mut came: ArrayVec<u8, MOST> = self.order[0][first..end].iter().copied().collect();
+        came.sort_unstable();
+        let (left, right) = came.split_at(came.len() / 2);
+        let bounds = [left, right].map(|side| side.iter().map(|&i| self.boxes[usize::from(i)]).collect());
+        left.iter().for_each(|&i| self.is_right[usize::from(i)] = 0);
+        right.iter().for_each(|&i| self.is_right[usize::from(i)] = 1);
+        (0..3).for_each(|axis| self.part_order(axis, first, end));
+        bounds
+    }
+
+    /// Brings to the front of each order what is on the left, both sides otherwise in order; returns their boxes.
+    #[inline(always)]
+    fn part(&mut self, first: usize, end: usize, split: Split) -> [Aabb; 2] {
+        let (left, right) = self.order[split.axis][first..end].split_at(split.left);
+        let bounds = [left, right].map(|side| side.iter().map(|&i| self.boxes[usize::from(i)]).collect());
+        left.iter().for_each(|&i| self.is_right[usize::from(i)] = 0);
+        right.iter().for_each(|&i| self.is_right[usize::from(i)] = 1);
+        (0..3).filter(|&axis| axis != split.axis).for_each(|axis| self.part_order(axis, first, end));
+        bounds
+    }
+
+    /// Brings to the front of an order what is on the left.
+    #[inline(always)]
+    fn part_order(&mut self, axis: usize, first: usize, end: usize) {
+        let order = &mut self.order[axis][first..end];
+        let mut on_right = [0; MOST];
+        let (mut left, mut right) = (0, 0);
+        for at in 0..order.len() {
+            let i = order[at];
+            let is_right = usize::from(self.is_right[usize::from(i)]);
+            order[left] = i;
+            on_right[right] = i;
+            left += 1 - is_right;
+            right += is_right;
+        }
+        order[left..].copy_from_slice(&on_right[..right]);
+    }
+}

@@ -1,0 +1,72 @@
+//! Large arrays on huge pages: first touch of 4 KiB pages costs as much as building. Embree's memory is on
+//! huge pages too.
+
+#![allow(unsafe_code)]
+
+use std::mem::MaybeUninit;
+
+/// Below this the kernel has no huge page to give.
+const HUGE_PAGE: usize = 2 << 20;
+
+/// Makes room for `len` elements in all, on huge pages where the system has them and the array is large.
+pub(crate) fn reserve<T>(array: &mut Vec<T>, len: usize) {
+    if array.capacity() >= len {
+        return;
+    }
+    array.reserve_exact(len - array.len());
+    if size_of::<T>() * array.capacity() >= 2 * HUGE_PAGE {
+        advise(array.as_mut_ptr().cast(), size_of::<T>() * array.capacity());
+    }
+}
+
+/// As [`Vec::resize`], on huge pages.
+pub(crate) fn resize<T: Clone>(array: &mut Vec<T>, len: usize, value: T) {
+    reserve(array, len);
+    array.resize(len, value);
+}
+
+/// Room for `len` others in the memory of an empty array, until it is filled.
+pub(crate) fn lend<T, U: Copy>(array: &mut Vec<T>, len: usize) -> &mut [MaybeUninit<U>] {
+    array.clear();
+    // One more, should the first be ill aligned.
+    reserve(array, (size_of::<U>() * (len + 1)).div_ceil(size_of::<T>()));
+    // SAFETY: memory that holds nothing may hold nothing of another type.
+    let (_, others, _) = unsafe { array.spare_capacity_mut().align_to_mut::<MaybeUninit<U>>() };
+    &mut others[..len]
+}
+
+#[cfg(target_os = "linux")]
+fn advise(start: *mut u8, bytes: usize) {
+    let skipped = start.align_offset(HUGE_PAGE);
+    if skipped < bytes {
+        // SAFETY: the range lies within one allocation, whose contents and validity the advice does not
+        // change. Failure (no huge pages on this system) leaves all as it was.
+        unsafe {
+            libc::madvise(
+                start.add(skipped).cast(),
+                (bytes - skipped) & !(HUGE_PAGE - 1),
+                libc::MADV_HUGEPAGE,
+            )
+        };
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn advise(_: *mut u8, _: usize) {}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn arrays_behave_as_ever() {
+        let mut array = vec![1u64, 2, 3];
+        super::resize(&mut array, 1 << 20, 7);
+        assert_eq!(array[..4], [1, 2, 3, 7]);
+        assert_eq!(array.len(), 1 << 20);
+        super::resize(&mut array, 2, 0);
+        super::reserve(&mut array, 10);
+        assert_eq!(array, [1, 2]);
+        assert_eq!(super::lend::<u64, u16>(&mut array, 5).len(), 5);
+        assert_eq!(super::lend::<u64, [u64; 3]>(&mut array, 50).len(), 50);
+        assert!(array.is_empty());
+    }
+}

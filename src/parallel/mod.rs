@@ -1,0 +1,4 @@
+//! Parallel building blocks: appending in order, sorting.
+
+pub(crate) mod ordered_append;
+pub(crate) mod radix_sort;

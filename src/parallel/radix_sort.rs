@@ -1,0 +1,95 @@
+//! A parallel least-significant-digit radix sort of (code << 32 | triangle) keys by code.
+//!
+//! Each pass counts digits per chunk, gives every chunk its place in every bucket, and scatters the chunks in
+//! parallel. The sort is stable, so the result does not depend on the number of chunks.
+
+#![allow(unsafe_code)]
+
+use rayon::prelude::*;
+
+const DIGIT_BITS: u32 = 11;
+const BUCKETS: usize = 1 << DIGIT_BITS;
+const PASSES: u32 = 32u32.div_ceil(DIGIT_BITS);
+const _: () = assert!(PASSES % 2 == 1);
+/// Below this the standard library's sort wins.
+const SMALL: usize = 1 << 12;
+
+/// Sorts `keys` by their upper 32 bits, equal ones in their given order, into `sorted`, which is as long.
+pub(crate) fn sort(keys: &mut [u64], sorted: &mut [u64]) {
+    assert_eq!(keys.len(), sorted.len());
+    if keys.len() < SMALL {
+        sorted.copy_from_slice(keys);
+        sorted.sort_by_key(|&key| key >> 32);
+        return;
+    }
+    let chunk = keys.len().div_ceil(rayon::current_num_threads()).max(SMALL);
+    let (mut from, mut to) = (keys, sorted);
+    // An odd number of passes ends in `sorted`.
+    for pass in 0..PASSES {
+        scatter(from, to, chunk, 32 + pass * DIGIT_BITS);
+        std::mem::swap(&mut from, &mut to);
+    }
+}
+
+#[inline]
+fn digit(key: u64, shift: u32) -> usize {
+    (key >> shift) as usize & (BUCKETS - 1)
+}
+
+/// One pass: moves `from` to `to`, ordered by the digit at `shift`.
+fn scatter(from: &[u64], to: &mut [u64], chunk: usize, shift: u32) {
+    let mut offsets: Vec<[u32; BUCKETS]> = from
+        .par_chunks(chunk)
+        .map(|keys| {
+            let mut counts = [0u32; BUCKETS];
+            keys.iter().for_each(|&key| counts[digit(key, shift)] += 1);
+            counts
+        })
+        .collect();
+    let mut next = 0;
+    for bucket in 0..BUCKETS {
+        for counts in &mut offsets {
+            next += std::mem::replace(&mut counts[bucket], next);
+        }
+    }
+    let target = Target(to.as_mut_ptr());
+    from.par_chunks(chunk).zip(offsets).for_each(|(keys, mut offsets)| {
+        let target = &target;
+        for &key in keys {
+            let place = &mut offsets[digit(key, shift)];
+            // SAFETY: the offsets are an exclusive prefix sum of the counts of exactly these keys, over all
+            // buckets and chunks, so every key of every chunk has a place of its own below `from.len()`,
+            // which is the length of `to`.
+            unsafe { target.0.add(*place as usize).write(key) };
+            *place += 1;
+        }
+    });
+}
+
+/// Where the chunks of one pass write, each to places of its own.
+struct Target(*mut u64);
+
+// SAFETY: threads write through the pointer only to disjoint places (see `scatter`), and nothing reads until
+// all have ended.
+unsafe impl Sync for Target {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sorts_like_the_standard_library() {
+        for n in [0u64, 1, 5, SMALL as u64 - 1, SMALL as u64, 50_000] {
+            for mask in [u64::MAX, 0xff, 0, 0xffff_0000] {
+                let mix = |i: u64| i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32 & mask;
+                // Lower halves that do not ascend are none of its business.
+                let mut keys: Vec<u64> = (0..n).map(|i| mix(i) << 32 | i ^ 5).collect();
+                let mut expected = keys.clone();
+                expected.sort_by_key(|key| key >> 32);
+                let mut sorted = vec![0; keys.len()];
+                sort(&mut keys, &mut sorted);
+                assert_eq!(sorted, expected);
+            }
+        }
+    }
+}
