@@ -19,6 +19,7 @@ pub mod bvh;
 pub mod embree;
 pub mod geometry;
 pub mod scene;
+mod simd;
 pub mod trace;
 
 #[cfg(feature = "harness")]
