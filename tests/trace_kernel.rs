@@ -10,7 +10,7 @@ use phr::trace::{BruteForce, BvhTracer, Isa};
 use trace_support::*;
 
 fn isas() -> impl Iterator<Item = Isa> {
-    Isa::ALL.into_iter().filter(|isa| isa.is_available())
+    Isa::available()
 }
 
 /// Traces `rays` through trees of `N` children by every instruction set and compares with brute force.

@@ -12,7 +12,7 @@ use super::samples::{CellSamples, SAMPLES, Samples, SceneSamples, read_json};
 use super::summary::{self, Header};
 use super::warnings::Warning;
 use crate::scene::Scene;
-use crate::trace::Isa;
+use crate::trace;
 use std::path::Path;
 
 /// The records on disk.
@@ -48,7 +48,7 @@ impl<'a> Book<'a> {
             plan,
             program: Program::this(),
             library: embree_side::library(),
-            isa: serde_json::json!({ "phr": Isa::best().name() }),
+            isa: serde_json::json!({ "phr": trace::kernel_isa().name() }),
             before: Vec::new(),
             after: None,
             notes: Vec::new(),

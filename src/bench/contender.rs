@@ -7,7 +7,7 @@ use super::plan::Settings;
 use crate::builders::{self, Build, Builder};
 use crate::bvh::{Statistics, WideBvh};
 use crate::geometry::{Mesh, Ray, Tracer};
-use crate::trace::{BvhTracer, Isa, RayKind, TraversalCounts};
+use crate::trace::{self, BvhTracer, RayKind, TraversalCounts};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
@@ -270,7 +270,7 @@ pub(super) fn present<const N: usize>(
         let view = |&kernel: &Kernel| match kernel {
             Kernel::Phr => View {
                 kernel,
-                isa: Isa::best().name().into(),
+                isa: trace::kernel_isa().name().into(),
                 tracer: tracer.as_ref().map(|tracer| tracer as &dyn Tracer).map_err(Clone::clone),
                 counter: tracer.as_ref().ok().map(|tracer| tracer as &dyn Counter),
             },

@@ -1,5 +1,6 @@
 //! What a tree costs: the SAH cost of Table 1's caption with Embree's formula, and counts.
 
+use super::limits::MAX_LEAF_BLOCKS;
 use super::{Child, Link, WideBvh};
 use crate::geometry::Mesh;
 
@@ -30,7 +31,7 @@ pub struct Statistics {
     /// Bytes of nodes and leaf blocks.
     pub bytes: usize,
     /// Leaves by number of blocks, 1 first.
-    pub leaves_by_blocks: [usize; super::MAX_LEAF_BLOCKS],
+    pub leaves_by_blocks: [usize; MAX_LEAF_BLOCKS],
 }
 
 impl Statistics {
@@ -68,7 +69,7 @@ struct Counter {
     blocks: usize,
     references: usize,
     depth: usize,
-    leaves_by_blocks: [usize; super::MAX_LEAF_BLOCKS],
+    leaves_by_blocks: [usize; MAX_LEAF_BLOCKS],
 }
 
 impl Counter {

@@ -1,14 +1,9 @@
 //! The wide (multi-) BVH: N-wide nodes in structure-of-arrays form and leaf blocks of four triangles
 //! (paper 4.5; leaf model of Table 1's caption).
 
+use super::limits::{MAX_BLOCKS, MAX_LEAF_BLOCKS};
 use crate::geometry::{Aabb, Mesh};
 use glam::{Mat4, Vec3A, Vec4};
-
-/// Most blocks in one leaf (28 triangles), as in Embree.
-pub const MAX_LEAF_BLOCKS: usize = 7;
-
-/// Most inner levels a tree may have: Embree's traversal stack holds no more, and neither does ours.
-pub const MAX_DEPTH: usize = 80;
 
 /// A packed reference to a child: an inner node, a leaf of 1 to 7 consecutive blocks, or nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -34,8 +29,8 @@ pub enum Child {
 impl Link {
     /// Bit that tells a leaf (or nothing) from an inner node.
     pub const LEAF_BIT: u32 = 1 << 31;
-    const COUNT_SHIFT: u32 = 28;
-    const INDEX_MASK: u32 = (1 << Self::COUNT_SHIFT) - 1;
+    const COUNT_SHIFT: u32 = MAX_BLOCKS.trailing_zeros();
+    const INDEX_MASK: u32 = MAX_BLOCKS as u32 - 1;
 
     /// The unused slot.
     pub const EMPTY: Self = Self(u32::MAX);
@@ -50,7 +45,7 @@ impl Link {
     /// Refers to `count` blocks from `first`.
     #[inline]
     pub fn leaf(first: usize, count: usize) -> Self {
-        debug_assert!((1..=MAX_LEAF_BLOCKS).contains(&count) && first <= Self::INDEX_MASK as usize);
+        debug_assert!((1..=MAX_LEAF_BLOCKS).contains(&count) && first < MAX_BLOCKS);
         Self(Self::LEAF_BIT | ((count as u32 - 1) << Self::COUNT_SHIFT) | first as u32)
     }
 
@@ -298,7 +293,7 @@ mod tests {
         assert_eq!(Link::inner(0).get(), Child::Inner(0));
         assert_eq!(Link::inner((1 << 31) - 1).get(), Child::Inner((1 << 31) - 1));
         for count in 1..=MAX_LEAF_BLOCKS {
-            for first in [0, 5, (1 << 28) - 1] {
+            for first in [0, 5, MAX_BLOCKS - 1] {
                 assert_eq!(Link::leaf(first, count).get(), Child::Leaf { first, count });
             }
         }

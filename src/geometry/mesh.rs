@@ -16,8 +16,8 @@ pub enum MeshError {
         /// Triangles dropped, by reason.
         dropped: Dropped,
     },
-    /// More triangles than 32-bit ids with room for the builders' flags can name.
-    #[error("{0} triangles are more than the 2^28 that a tree can hold; split the mesh")]
+    /// More triangles than every builder is sure to hold.
+    #[error("{0} triangles are more than the 2^26 that any tree is sure to hold; split the mesh")]
     TooLarge(usize),
 }
 
@@ -59,8 +59,9 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Most triangles a mesh may have: block indices and flags share 32 bits.
-    pub const MAX_TRIANGLES: usize = 1 << 28;
+    /// Most triangles a mesh may have, 67 million: with four references to each, alone in a leaf block of its
+    /// own, a tree still has no more than the 2^28 blocks that its links can name.
+    pub const MAX_TRIANGLES: usize = 1 << 26;
 
     /// Takes vertices (x, y, z in scene units) and triangles (three vertex indices); drops and counts the
     /// triangles that no builder can hold. A mesh without triangles is allowed here: builders are total.

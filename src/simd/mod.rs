@@ -1,4 +1,232 @@
-//! Vectors.
+//! Instruction sets: detected once, and proven by tokens.
+//!
+//! A value of [`Isa`] other than [`Isa::Scalar`] carries a token, [`Avx2`] or [`Avx512`], and only detection
+//! makes tokens. A function that takes one therefore runs only where the processor has the instructions, and
+//! `Avx2::run` compiles a closure for them without any `unsafe` at the caller's.
+
+#![allow(unsafe_code)]
 
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 pub(crate) mod vector;
+
+use std::fmt;
+use std::sync::OnceLock;
+
+/// The environment variable that lowers [`Isa::best`]: "scalar", "avx2" or "avx512". It never raises it.
+const VARIABLE: &str = "PHR_ISA";
+
+/// An instruction set that this processor has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Isa {
+    /// Portable code; the compiler vectorises what it can.
+    Scalar,
+    /// x86-64 with AVX2, FMA and BMI (Haswell, Zen and later).
+    Avx2(Avx2),
+    /// The same with AVX-512 F, VL, BW and DQ (Skylake-X, Zen 4 and later).
+    Avx512(Avx512),
+}
+
+/// Proves that the processor has AVX2, FMA, BMI1, BMI2 and LZCNT.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Avx2(());
+
+/// Proves that the processor has AVX-512 F, VL, BW and DQ, and all that [`Avx2`] proves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Avx512(());
+
+impl Isa {
+    /// The names of all instruction sets, from least to most able.
+    pub const NAMES: [&str; 3] = ["scalar", "avx2", "avx512"];
+
+    /// The most able instruction set of this processor, or the one that the environment variable `PHR_ISA`
+    /// names if that is lower. Detected once per process. An unknown name is ignored here; programs refuse it
+    /// by [`Isa::check_environment`].
+    pub fn best() -> Self {
+        static BEST: OnceLock<Isa> = OnceLock::new();
+        *BEST.get_or_init(|| Self::detect().lowered_to(std::env::var(VARIABLE).ok().as_deref()))
+    }
+
+    /// Those up to [`Isa::best`], from least to most able.
+    pub fn available() -> impl Iterator<Item = Self> {
+        let best = Self::best();
+        let avx512 = if let Self::Avx512(token) = best { Some(token) } else { None };
+        let all = [Some(Self::Scalar), best.avx2().map(Self::Avx2), avx512.map(Self::Avx512)];
+        all.into_iter().flatten()
+    }
+
+    /// The name in records and in `PHR_ISA`: "scalar", "avx2" or "avx512".
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self.rank()]
+    }
+
+    /// Refuses a value of `PHR_ISA` that names no instruction set.
+    ///
+    /// # Errors
+    /// One line that names the variable, its value and the names it may have.
+    pub fn check_environment() -> Result<(), String> {
+        check(std::env::var_os(VARIABLE).map(|name| name.to_string_lossy().into_owned()).as_deref())
+    }
+
+    /// The token of AVX2, which processors with AVX-512 have too.
+    #[inline]
+    pub(crate) fn avx2(self) -> Option<Avx2> {
+        match self {
+            Self::Scalar => None,
+            Self::Avx2(token) => Some(token),
+            Self::Avx512(token) => Some(token.avx2()),
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn detect() -> Self {
+        use std::arch::is_x86_feature_detected as has;
+        let avx2 = has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt");
+        let avx512 = has!("avx512f") && has!("avx512vl") && has!("avx512bw") && has!("avx512dq");
+        match (avx2, avx512) {
+            (true, true) => Self::Avx512(Avx512(())),
+            (true, false) => Self::Avx2(Avx2(())),
+            (false, _) => Self::Scalar,
+        }
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn detect() -> Self {
+        Self::Scalar
+    }
+
+    /// The lower of `self` and the instruction set called `name`, `self` if there is none of that name.
+    fn lowered_to(self, name: Option<&str>) -> Self {
+        let wanted = name.and_then(|name| Self::NAMES.iter().position(|&known| known == name));
+        match (wanted, self.avx2()) {
+            (Some(rank), _) if rank >= self.rank() => self,
+            (Some(1), Some(token)) => Self::Avx2(token),
+            (Some(_), _) => Self::Scalar,
+            (None, _) => self,
+        }
+    }
+
+    /// Place among [`Isa::NAMES`].
+    fn rank(self) -> usize {
+        match self {
+            Self::Scalar => 0,
+            Self::Avx2(_) => 1,
+            Self::Avx512(_) => 2,
+        }
+    }
+}
+
+impl fmt::Display for Isa {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+fn check(name: Option<&str>) -> Result<(), String> {
+    match name {
+        Some(name) if !Isa::NAMES.contains(&name) => {
+            let known = Isa::NAMES.join(", ");
+            Err(format!("{VARIABLE}={name} names no instruction set; unset it or use one of {known}"))
+        }
+        _ => Ok(()),
+    }
+}
+
+impl Avx2 {
+    /// Calls `f` from a function compiled for AVX2. Pass `#[inline(always)] || ...`, so that the closure's body
+    /// and what is inlined into it are compiled so, too.
+    #[inline(always)]
+    pub(crate) fn run<R>(self, f: impl FnOnce() -> R) -> R {
+        #[cfg_attr(target_arch = "x86_64", target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt"))]
+        #[inline]
+        fn enabled<R>(f: impl FnOnce() -> R) -> R {
+            f()
+        }
+        // SAFETY: the token is made only where all these features were detected.
+        #[cfg_attr(not(target_arch = "x86_64"), expect(unused_unsafe))]
+        unsafe {
+            enabled(f)
+        }
+    }
+}
+
+impl Avx512 {
+    /// The token of what AVX-512 includes.
+    #[inline(always)]
+    pub(crate) fn avx2(self) -> Avx2 {
+        Avx2(())
+    }
+
+    /// As [`Avx2::run`], compiled for AVX-512.
+    #[inline(always)]
+    pub(crate) fn run<R>(self, f: impl FnOnce() -> R) -> R {
+        #[cfg_attr(
+            target_arch = "x86_64",
+            target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,fma,bmi1,bmi2,lzcnt")
+        )]
+        #[inline]
+        fn enabled<R>(f: impl FnOnce() -> R) -> R {
+            f()
+        }
+        // SAFETY: the token is made only where all these features were detected.
+        #[cfg_attr(not(target_arch = "x86_64"), expect(unused_unsafe))]
+        unsafe {
+            enabled(f)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn available_ones_rise_from_scalar_to_the_best() {
+        let available: Vec<Isa> = Isa::available().collect();
+        assert_eq!(available[0], Isa::Scalar);
+        assert_eq!(available.last(), Some(&Isa::best()));
+        assert!(available.is_sorted());
+        assert_eq!(available.iter().map(|isa| isa.name()).collect::<Vec<_>>(), Isa::NAMES[..available.len()]);
+        assert!(Isa::best() <= Isa::detect());
+    }
+
+    #[test]
+    fn a_name_lowers_but_never_raises() {
+        for detected in [Isa::Scalar, Isa::Avx2(Avx2(())), Isa::Avx512(Avx512(()))] {
+            for (rank, name) in Isa::NAMES.into_iter().enumerate() {
+                assert_eq!(detected.lowered_to(Some(name)).rank(), rank.min(detected.rank()), "{name}");
+            }
+            assert_eq!(detected.lowered_to(Some("sse")), detected);
+            assert_eq!(detected.lowered_to(None), detected);
+        }
+    }
+
+    #[test]
+    fn unknown_names_are_refused_in_one_line() {
+        assert_eq!(check(None), Ok(()));
+        assert!(Isa::NAMES.into_iter().all(|name| check(Some(name)).is_ok()));
+        let error = check(Some("AVX3")).unwrap_err();
+        assert_eq!(
+            error,
+            "PHR_ISA=AVX3 names no instruction set; unset it or use one of scalar, avx2, avx512"
+        );
+    }
+
+    #[test]
+    fn closures_run_compiled_for_each() {
+        let numbers: Vec<u32> = (0..1000).collect();
+        for isa in Isa::available() {
+            let sum = match isa {
+                Isa::Scalar => numbers.iter().sum::<u32>(),
+                Isa::Avx2(token) => token.run(
+                    #[inline(always)]
+                    || numbers.iter().sum(),
+                ),
+                Isa::Avx512(token) => token.run(
+                    #[inline(always)]
+                    || numbers.iter().sum(),
+                ),
+            };
+            assert_eq!(sum, 499_500, "{isa}");
+        }
+    }
+}

@@ -17,12 +17,13 @@ mod path;
 mod rng;
 pub mod verify;
 
+pub use crate::simd::Isa;
 pub use batches::{RayBatches, RayKind, any_in_parallel, closest_in_parallel};
 pub use brute_force::BruteForce;
 pub use camera::Camera;
 pub use image::Image;
 #[cfg(feature = "harness")]
 pub use image::ImageError;
-pub use kernel::{BvhTracer, Isa, TraversalCounts};
+pub use kernel::{BvhTracer, TraversalCounts, kernel_isa};
 pub use path::{PathSettings, Recording, record, render};
 pub use verify::{hit_count, hit_hash};

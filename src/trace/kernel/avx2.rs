@@ -7,17 +7,34 @@ use super::soundness::SoundTree;
 use super::traverse::{self, Entries, Kernel, Query};
 use crate::bvh::{TriangleBlock, WideNode};
 use crate::geometry::{Hit, Ray};
+use crate::simd::Avx2;
 use std::arch::x86_64::*;
 
-/// [`traverse::run`] with the instructions enabled.
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-pub(super) fn run<C: Counter, const N: usize>(tree: SoundTree<'_, N>, query: Query<'_>, counter: &mut C) {
-    traverse::run::<Avx2, C, N>(tree, query, counter);
+/// [`traverse::run`] compiled for AVX2.
+pub(super) fn run<C: Counter, const N: usize>(
+    token: Avx2,
+    tree: SoundTree<'_, N>,
+    query: Query<'_>,
+    counter: &mut C,
+) {
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    fn enabled<C: Counter, const N: usize>(
+        token: Avx2,
+        tree: SoundTree<'_, N>,
+        query: Query<'_>,
+        counter: &mut C,
+    ) {
+        traverse::run::<Avx2Kernel, C, N>(token, tree, query, counter);
+    }
+    // SAFETY: the token proves that the processor has the features.
+    unsafe { enabled(token, tree, query, counter) }
 }
 
 /// A prepared ray.
 #[derive(Clone, Copy)]
-pub(super) struct Avx2 {
+struct Avx2Kernel {
+    /// Proves the features that the tests are compiled for.
+    _token: Avx2,
     org: [f32; 3],
     dir: [f32; 3],
     rdir: [f32; 3],
@@ -27,16 +44,62 @@ pub(super) struct Avx2 {
     tnear: f32,
 }
 
-impl Kernel for Avx2 {
+impl Kernel for Avx2Kernel {
+    type Token = Avx2;
+
+    #[inline(always)]
+    fn new(token: Avx2, ray: &Ray) -> Self {
+        // SAFETY: the token proves the features.
+        unsafe { Self::prepared(token, ray) }
+    }
+
+    #[inline(always)]
+    fn enter<const N: usize>(&self, node: &WideNode<N>, tfar: f32) -> (u32, Entries<N>) {
+        // SAFETY: `self._token` proves the features.
+        unsafe { self.boxes_met(node, tfar) }
+    }
+
+    #[inline(always)]
+    fn closest(&self, block: &TriangleBlock, hit: &mut Hit) {
+        // SAFETY: `self._token` proves the features.
+        unsafe { self.closest_in(block, hit) }
+    }
+
+    #[inline(always)]
+    fn any(&self, block: &TriangleBlock, tfar: f32) -> bool {
+        // SAFETY: `self._token` proves the features.
+        unsafe { self.any_in(block, tfar) }
+    }
+
+    #[inline(always)]
+    fn prefetch(address: *const u8, bytes: usize) {
+        for line in (0..bytes).step_by(64) {
+            // SAFETY: a prefetch reads nothing and never faults; SSE is part of x86-64.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(address.wrapping_add(line).cast()) };
+        }
+    }
+}
+
+/// Four intersections before the division by `den`; `valid` is a lane mask with at least one lane set.
+struct Crossing {
+    t: __m128,
+    u: __m128,
+    v: __m128,
+    den: __m128,
+    valid: __m128,
+}
+
+impl Avx2Kernel {
     #[inline]
     #[target_feature(enable = "avx2,fma")]
-    unsafe fn new(ray: &Ray) -> Self {
+    fn prepared(token: Avx2, ray: &Ray) -> Self {
         let org = ray.org.to_array();
         let dir = ray.dir.to_array();
         let safe = dir.map(|x| if x.abs() < SMALLEST_DIRECTION { SMALLEST_DIRECTION } else { x });
         let rdir: [f32; 4] = array(reciprocal(_mm_setr_ps(safe[0], safe[1], safe[2], 1.0)));
         let rdir = [rdir[0], rdir[1], rdir[2]];
         Self {
+            _token: token,
             org,
             dir,
             rdir,
@@ -48,7 +111,7 @@ impl Kernel for Avx2 {
 
     #[inline]
     #[target_feature(enable = "avx2,fma")]
-    unsafe fn enter<const N: usize>(&self, node: &WideNode<N>, tfar: f32) -> (u32, Entries<N>) {
+    fn boxes_met<const N: usize>(&self, node: &WideNode<N>, tfar: f32) -> (u32, Entries<N>) {
         let planes = std::ptr::from_ref(node).cast::<f32>();
         let mut entries = Entries([0; N]);
         let mask = match N {
@@ -112,7 +175,7 @@ impl Kernel for Avx2 {
 
     #[inline]
     #[target_feature(enable = "avx2,fma")]
-    unsafe fn closest(&self, block: &TriangleBlock, hit: &mut Hit) {
+    fn closest_in(&self, block: &TriangleBlock, hit: &mut Hit) {
         let Some(crossing) = self.cross(block, hit.t) else { return };
         let scale = reciprocal(crossing.den);
         let t = _mm_mul_ps(crossing.t, scale);
@@ -133,29 +196,10 @@ impl Kernel for Avx2 {
 
     #[inline]
     #[target_feature(enable = "avx2,fma")]
-    unsafe fn any(&self, block: &TriangleBlock, tfar: f32) -> bool {
+    fn any_in(&self, block: &TriangleBlock, tfar: f32) -> bool {
         self.cross(block, tfar).is_some()
     }
 
-    #[inline(always)]
-    fn prefetch(address: *const u8, bytes: usize) {
-        for line in (0..bytes).step_by(64) {
-            // SAFETY: a prefetch reads nothing and never faults; SSE is part of x86-64.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(address.wrapping_add(line).cast()) };
-        }
-    }
-}
-
-/// Four intersections before the division by `den`; `valid` is a lane mask with at least one lane set.
-struct Crossing {
-    t: __m128,
-    u: __m128,
-    v: __m128,
-    den: __m128,
-    valid: __m128,
-}
-
-impl Avx2 {
     /// Moeller and Trumbore's test with the normal `e2 x e1`, edges included, both faces.
     #[inline]
     #[target_feature(enable = "avx2,fma")]

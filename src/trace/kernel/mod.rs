@@ -3,16 +3,15 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
-mod isa;
 mod scalar;
 mod soundness;
 mod traverse;
 
-pub use isa::Isa;
-
 use crate::bvh::WideBvh;
 use crate::geometry::{Hit, Ray, Tracer};
+use crate::simd::Isa;
 use rayon::prelude::*;
+use scalar::ScalarKernel;
 use soundness::SoundTree;
 use std::ops::Add;
 use traverse::Query;
@@ -24,12 +23,22 @@ use traverse::Query;
 /// overflows or vanishes (scenes of 1e12 and more, or 1e-12 and less, traced with directions as long), hits
 /// are missed. Unit directions are safe over a far wider range.
 ///
-/// With [`Isa::Avx2`] the arithmetic is that of Embree's kernel on the same processor, operation by
-/// operation, so that hits on the same tree are the same bits.
+/// With AVX2 the arithmetic is that of Embree's kernel on the same processor, operation by operation, so that
+/// hits on the same tree are the same bits.
 #[derive(Clone, Copy, Debug)]
 pub struct BvhTracer<'a, const N: usize> {
     tree: SoundTree<'a, N>,
     isa: Isa,
+}
+
+/// The instruction set that [`BvhTracer::new`] picks on this machine.
+pub fn kernel_isa() -> Isa {
+    narrowed(Isa::best())
+}
+
+/// The most able instruction set up to `isa` that a kernel is written for: AVX-512 processors run AVX2's.
+fn narrowed(isa: Isa) -> Isa {
+    isa.avx2().map_or(Isa::Scalar, Isa::Avx2)
 }
 
 impl<'a, const N: usize> BvhTracer<'a, N> {
@@ -43,14 +52,13 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
         Self::with_isa(tree, Isa::best())
     }
 
-    /// As [`BvhTracer::new`] with instructions of choice, or the best available ones below `isa` where this
-    /// machine lacks it.
+    /// As [`BvhTracer::new`] with instructions of choice; there is no kernel for AVX-512, which runs AVX2's.
     ///
     /// # Panics
     /// As [`BvhTracer::new`].
     pub fn with_isa(tree: &'a WideBvh<N>, isa: Isa) -> Self {
         match SoundTree::new(tree) {
-            Ok(tree) => Self { tree, isa: if isa.is_available() { isa } else { Isa::best() } },
+            Ok(tree) => Self { tree, isa: narrowed(isa) },
             Err(flaw) => panic!("malformed tree: {flaw}"),
         }
     }
@@ -95,12 +103,9 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
     /// Runs a batch; the instruction set is looked at once per batch.
     fn run<C: Counter>(&self, query: Query<'_>, counter: &mut C) {
         match self.isa {
-            Isa::Scalar => traverse::run::<scalar::Scalar, C, N>(self.tree, query, counter),
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: `with_isa` lets `Avx2` through only where the machine has what it names.
-            Isa::Avx2 => unsafe { avx2::run(self.tree, query, counter) },
-            #[cfg(not(target_arch = "x86_64"))]
-            Isa::Avx2 => traverse::run::<scalar::Scalar, C, N>(self.tree, query, counter),
+            Isa::Avx2(token) => avx2::run(token, self.tree, query, counter),
+            _ => traverse::run::<ScalarKernel, C, N>((), self.tree, query, counter),
         }
     }
 }

@@ -14,23 +14,25 @@ const WIDEN: f32 = 1.0 + 4.0 * f32::EPSILON;
 
 /// A prepared ray.
 #[derive(Clone, Copy)]
-pub(super) struct Scalar {
+pub(super) struct ScalarKernel {
     org: [f32; 3],
     dir: [f32; 3],
     rdir: [f32; 3],
     tnear: f32,
 }
 
-impl Kernel for Scalar {
+impl Kernel for ScalarKernel {
+    type Token = ();
+
     #[inline(always)]
-    unsafe fn new(ray: &Ray) -> Self {
+    fn new((): (), ray: &Ray) -> Self {
         let dir = ray.dir.to_array();
         let rdir = dir.map(|x| 1.0 / if x.abs() < SMALLEST_DIRECTION { SMALLEST_DIRECTION } else { x });
         Self { org: ray.org.to_array(), dir, rdir, tnear: greater(ray.tnear, 0.0) }
     }
 
     #[inline(always)]
-    unsafe fn enter<const N: usize>(&self, node: &WideNode<N>, tfar: f32) -> (u32, Entries<N>) {
+    fn enter<const N: usize>(&self, node: &WideNode<N>, tfar: f32) -> (u32, Entries<N>) {
         let (mut enter, mut leave) = ([self.tnear; N], [tfar; N]);
         for axis in 0..3 {
             let (near, far) = if self.rdir[axis] >= 0.0 {
@@ -51,7 +53,7 @@ impl Kernel for Scalar {
     }
 
     #[inline(always)]
-    unsafe fn closest(&self, block: &TriangleBlock, hit: &mut Hit) {
+    fn closest(&self, block: &TriangleBlock, hit: &mut Hit) {
         let crossing = self.cross(block, hit.t);
         for lane in 0..4 {
             if crossing.valid[lane] {
@@ -70,7 +72,7 @@ impl Kernel for Scalar {
     }
 
     #[inline(always)]
-    unsafe fn any(&self, block: &TriangleBlock, tfar: f32) -> bool {
+    fn any(&self, block: &TriangleBlock, tfar: f32) -> bool {
         self.cross(block, tfar).valid.contains(&true)
     }
 
@@ -87,7 +89,7 @@ struct Crossing {
     valid: [bool; 4],
 }
 
-impl Scalar {
+impl ScalarKernel {
     /// Moeller and Trumbore's test with the normal `e2 x e1`, edges included, both faces.
     #[inline(always)]
     fn cross(&self, block: &TriangleBlock, tfar: f32) -> Crossing {

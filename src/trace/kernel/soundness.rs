@@ -1,6 +1,7 @@
 //! The proof that a tree's links may be followed unchecked: trees have public fields, the kernel reads them
 //! without bounds checks and with a stack of fixed size.
 
+use crate::bvh::limits::MAX_BLOCKS;
 use crate::bvh::{Child, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 
 /// A tree whose links are in range, whose nodes have one parent each and whose inner levels do not exceed
@@ -78,7 +79,7 @@ impl<'a, const N: usize> SoundTree<'a, N> {
     /// Where the data of `link` lies; only for prefetching.
     #[inline(always)]
     pub(super) fn address(self, link: Link) -> *const u8 {
-        const INDEX: u32 = (1 << 28) - 1;
+        const INDEX: u32 = MAX_BLOCKS as u32 - 1;
         if link.is_inner() {
             self.tree.nodes.as_ptr().wrapping_add(link.bits() as usize).cast()
         } else {

@@ -3,7 +3,8 @@
 
 use super::Counter;
 use super::soundness::SoundTree;
-use crate::bvh::{Child, Link, MAX_DEPTH, TriangleBlock, WideNode};
+use crate::bvh::limits::TRAVERSAL_STACK;
+use crate::bvh::{Child, Link, TriangleBlock, WideNode};
 use crate::geometry::{Hit, Ray};
 use std::mem::MaybeUninit;
 
@@ -19,30 +20,21 @@ pub(super) struct Entries<const N: usize>(pub [u32; N]);
 
 /// One ray, prepared, and its two tests in some instruction set.
 pub(super) trait Kernel: Copy {
+    /// Proves that the machine has the instructions.
+    type Token: Copy;
+
     /// Prepares a ray. A negative `tnear` counts as 0.
-    ///
-    /// # Safety
-    /// The machine has the instructions; likewise for all methods.
-    unsafe fn new(ray: &Ray) -> Self;
+    fn new(token: Self::Token, ray: &Ray) -> Self;
 
     /// The children whose boxes meet the ray in `tnear..=tfar`, as a bit mask, and where it enters them.
     /// Unused slots are never met by a valid ray.
-    ///
-    /// # Safety
-    /// As [`Kernel::new`].
-    unsafe fn enter<const N: usize>(&self, node: &WideNode<N>, tfar: f32) -> (u32, Entries<N>);
+    fn enter<const N: usize>(&self, node: &WideNode<N>, tfar: f32) -> (u32, Entries<N>);
 
     /// Replaces `hit` by the block's closest hit in `tnear < t <= hit.t`, if there is one.
-    ///
-    /// # Safety
-    /// As [`Kernel::new`].
-    unsafe fn closest(&self, block: &TriangleBlock, hit: &mut Hit);
+    fn closest(&self, block: &TriangleBlock, hit: &mut Hit);
 
     /// Whether the block has a hit in `tnear < t <= tfar`.
-    ///
-    /// # Safety
-    /// As [`Kernel::new`].
-    unsafe fn any(&self, block: &TriangleBlock, tfar: f32) -> bool;
+    fn any(&self, block: &TriangleBlock, tfar: f32) -> bool;
 
     /// Hints that `bytes` from `address` will be read soon.
     fn prefetch(address: *const u8, bytes: usize);
@@ -51,6 +43,7 @@ pub(super) trait Kernel: Copy {
 /// Runs a batch. Instruction sets wrap it in a function that enables theirs, into which all is inlined.
 #[inline(always)]
 pub(super) fn run<K: Kernel, C: Counter, const N: usize>(
+    token: K::Token,
     tree: SoundTree<'_, N>,
     query: Query<'_>,
     counter: &mut C,
@@ -59,23 +52,26 @@ pub(super) fn run<K: Kernel, C: Counter, const N: usize>(
         Query::Closest(rays, hits) => {
             assert_eq!(rays.len(), hits.len(), "as many hits as rays");
             for (ray, hit) in rays.iter().zip(hits) {
-                *hit = closest::<K, C, N>(tree, ray, counter);
+                *hit = closest::<K, C, N>(K::new(token, ray), tree, ray.tfar, counter);
             }
         }
         Query::Any(rays, occluded) => {
             assert_eq!(rays.len(), occluded.len(), "as many answers as rays");
             for (ray, occluded) in rays.iter().zip(occluded) {
-                *occluded = any::<K, C, N>(tree, ray, counter);
+                *occluded = any::<K, C, N>(K::new(token, ray), tree, ray.tfar, counter);
             }
         }
     }
 }
 
 #[inline(always)]
-fn closest<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &Ray, counter: &mut C) -> Hit {
-    // SAFETY: who calls `run` with `K` has its instructions; likewise below, and links come from the tree.
-    let kernel = unsafe { K::new(ray) };
-    let mut hit = Hit { t: ray.tfar, ..Hit::MISS };
+fn closest<K: Kernel, C: Counter, const N: usize>(
+    kernel: K,
+    tree: SoundTree<'_, N>,
+    tfar: f32,
+    counter: &mut C,
+) -> Hit {
+    let mut hit = Hit { t: tfar, ..Hit::MISS };
     let mut items = Stack::room();
     let mut stack = Stack { items: &mut items, len: 0 };
     let mut link = tree.root();
@@ -84,10 +80,9 @@ fn closest<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &
         'descend: {
             while link.is_inner() {
                 counter.node();
-                // SAFETY: as above.
+                // SAFETY: `link` is the root or a child of a node reached from it.
                 let node = unsafe { tree.node(link.bits() as usize) };
-                // SAFETY: as above.
-                let (mut mask, entries) = unsafe { kernel.enter(node, hit.t) };
+                let (mut mask, entries) = kernel.enter(node, hit.t);
                 if mask == 0 {
                     break 'descend;
                 }
@@ -106,7 +101,8 @@ fn closest<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &
                 let (b, last) = next();
                 if last {
                     let (near, far) = if a.entry() < b.entry() { (a, b) } else { (b, a) };
-                    stack.push(far);
+                    // SAFETY: see `Stack`.
+                    unsafe { stack.push(far) };
                     link = near.link();
                     continue;
                 }
@@ -115,8 +111,8 @@ fn closest<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &
                     let (a, b) = ordered(a, b);
                     let (b, c) = ordered(b, c);
                     let (a, b) = ordered(a, b);
-                    stack.push(c);
-                    stack.push(b);
+                    // SAFETY: see `Stack`.
+                    unsafe { stack.push_all([c, b]) };
                     link = a.link();
                     continue;
                 }
@@ -127,19 +123,18 @@ fn closest<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &
                 let (b, d) = ordered(b, d);
                 let (b, c) = ordered(b, c);
                 if N == 4 || last {
-                    stack.push(d);
-                    stack.push(c);
-                    stack.push(b);
+                    // SAFETY: see `Stack`.
+                    unsafe { stack.push_all([d, c, b]) };
                     link = a.link();
                     continue;
                 }
                 let base = stack.len;
-                for item in [d, c, b, a] {
-                    stack.push(item);
-                }
+                // SAFETY: see `Stack`.
+                unsafe { stack.push_all([d, c, b, a]) };
                 loop {
                     let (item, last) = next();
-                    stack.insert(base, item);
+                    // SAFETY: see `Stack`.
+                    unsafe { stack.insert(base, item) };
                     if last {
                         break;
                     }
@@ -148,11 +143,10 @@ fn closest<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &
             }
             // Test the leaf.
             if let Child::Leaf { first, count } = link.get() {
-                // SAFETY: as above.
+                // SAFETY: as for the node.
                 for block in unsafe { tree.leaf(first, count) } {
                     counter.block();
-                    // SAFETY: as above.
-                    unsafe { kernel.closest(block, &mut hit) };
+                    kernel.closest(block, &mut hit);
                 }
             }
         }
@@ -170,9 +164,12 @@ fn closest<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &
 
 /// Without distances there is nothing to sort: the last child met comes first, the others wait.
 #[inline(always)]
-fn any<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &Ray, counter: &mut C) -> bool {
-    // SAFETY: who calls `run` with `K` has its instructions; likewise below, and links come from the tree.
-    let kernel = unsafe { K::new(ray) };
+fn any<K: Kernel, C: Counter, const N: usize>(
+    kernel: K,
+    tree: SoundTree<'_, N>,
+    tfar: f32,
+    counter: &mut C,
+) -> bool {
     let mut items = Stack::room();
     let mut stack = Stack { items: &mut items, len: 0 };
     let mut link = tree.root();
@@ -180,10 +177,9 @@ fn any<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &Ray,
         'descend: {
             while link.is_inner() {
                 counter.node();
-                // SAFETY: as above.
+                // SAFETY: `link` is the root or a child of a node reached from it.
                 let node = unsafe { tree.node(link.bits() as usize) };
-                // SAFETY: as above.
-                let (mut mask, _) = unsafe { kernel.enter(node, ray.tfar) };
+                let (mut mask, _) = kernel.enter(node, tfar);
                 if mask == 0 {
                     break 'descend;
                 }
@@ -194,15 +190,15 @@ fn any<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &Ray,
                     if mask == 0 {
                         break;
                     }
-                    stack.push(Item::new(0, link));
+                    // SAFETY: see `Stack`.
+                    unsafe { stack.push(Item::new(0, link)) };
                 }
             }
             if let Child::Leaf { first, count } = link.get() {
-                // SAFETY: as above.
+                // SAFETY: as for the node.
                 for block in unsafe { tree.leaf(first, count) } {
                     counter.block();
-                    // SAFETY: as above.
-                    if unsafe { kernel.any(block, ray.tfar) } {
+                    if kernel.any(block, tfar) {
                         return true;
                     }
                 }
@@ -214,10 +210,6 @@ fn any<K: Kernel, C: Counter, const N: usize>(tree: SoundTree<'_, N>, ray: &Ray,
         }
     }
 }
-
-/// Each of the inner levels leaves at most seven children waiting, while its nearest is visited; the lowest
-/// one has eight on the stack for a moment.
-const CAPACITY: usize = 7 * MAX_DEPTH + 1;
 
 /// A child and where the ray enters it, in one register: the order of items is that of entries.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -247,24 +239,44 @@ fn ordered(a: Item, b: Item) -> (Item, Item) {
 
 /// Children still to visit, nearest on top. Its room is never cleared (a ray would pay for 4 KB of zeros) and
 /// only borrowed, so that the length stays in a register.
+///
+/// It never overflows: traversal descends a [`SoundTree`] of at most eight children per node and
+/// [`MAX_DEPTH`](crate::bvh::MAX_DEPTH) inner levels, each entered from above, for which [`TRAVERSAL_STACK`]
+/// items suffice.
 struct Stack<'a> {
-    items: &'a mut [MaybeUninit<Item>; CAPACITY],
+    items: &'a mut [MaybeUninit<Item>; TRAVERSAL_STACK],
+    /// Items in use, all of them written.
     len: usize,
 }
 
 impl Stack<'_> {
     #[inline(always)]
-    fn room() -> [MaybeUninit<Item>; CAPACITY] {
-        [const { MaybeUninit::uninit() }; CAPACITY]
+    fn room() -> [MaybeUninit<Item>; TRAVERSAL_STACK] {
+        [const { MaybeUninit::uninit() }; TRAVERSAL_STACK]
     }
 
+    /// Puts `item` on top.
+    ///
+    /// # Safety
+    /// Fewer than [`TRAVERSAL_STACK`] items are on the stack.
     #[inline(always)]
-    fn push(&mut self, item: Item) {
-        debug_assert!(self.len < CAPACITY);
-        // SAFETY: a `SoundTree` has at most eight children per node and `MAX_DEPTH` inner levels, each entered
-        // from above, so that `CAPACITY` is never exceeded.
+    unsafe fn push(&mut self, item: Item) {
+        debug_assert!(self.len < TRAVERSAL_STACK);
+        // SAFETY: the caller's promise.
         unsafe { self.items.get_unchecked_mut(self.len) }.write(item);
         self.len += 1;
+    }
+
+    /// Puts `items` on top, the last one uppermost.
+    ///
+    /// # Safety
+    /// As [`Stack::push`], for each.
+    #[inline(always)]
+    unsafe fn push_all<const COUNT: usize>(&mut self, items: [Item; COUNT]) {
+        for item in items {
+            // SAFETY: the caller's promise.
+            unsafe { self.push(item) };
+        }
     }
 
     #[inline(always)]
@@ -277,10 +289,14 @@ impl Stack<'_> {
         Some(unsafe { self.items.get_unchecked(self.len).assume_init() })
     }
 
-    /// Pushes `item` below those nearer than it, but not below `base`.
+    /// Puts `item` below those nearer than it, but not below `base`.
+    ///
+    /// # Safety
+    /// As [`Stack::push`].
     #[inline(always)]
-    fn insert(&mut self, base: usize, item: Item) {
-        self.push(item);
+    unsafe fn insert(&mut self, base: usize, item: Item) {
+        // SAFETY: the caller's promise.
+        unsafe { self.push(item) };
         let mut at = self.len - 1;
         while at > base {
             // SAFETY: `at - 1` and `at` are below `len`: written, and within the array.
