@@ -1,30 +1,38 @@
 //! Build-from-hierarchy with cuts of constant length (Hunt, Mark, Fussell 2007, adapted to BVHs as in paper 5):
 //! PHR's recursion, refined by opening the largest nodes until the cut is long enough, without spatial splits.
 
-use crate::builders::binary::BinaryTree;
-use crate::builders::builder::{Build, Builder};
-use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
-use crate::builders::phr::cut::{Growing, open};
-use crate::builders::phr::hierarchy::Hierarchy;
-use crate::builders::phr::policy::{Refine, Rules};
-use crate::builders::phr::side::Side;
+use super::builder::{Build, Builder, Stopwatch};
+use super::config_error::{ConfigError, check};
+use crate::builders::binary::tree::BinaryTree;
+use crate::builders::phr::PhrConfig;
+use crate::builders::phr::clip::open;
+use crate::builders::phr::cut::{Cut, CutBuilder, Side};
+use crate::builders::phr::initial_cut::initial_cut;
+use crate::builders::phr::memory::CutMemory;
+use crate::builders::phr::policy::CutPolicy;
+use crate::builders::phr::recursion::CutRecursion;
+use crate::builders::wide::top_down;
 use crate::bvh::Bvh4;
+use crate::bvh::limits::{BLOCK, MAX_LEAF};
 use crate::geometry::{Aabb, Mesh};
+use crate::simd::Isa;
 
 /// Parameters of Hunt's method.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct HuntConfig {
-    /// Nodes of every cut, while there are so many.
+    /// Nodes of every cut, while there are as many; 2 to 65536.
     pub cut_length: usize,
-    /// Most triangles of a leaf, as in [`super::PhrConfig::max_leaf`].
+    /// Most triangles of a leaf, as in [`PhrConfig::max_leaf`].
     pub max_leaf: u32,
 }
 
-/// The rule of constant length: a partial sort by area, then the largest are opened (paper 5).
+/// The rule of constant length: a partial sort by area, then the largest nodes are opened (paper 5).
 struct ConstantLength(usize);
 
-impl Refine for ConstantLength {
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, _: u32, side: &Side, refined: &mut Growing<'_>) {
+impl CutPolicy for ConstantLength {
+    const KEEPS_SINGLE_NODES: bool = false;
+
+    fn refine(&self, tree: &BinaryTree, clip: &Aabb, _: u32, side: &Side, refined: &mut CutBuilder<'_>) {
         let mut side = side.nodes.clone();
         let mut opened_once = Vec::new();
         // Opening a node makes a cut one longer; several rounds are needed after an uneven split.
@@ -59,20 +67,28 @@ impl Refine for ConstantLength {
 pub struct Hunt {
     name: &'static str,
     config: HuntConfig,
-    hierarchy: Hierarchy,
+    /// The parameters that the recursion shares with PHR; without spatial splits.
+    cuts: PhrConfig,
+    memory: CutMemory,
+    isa: Isa,
 }
 
 impl Hunt {
     /// A builder called `name` in records.
-    pub fn new(name: &'static str, config: HuntConfig) -> Self {
-        Self { name, config, hierarchy: Hierarchy::default() }
+    ///
+    /// # Errors
+    /// A parameter out of range.
+    pub fn new(name: &'static str, config: HuntConfig) -> Result<Self, ConfigError> {
+        Self::with_isa(name, config, Isa::best())
     }
 
-    /// The same with other instructions, which the processor must have.
-    #[cfg(test)]
-    pub(crate) fn with_isa(mut self, isa: crate::builders::split::object::lanes::Isa) -> Self {
-        self.hierarchy.isa = isa;
-        self
+    /// A builder with the given instructions.
+    pub(crate) fn with_isa(name: &'static str, config: HuntConfig, isa: Isa) -> Result<Self, ConfigError> {
+        let HuntConfig { cut_length, max_leaf } = config;
+        check("cut_length", cut_length, 2..=1 << 16)?;
+        check("max_leaf", max_leaf, BLOCK..=MAX_LEAF)?;
+        let cuts = PhrConfig { spatial_threshold: f32::INFINITY, max_leaf, ..PhrConfig::FAST };
+        Ok(Self { name, config, cuts, memory: CutMemory::default(), isa })
     }
 }
 
@@ -86,26 +102,22 @@ impl Builder for Hunt {
     }
 
     fn build(&mut self, mesh: &Mesh) -> Build {
-        let HuntConfig { cut_length, max_leaf } = self.config;
-        self.hierarchy.build(mesh, &AuxiliaryConfig::PAPER, |_| Rules {
-            refine: ConstantLength(cut_length),
-            initial_threshold: 0.0,
-            initial_len: cut_length,
-            spatial_above: f32::INFINITY,
-            max_references: 1.0,
-            opens_once: false,
-            auxiliary_leaf: 1,
-            max_leaf,
-            collapse: None,
-            leaf_sweep: 0,
-            subtree_sweep: 0,
-            overlap_above: None,
-            spatial_bias: 1.0,
-            clip_triangles: false,
-        })
+        let CutMemory { auxiliary, recursion: memory } = &mut self.memory;
+        let mut phases = auxiliary.build(mesh, &self.cuts.extensions.auxiliary);
+        let mut watch = Stopwatch::start();
+        let length = self.config.cut_length;
+        let cut = auxiliary.tree.root.map(|root| {
+            let nodes = initial_cut(&auxiliary.tree, root, 0.0, length);
+            (Cut::whole(nodes, 1.0, mesh.len()), Default::default())
+        });
+        let recursion = CutRecursion::new(auxiliary, mesh, &self.cuts, ConstantLength(length), self.isa);
+        let tree = top_down::build(&recursion, cut, mesh, memory);
+        watch.lap("cuts and nodes");
+        phases.extend(watch.phases);
+        self.memory.finish(tree, phases)
     }
 
     fn recycle(&mut self, tree: Bvh4) {
-        self.hierarchy.recycle(tree);
+        self.memory.recursion.recycle(tree);
     }
 }

@@ -1,28 +1,41 @@
-//! Builders: from an indexed mesh to a traversable [`Bvh4`].
+//! Builders: from an indexed mesh to a traversable [`Bvh4`](crate::bvh::Bvh4). The modules, in reading order:
+//!
+//! * `prims`: references to triangles; needles are presplit;
+//! * `binary`: binary trees; `wide`: wide trees (paper 4.5, 4.6);
+//! * `lbvh`: the auxiliary BVH (4.7), and the builder `lbvh`;
+//! * `split`: object splits (4.2) and spatial splits (4.4) of a cut;
+//! * `phr`: cuts, their refinement (4.1, 4.3) and the recursion over them: the builders `phr-*`;
+//! * `hunt`, `aac`: the builders the paper compares with;
+//! * `optimise`: `phr-best`;
+//! * `registry`: builders by name.
 
-pub(crate) mod aac;
-pub(crate) mod binary;
 mod builder;
-pub(crate) mod hunt;
-pub(crate) mod lbvh;
+mod config_error;
+mod prims;
+mod binary;
+mod wide;
+mod lbvh;
+mod split;
+mod phr;
+mod hunt;
+mod aac;
+mod optimise;
+mod registry;
 #[cfg(test)]
 mod naive;
-pub(crate) mod optimise;
-pub(crate) mod phr;
-pub(crate) mod prims;
-mod registry;
-pub(crate) mod split;
 #[doc(hidden)]
 pub mod steps;
-pub(crate) mod wide;
+#[cfg(test)]
+mod testing;
 
 pub use aac::{Aac, AacConfig};
 pub use builder::{Build, Builder, Counts, Phase};
+pub use config_error::ConfigError;
 pub use hunt::{Hunt, HuntConfig};
-pub use lbvh::auxiliary::Clusters;
+pub use lbvh::auxiliary::{AuxiliaryConfig, Clusters};
 pub use lbvh::direct::Lbvh;
-pub use optimise::best::{Best, BestConfig};
-pub use optimise::{Costs, OptimiseConfig};
-pub use phr::{OwnThreshold, Phr, PhrConfig};
+pub use optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
+pub use phr::{Extensions, LocalThreshold, Phr, PhrConfig};
 pub use prims::presplit::PresplitConfig;
 pub use registry::{ABLATION, NAMES, by_name};
+pub use wide::optimal::CollapseCosts;

@@ -1,130 +1,146 @@
-//! The builders by name: those of the paper, ours, and ours with one step less or more.
+//! The builders by name: those of the paper, ours, and the paper's with one extension each.
 
-use crate::builders::{
-    Aac, AacConfig, Best, BestConfig, Builder, Clusters, Costs, Hunt, HuntConfig, Lbvh, OptimiseConfig,
-    OwnThreshold, Phr, PhrConfig, PresplitConfig,
+use super::aac::{Aac, AacConfig};
+use super::builder::Builder;
+use super::config_error::ConfigError;
+use super::hunt::{Hunt, HuntConfig};
+use super::lbvh::auxiliary::AuxiliaryConfig;
+use super::lbvh::direct::Lbvh;
+use super::optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
+use super::phr::{Extensions, LocalThreshold, Phr, PhrConfig};
+use super::prims::presplit::PresplitConfig;
+use super::wide::optimal::CollapseCosts;
+
+/// The configuration of a builder.
+#[derive(Clone, Copy)]
+enum Config {
+    Lbvh,
+    Aac(AacConfig),
+    Hunt(HuntConfig),
+    Phr(PhrConfig),
+    OptimisedPhr(OptimisedPhrConfig),
+}
+
+/// The tree of [`PhrConfig::QUALITY`] from larger cuts of single triangles, optimised as a whole.
+const BEST: OptimisedPhrConfig = OptimisedPhrConfig {
+    phr: PhrConfig {
+        alpha: 0.55,
+        delta: 8.0,
+        max_cut: 1 << 16,
+        extensions: Extensions {
+            auxiliary: AuxiliaryConfig { clusters: None, ..QUALITY.auxiliary },
+            local_threshold: Some(LocalThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
+            collapse: None,
+            ..QUALITY
+        },
+        ..PhrConfig::QUALITY
+    },
+    optimise: OptimiseConfig::DEFAULT,
+};
+
+const SPEED: Extensions = PhrConfig::SPEED.extensions;
+const QUALITY: Extensions = PhrConfig::QUALITY.extensions;
+const NONE: Extensions = Extensions::NONE;
+
+/// PHR-Fast with one extension.
+const fn fast(extensions: Extensions) -> Config {
+    Config::Phr(PhrConfig { extensions, ..PhrConfig::FAST })
+}
+
+/// PHR-HQ with one extension.
+const fn hq(extensions: Extensions) -> Config {
+    Config::Phr(PhrConfig { extensions, ..PhrConfig::HQ })
+}
+
+/// An extension of the auxiliary BVH.
+const fn auxiliary(auxiliary: AuxiliaryConfig) -> Extensions {
+    Extensions { auxiliary, ..NONE }
+}
+
+const PAPER: AuxiliaryConfig = AuxiliaryConfig::PAPER;
+const COARSE: Extensions = auxiliary(AuxiliaryConfig { auxiliary_leaf: Some(4), ..PAPER });
+
+/// Every builder by name. The first [`IN_TABLES`] are those of a table, in its order; the others show what single
+/// extensions gain and cost, and are run on request.
+const REGISTRY: &[(&str, Config)] = &[
+    ("lbvh", Config::Lbvh),
+    ("hunt-50", Config::Hunt(HuntConfig { cut_length: 50, max_leaf: 8 })),
+    ("hunt-500", Config::Hunt(HuntConfig { cut_length: 500, max_leaf: 8 })),
+    ("aac", Config::Aac(AacConfig::FAST)),
+    ("phr-fast", Config::Phr(PhrConfig::FAST)),
+    ("phr-hq", Config::Phr(PhrConfig::HQ)),
+    ("phr-speed", Config::Phr(PhrConfig::SPEED)),
+    ("phr-quality", Config::Phr(PhrConfig::QUALITY)),
+    ("phr-best", Config::OptimisedPhr(BEST)),
+    ("phr-fast-coarse", fast(COARSE)),
+    ("phr-fast-clusters", fast(auxiliary(AuxiliaryConfig { clusters: SPEED.auxiliary.clusters, ..PAPER }))),
+    ("phr-fast-subtrees", fast(Extensions { subtree_sweep: Some(32), ..NONE })),
+    ("phr-hq-coarse", hq(COARSE)),
+    (
+        "phr-hq-cut",
+        Config::Phr(PhrConfig {
+            max_cut: PhrConfig::QUALITY.max_cut,
+            extensions: Extensions { cut_share: QUALITY.cut_share, ..NONE },
+            ..PhrConfig::HQ
+        }),
+    ),
+    ("phr-hq-own", hq(Extensions { local_threshold: QUALITY.local_threshold, ..NONE })),
+    ("phr-hq-bias", hq(Extensions { spatial_bias: QUALITY.spatial_bias, ..NONE })),
+    ("phr-hq-overlap", hq(Extensions { overlap_threshold: Some(1e-4), ..NONE })),
+    ("phr-hq-subtrees", hq(Extensions { subtree_sweep: Some(64), ..NONE })),
+    ("phr-hq-clip", hq(Extensions { clip_triangles: true, ..NONE })),
+    ("phr-hq-presplit", hq(auxiliary(AuxiliaryConfig { presplit: Some(PresplitConfig::NEEDLES), ..PAPER }))),
+    ("phr-hq-sweep", hq(Extensions { leaf_sweep: Some(16), ..NONE })),
+    ("phr-hq-leaf-28", Config::Phr(PhrConfig { max_leaf: 28, ..PhrConfig::HQ })),
+    (
+        "phr-hq-calibration",
+        hq(auxiliary(AuxiliaryConfig { calibration: QUALITY.auxiliary.calibration, ..PAPER })),
+    ),
+    ("phr-hq-collapse", hq(Extensions { collapse: Some(CollapseCosts::EMBREE), ..NONE })),
+    (
+        "phr-hq-optimised",
+        Config::OptimisedPhr(OptimisedPhrConfig { phr: PhrConfig::HQ, optimise: OptimiseConfig::DEFAULT }),
+    ),
+];
+
+/// Builders of a table.
+const IN_TABLES: usize = 9;
+
+const ALL: [&str; REGISTRY.len()] = {
+    let mut names = [""; REGISTRY.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = REGISTRY[i].0;
+        i += 1;
+    }
+    names
 };
 
 /// Names of the builders of a table, in its order.
-pub const NAMES: &[&str] =
-    &["lbvh", "hunt-50", "hunt-500", "aac", "phr-fast", "phr-hq", "phr-speed", "phr-quality", "phr-best"];
+pub const NAMES: &[&str] = ALL.split_at(IN_TABLES).0;
 
-/// Names of the builders that show what single steps gain and cost: PHR-Fast and PHR-HQ with one extension each.
-/// They are run where they are asked for.
-pub const ABLATION: &[&str] = &[
-    "phr-fast-coarse",
-    "phr-fast-clusters",
-    "phr-fast-subtrees",
-    "phr-hq-coarse",
-    "phr-hq-cut",
-    "phr-hq-own",
-    "phr-hq-bias",
-    "phr-hq-overlap",
-    "phr-hq-subtrees",
-    "phr-hq-clip",
-    "phr-hq-presplit",
-    "phr-hq-sweep",
-    "phr-hq-leaf-28",
-    "phr-hq-calibration",
-    "phr-hq-collapse",
-    "phr-hq-optimised",
-];
+/// Names of the builders that show what single extensions gain and cost: PHR-Fast and PHR-HQ with one each. They are run
+/// on request.
+pub const ABLATION: &[&str] = ALL.split_at(IN_TABLES).1;
 
-impl PhrConfig {
-    /// For speed: PHR-Fast from an initial cut of 2048 nodes in any scene, over an auxiliary BVH whose leaves are
-    /// quartets or small clusters; subtrees near the leaves are swept in one go, parts that fit a cache made wide as is
-    /// cheapest, spatial splits tried only of what is large and overlaps. Needles are presplit and triangles clipped,
-    /// which costs little and saves scenes of rods and pipes.
-    pub const SPEED: Self = Self {
-        cut_share: 1.0 / 256.0,
-        own_threshold: Some(OwnThreshold { references: 1 << 15, area: 1.0 / 256.0 }),
-        spatial_threshold: 1e-2,
-        spatial_bias: 1.07,
-        overlap_threshold: 1e-3,
-        auxiliary_leaf: 4,
-        clusters: Some(Clusters { most: 32, area: 1e-3 }),
-        subtree_sweep: 32,
-        presplit: Some(PresplitConfig::NEEDLES),
-        clip_triangles: true,
-        calibration: Some(1e3),
-        collapse: Some(Costs::EMBREE),
-        ..Self::FAST
-    };
-
-    /// For quality: larger initial cuts, spatial splits tried of smaller parts, only the smallest clusters left together
-    /// in the auxiliary BVH, single triangles else, all of which spatial splits can clip, and larger subtrees swept in
-    /// one go. Equation 2 has little to do then: large parts are opened by their own area.
-    pub const QUALITY: Self = Self {
-        delta: 5.0,
-        max_cut: 1 << 14,
-        cut_share: 1.0 / 32.0,
-        own_threshold: Some(OwnThreshold { references: 1 << 16, area: 1.0 / 256.0 }),
-        spatial_threshold: 3e-4,
-        spatial_bias: 1.08,
-        overlap_threshold: 3e-5,
-        auxiliary_leaf: 1,
-        clusters: Some(Clusters { most: 32, area: 1e-4 }),
-        leaf_sweep: 16,
-        subtree_sweep: 64,
-        ..Self::SPEED
-    };
-}
-
-impl BestConfig {
-    /// The tree of [`PhrConfig::QUALITY`] from larger cuts of single triangles, optimised.
-    pub const DEFAULT: Self = Self {
-        phr: PhrConfig {
-            alpha: 0.55,
-            delta: 8.0,
-            max_cut: 1 << 16,
-            own_threshold: Some(OwnThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
-            clusters: None,
-            // The whole tree is collapsed when it has been optimised.
-            collapse: None,
-            ..PhrConfig::QUALITY
-        },
-        optimise: OptimiseConfig::DEFAULT,
-    };
+impl OptimisedPhrConfig {
+    /// The configuration of `phr-best`.
+    pub const DEFAULT: Self = BEST;
 }
 
 /// The builder called `name`, or `None`; names are those of [`NAMES`] and [`ABLATION`].
 pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
-    let name = NAMES.iter().chain(ABLATION).copied().find(|known| *known == name)?;
-    let hunt = |cut_length| Box::new(Hunt::new(name, HuntConfig { cut_length, max_leaf: 8 }));
-    let phr = |config| Box::new(Phr::new(name, config));
-    let hq = PhrConfig::HQ;
-    Some(match name {
-        "lbvh" => Box::new(Lbvh::default()),
-        "hunt-50" => hunt(50),
-        "hunt-500" => hunt(500),
-        "aac" => Box::new(Aac::new(AacConfig::FAST)),
-        "phr-fast" => phr(PhrConfig::FAST),
-        "phr-hq" => phr(hq),
-        "phr-speed" => phr(PhrConfig::SPEED),
-        "phr-quality" => phr(PhrConfig::QUALITY),
-        "phr-best" => Box::new(Best::new(name, BestConfig::DEFAULT)),
-        "phr-fast-coarse" => phr(PhrConfig { auxiliary_leaf: 4, ..PhrConfig::FAST }),
-        "phr-fast-clusters" => phr(PhrConfig { clusters: PhrConfig::SPEED.clusters, ..PhrConfig::FAST }),
-        "phr-fast-subtrees" => phr(PhrConfig { subtree_sweep: 32, ..PhrConfig::FAST }),
-        "phr-hq-cut" => {
-            let PhrConfig { max_cut, cut_share, .. } = PhrConfig::QUALITY;
-            phr(PhrConfig { max_cut, cut_share, ..hq })
-        }
-        "phr-hq-own" => phr(PhrConfig { own_threshold: PhrConfig::QUALITY.own_threshold, ..hq }),
-        "phr-hq-bias" => phr(PhrConfig { spatial_bias: PhrConfig::QUALITY.spatial_bias, ..hq }),
-        "phr-hq-overlap" => phr(PhrConfig { overlap_threshold: 1e-4, ..hq }),
-        "phr-hq-subtrees" => phr(PhrConfig { subtree_sweep: 64, ..hq }),
-        "phr-hq-coarse" => phr(PhrConfig { auxiliary_leaf: 4, ..hq }),
-        "phr-hq-clip" => phr(PhrConfig { clip_triangles: true, ..hq }),
-        "phr-hq-presplit" => phr(PhrConfig { presplit: Some(PresplitConfig::NEEDLES), ..hq }),
-        "phr-hq-sweep" => phr(PhrConfig { leaf_sweep: 16, ..hq }),
-        "phr-hq-leaf-28" => phr(PhrConfig { max_leaf: 28, ..hq }),
-        "phr-hq-calibration" => phr(PhrConfig { calibration: PhrConfig::QUALITY.calibration, ..hq }),
-        "phr-hq-collapse" => phr(PhrConfig { collapse: Some(Costs::EMBREE), ..hq }),
-        "phr-hq-optimised" => {
-            Box::new(Best::new(name, BestConfig { phr: hq, optimise: OptimiseConfig::DEFAULT }))
-        }
-        _ => return None,
+    let (name, config) = REGISTRY.iter().find(|(known, _)| *known == name)?;
+    Some(build(name, *config).expect("the registry's parameters are in range, as a test tells"))
+}
+
+fn build(name: &'static str, config: Config) -> Result<Box<dyn Builder>, ConfigError> {
+    Ok(match config {
+        Config::Lbvh => Box::new(Lbvh::default()),
+        Config::Aac(config) => Box::new(Aac::new(config)?),
+        Config::Hunt(config) => Box::new(Hunt::new(name, config)?),
+        Config::Phr(config) => Box::new(Phr::new(name, config)?),
+        Config::OptimisedPhr(config) => Box::new(OptimisedPhr::new(name, config)?),
     })
 }
 
@@ -137,6 +153,7 @@ mod tests {
         for name in NAMES.iter().chain(ABLATION) {
             assert_eq!(by_name(name).map(|builder| builder.name()), Some(*name));
         }
+        assert_eq!((NAMES.len(), ABLATION.len()), (9, 16));
         assert!(by_name("phr").is_none());
     }
 }

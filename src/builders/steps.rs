@@ -1,27 +1,29 @@
 //! The steps of a build, each on its own, for `benches/steps.rs`: no stable interface.
 
-use crate::builders::binary::Node;
+use super::builder::Phase;
+use crate::builders::binary::node::Node;
 use crate::builders::binary::subtrees::Subtrees;
-use crate::builders::builder::Phase;
 use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};
-use crate::builders::lbvh::sort::reference;
-use crate::builders::phr::cut::{Growing, SPACE};
+use crate::builders::lbvh::key::reference;
+use crate::builders::phr::PhrConfig;
+use crate::builders::phr::cut::{CutBuilder, SPACE, Side};
 use crate::builders::phr::initial_cut::initial_cut;
-use crate::builders::phr::policy::Refine;
-use crate::builders::phr::side::Side;
-use crate::builders::phr::{PhrConfig, Threshold};
+use crate::builders::phr::policy::CutPolicy;
+use crate::builders::phr::refine::Threshold;
 use crate::builders::split::cost::Weight;
 use crate::builders::split::object::bins::Bins;
-use crate::builders::split::object::lanes::{self, Isa};
+use crate::builders::split::object::full_sweep::FullSweep;
 use crate::builders::split::object::ranks::{self, RankSweep};
-use crate::builders::split::object::{ObjectSplit, Sweep};
-use crate::builders::split::spatial::{SpatialSweep, anywhere};
+use crate::builders::split::object::split::ObjectSplit;
+use crate::builders::split::object::{ObjectSweep, PlaneHint, lanes};
+use crate::builders::split::spatial::SpatialSweep;
 use crate::builders::split::sweep_sah::SubtreeSweep;
-use crate::builders::wide::top_down::{QUARTET, WIDTH};
-use crate::builders::wide::treelet::Piece;
+use crate::builders::wide::treelet::WideTreelet;
+use crate::bvh::limits::{BLOCK, WIDTH};
 use crate::bvh::{Link, TriangleBlock, WideNode};
 use crate::geometry::{Aabb, Mesh};
-use crate::parallel::ordered_append::Batch;
+use crate::parallel::ordered_append::Chunk;
+use crate::simd::Isa;
 
 /// Levels over which [`Steps::refine`] halves and refines.
 const LEVELS: u32 = 16;
@@ -42,7 +44,7 @@ pub struct Steps<'a> {
     threshold: Threshold,
     prims: Vec<u32>,
     children: Vec<[(Aabb, Link); WIDTH]>,
-    piece: Piece,
+    treelet: WideTreelet,
     initial: Vec<Node>,
     arena: Vec<Node>,
     side: Side,
@@ -54,12 +56,12 @@ impl<'a> Steps<'a> {
     /// Of a mesh of more than four triangles; leaves of the auxiliary BVH hold at most `leaf` triangles.
     pub fn new(mesh: &'a Mesh, leaf: u32) -> Self {
         let mut auxiliary = Auxiliary::default();
-        auxiliary.build(mesh, &AuxiliaryConfig { leaf, ..AuxiliaryConfig::PAPER });
+        auxiliary.build(mesh, &AuxiliaryConfig { auxiliary_leaf: Some(leaf), ..AuxiliaryConfig::PAPER });
         let children = auxiliary.tree.pairs.chunks_exact(2).map(|pairs| {
             let link = |node: &Node| (node.bounds(), Link::inner(node.pair().unwrap_or_default()));
             [link(&pairs[0][0]), link(&pairs[0][1]), link(&pairs[1][0]), link(&pairs[1][1])]
         });
-        let threshold = Threshold::new(auxiliary.areas.scene, &PhrConfig::FAST);
+        let threshold = Threshold::new(auxiliary.scale.scene, &PhrConfig::FAST);
         let cut = |root| initial_cut(&auxiliary.tree, root, threshold.at(0), PhrConfig::FAST.max_cut);
         Self {
             initial: auxiliary.tree.root.map_or_else(Vec::new, cut),
@@ -68,7 +70,7 @@ impl<'a> Steps<'a> {
             threshold,
             mesh,
             auxiliary,
-            piece: Piece::default(),
+            treelet: WideTreelet::default(),
             arena: Vec::new(),
             side: Side::default(),
             subtree_sweep: SubtreeSweep::default(),
@@ -84,7 +86,7 @@ impl<'a> Steps<'a> {
     /// Builds the auxiliary BVH again; the durations of its phases, "codes", "sort" and "auxiliary tree" among
     /// them.
     pub fn auxiliary(&mut self, leaf: u32) -> Vec<Phase> {
-        self.auxiliary.build(self.mesh, &AuxiliaryConfig { leaf, ..AuxiliaryConfig::PAPER })
+        self.auxiliary.build(self.mesh, &AuxiliaryConfig { auxiliary_leaf: Some(leaf), ..AuxiliaryConfig::PAPER })
     }
 
     /// Of "codes", "sort" (each key moved but once) or "auxiliary tree"; `None` of others.
@@ -112,10 +114,10 @@ impl<'a> Steps<'a> {
                 cuts.nodes.extend(cut);
             }
         }
-        let mut sweep = Sweep::default();
+        let mut sweep = ObjectSweep::default();
         cuts.limits = cuts
             .each()
-            .map(|(nodes, bounds)| sweep.best(Isa::best(), nodes, bounds, Weight::Nodes).cost)
+            .map(|(nodes, bounds)| sweep.find(Isa::best(), nodes, bounds, Weight::Nodes).0.cost)
             .collect();
         cuts
     }
@@ -138,7 +140,7 @@ impl<'a> Steps<'a> {
             self.side.clear();
             self.arena[half].iter().for_each(|node| self.side.push(*node));
             let begin = self.arena.len();
-            let mut cut = Growing::new(&mut self.arena);
+            let mut cut = CutBuilder::new(&mut self.arena);
             self.threshold.refine(&self.auxiliary.tree, &SPACE, depth, &self.side, &mut cut);
             refined += self.refine_halves(begin, depth + 1);
             self.arena.truncate(begin);
@@ -146,10 +148,10 @@ impl<'a> Steps<'a> {
         refined
     }
 
-    /// Splits runs of `len` triangles in Morton order down to quartets, each in one go; `len` is at most 256. Returns
+    /// Splits runs of `len` triangles in Morton order down to blocks, each in one go; `len` is at most 256. Returns
     /// the number of pairs of siblings.
     pub fn subtrees(&mut self, len: usize) -> usize {
-        self.subtrees.release([0; 2]);
+        self.subtrees.rollback([0; 2]);
         for prims in self.prims.chunks(len) {
             self.subtree_sweep.clear();
             prims.iter().for_each(|&prim| self.subtree_sweep.push(self.mesh.bounds_of(prim), prim));
@@ -166,22 +168,22 @@ impl<'a> Steps<'a> {
 
     /// Writes all triangles into leaf blocks, in Morton order; returns the number of blocks.
     pub fn leaf_blocks(&mut self) -> usize {
-        self.piece.clear();
-        self.prims.chunks(QUARTET as usize).filter_map(|prims| self.piece.leaf(self.mesh, prims)).count()
+        self.treelet.clear();
+        self.prims.chunks(BLOCK as usize).filter_map(|prims| self.treelet.leaf(self.mesh, prims)).count()
     }
 
     /// Of [`Steps::leaf_blocks`].
     pub fn leaf_block_traffic(&self) -> Traffic {
         let mesh = size_of_val(self.mesh.triangles()) + size_of_val(self.mesh.padded_vertices());
-        let blocks = self.prims.len().div_ceil(QUARTET as usize);
+        let blocks = self.prims.len().div_ceil(BLOCK as usize);
         Traffic { read: mesh + size_of_val(&self.prims[..]), written: blocks * size_of::<TriangleBlock>() }
     }
 
     /// Writes a wide node over each two pairs of the auxiliary BVH; returns the number of nodes.
     pub fn wide_nodes(&mut self) -> usize {
-        self.piece.clear();
+        self.treelet.clear();
         for children in &self.children {
-            self.piece.node(children);
+            self.treelet.node(children);
         }
         self.children.len()
     }
@@ -204,25 +206,21 @@ pub enum Way {
     Binned,
     /// By ranks that are counted in vectors.
     Ranked,
-    /// In vectors of eight lanes.
-    Avx2,
-    /// In vectors of sixteen lanes.
-    Avx512,
+    /// In vectors, without an order.
+    Lanes,
 }
 
 impl Way {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Chosen, Self::Sorted, Self::Binned, Self::Ranked, Self::Avx2, Self::Avx512];
+    pub const ALL: [Self; 5] = [Self::Chosen, Self::Sorted, Self::Binned, Self::Ranked, Self::Lanes];
 
     /// Whether this processor can split a cut of `len` nodes so.
     pub fn splits(self, len: usize) -> bool {
         match self {
             Self::Chosen | Self::Sorted => true,
             Self::Binned => len > 2,
-            Self::Ranked => Isa::best() != Isa::Scalar && len <= ranks::LONGEST,
-            Self::Avx2 => Isa::best() != Isa::Scalar && len <= Isa::Avx2.longest(),
-            Self::Avx512 => Isa::best() == Isa::Avx512 && len <= Isa::Avx512.longest(),
+            Self::Ranked => Isa::best() != Isa::Scalar && len <= ranks::MOST,
+            Self::Lanes => Isa::best() != Isa::Scalar && len <= lanes::MOST,
         }
     }
 }
@@ -255,16 +253,20 @@ impl Cuts {
     /// which there is none, so that nothing is left out.
     pub fn object_splits(&self, way: Way) -> usize {
         assert!(way.splits(self.len), "{way:?} does not split cuts of {} nodes", self.len);
-        let (weight, n) = (Weight::Nodes, self.len);
-        let (mut chosen, mut sorted) = (Sweep::default(), Sweep::plain());
+        let (weight, isa) = (Weight::Nodes, Isa::best());
+        let (mut chosen, mut full) = (ObjectSweep::default(), FullSweep::default());
         let (mut bins, mut ranks) = (Bins::default(), RankSweep::default());
-        let best = |(nodes, bounds): (&[Node], Aabb)| match way {
-            Way::Chosen => chosen.best(Isa::best(), nodes, bounds, weight),
-            Way::Sorted => sorted.best(Isa::Scalar, nodes, bounds, weight),
-            Way::Binned => bins.best(nodes, weight.limit(bounds.half_area(), n), weight),
-            Way::Ranked => ranks.best(Isa::best(), nodes, weight.limit(bounds.half_area(), n), weight),
-            Way::Avx2 => lanes::best(Isa::Avx2, nodes, weight.limit(bounds.half_area(), n), weight),
-            Way::Avx512 => lanes::best(Isa::Avx512, nodes, weight.limit(bounds.half_area(), n), weight),
+        let best = |(nodes, bounds): (&[Node], Aabb)| {
+            let limit = weight.limit(bounds.half_area(), self.len);
+            match (way, isa) {
+                (Way::Chosen, _) => chosen.find(isa, nodes, bounds, weight).0,
+                (Way::Binned, _) => bins.best(&mut full, nodes, limit, weight),
+                (Way::Ranked, Isa::Avx2(token)) => ranks.best(token, nodes, limit, weight),
+                (Way::Ranked, Isa::Avx512(token)) => ranks.best(token, nodes, limit, weight),
+                (Way::Lanes, Isa::Avx2(token)) => lanes::avx2(token, nodes, limit, weight),
+                (Way::Lanes, Isa::Avx512(token)) => lanes::avx512(token, nodes, limit, weight),
+                (Way::Sorted | Way::Ranked | Way::Lanes, _) => full.best(nodes, limit, weight),
+            }
         };
         self.each().map(best).filter(|split| *split == ObjectSplit::NONE).count()
     }
@@ -274,8 +276,8 @@ impl Cuts {
     pub fn spatial_splits(&self, bounded: bool) -> usize {
         let mut sweep = SpatialSweep::default();
         let limits = self.limits.iter().map(|&limit| if bounded { limit } else { f32::INFINITY });
-        let split = |((nodes, bounds), limit)| {
-            sweep.below(Isa::best(), limit, nodes, bounds, Weight::Nodes, anywhere).cost < limit
+        let split = |(cut, limit)| {
+            sweep.find(Isa::best(), limit, cut, Weight::Nodes, PlaneHint::Anywhere).cost < limit
         };
         self.each().zip(limits).map(split).filter(|&found| found).count()
     }

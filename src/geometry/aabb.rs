@@ -1,6 +1,6 @@
 //! Axis-aligned bounding boxes.
 
-use glam::Vec3A;
+use glam::{BVec3A, Vec3A};
 
 /// An axis-aligned box in scene units, both corners inclusive. Empty boxes have `min > max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +61,23 @@ impl Aabb {
         self.min.cmple(other.min).all() && self.max.cmpge(other.max).all()
     }
 
+    /// The part below `plane` along an axis.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn below(mut self, axis: usize, plane: f32) -> Self {
+        // Vectors are never written in parts: a later read would wait for them.
+        self.max = self.max.min(Vec3A::select(along(axis), Vec3A::splat(plane), Vec3A::INFINITY));
+        self
+    }
+
+    /// The part above `plane` along an axis.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn above(mut self, axis: usize, plane: f32) -> Self {
+        self.min = self.min.max(Vec3A::select(along(axis), Vec3A::splat(plane), Vec3A::NEG_INFINITY));
+        self
+    }
+
     /// Twice the centre: comparisons of centroids need no division.
     #[inline(always)]
     pub fn center2(self) -> Vec3A {
@@ -85,6 +102,12 @@ impl Aabb {
         let e = self.extent().max(Vec3A::ZERO);
         e.x * (e.y + e.z) + e.y * e.z
     }
+}
+
+/// True for one axis.
+#[inline(always)]
+fn along(axis: usize) -> BVec3A {
+    BVec3A::new(axis == 0, axis == 1, axis == 2)
 }
 
 impl Default for Aabb {

@@ -2,6 +2,7 @@
 
 mod aabb;
 mod mesh;
+pub(crate) mod ordered;
 mod ray;
 pub(crate) mod triangle_split;
 

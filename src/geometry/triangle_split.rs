@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3A};
 /// Earlier cuts are known by `bounds` alone, so that after several cuts along different axes a box may be
 /// larger than its part; never smaller, and never larger than `bounds`.
 #[inline]
-pub(crate) fn split_reference(corners: &[Vec3A; 3], bounds: Aabb, axis: usize, plane: f32) -> [Aabb; 2] {
+pub(crate) fn split_triangle(corners: &[Vec3A; 3], bounds: Aabb, axis: usize, plane: f32) -> [Aabb; 2] {
     let (mut left, mut right) = (Aabb::EMPTY, Aabb::EMPTY);
     for i in 0..3 {
         let (a, b) = (corners[i], corners[(i + 1) % 3]);
@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn halves_of_a_diagonal_are_quarters_of_its_box() {
         let corners = [Vec3A::ZERO, Vec3A::new(4.0, 8.0, 0.0), Vec3A::new(4.0, 8.0, 0.0)];
-        let [left, right] = split_reference(&corners, Aabb::of_triangle(corners), 0, 1.0);
+        let [left, right] = split_triangle(&corners, Aabb::of_triangle(corners), 0, 1.0);
         let near = |a: Vec3A, b: Vec3A| (a - b).abs().max_element() < 1e-6;
         assert!(near(left.min, Vec3A::ZERO) && near(left.max, Vec3A::new(1.0, 2.0, 0.0)));
         assert!(near(right.min, Vec3A::new(1.0, 2.0, 0.0)) && near(right.max, Vec3A::new(4.0, 8.0, 0.0)));
@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn a_flat_triangle_stays_flat() {
         let corners = [Vec3A::new(0.1, 0.3, 0.7), Vec3A::new(5.3, 0.3, 0.1), Vec3A::new(2.2, 0.3, 9.9)];
-        for half in split_reference(&corners, Aabb::of_triangle(corners), 2, 3.3) {
+        for half in split_triangle(&corners, Aabb::of_triangle(corners), 2, 3.3) {
             assert_eq!((half.min.y, half.max.y), (0.3, 0.3));
         }
     }
@@ -83,7 +83,7 @@ mod tests {
     fn a_side_without_a_part_is_empty() {
         let corners = [Vec3A::ZERO, Vec3A::new(1.0, 0.0, 0.0), Vec3A::new(0.0, 1.0, 0.0)];
         let bounds = Aabb::new(Vec3A::ZERO, Vec3A::splat(3.0));
-        let [left, right] = split_reference(&corners, bounds, 0, 2.0);
+        let [left, right] = split_triangle(&corners, bounds, 0, 2.0);
         assert_eq!((left, right.is_empty()), (Aabb::of_triangle(corners), true));
     }
 

@@ -1,4 +1,6 @@
-//! Memory: huge pages and streaming stores.
+//! Memory: huge pages, streaming stores, prefetches, and a pool of buffers kept from build to build.
 
 pub(crate) mod huge_pages;
+pub(crate) mod pool;
+pub(crate) mod prefetch;
 pub(crate) mod stream;

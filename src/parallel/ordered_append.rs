@@ -1,117 +1,102 @@
-//! Arrays written by many tasks in the order of the tasks, each task knowing only when it is done how much it
-//! has to write.
+//! Two arrays appended to by many tasks in the order of the tasks, where a task knows only when it is done how much
+//! it appends.
 //!
-//! Tasks make batches in memory of their own, which stays in the cache, and copy them to their place as soon
-//! as those before them are known. What comes out is the same at any number of threads.
+//! A task fills a chunk in memory of its own, which stays in the cache, and copies it to its offset as soon as the
+//! lengths of all earlier chunks are known. The result is the same at any number of threads.
+//!
+//! Threads that wait spin. They cannot wait for ever: tasks are begun in order, so the earliest chunk without an offset
+//! belongs to a task that some thread has begun. That thread waits for nothing before it has told the chunk's length,
+//! unless it panics, which the alarm tells the others. So there always is a thread that makes progress.
 
 #![allow(unsafe_code)]
 
+use super::disjoint::DisjointSlice;
+use crate::memory::pool::Pool;
 use std::collections::VecDeque;
 use std::mem::MaybeUninit;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Places in, or lengths of, the two arrays.
-pub(crate) type Place = [usize; 2];
+/// Offsets into, or lengths of, the two arrays.
+pub(crate) type Offset = [usize; 2];
 
-/// What a task makes: elements of two arrays.
-pub(crate) trait Batch: Default + Send {
-    /// Elements of the first array, which name places in both.
+/// What a task appends: elements of two arrays.
+pub(crate) trait Chunk: Default + Send {
+    /// Elements of the first array, which may refer to elements of both.
     type A: Copy + Send;
     /// Elements of the second array.
     type B: Copy + Send;
     /// The elements.
     fn elements(&self) -> (&[Self::A], &[Self::B]);
-    /// What an element becomes in a batch that begins at `at`.
-    fn moved(element: &Self::A, at: Place) -> Self::A;
-    /// Fills the batch's places, which begin at `at`.
-    fn put(&self, at: Place, a: &mut [MaybeUninit<Self::A>], b: &mut [MaybeUninit<Self::B>]) {
+    /// An element as it is in a chunk that begins at `offset`.
+    fn moved(element: &Self::A, offset: Offset) -> Self::A;
+    /// Copies the chunk to its places, which begin at `offset`.
+    fn write(&self, offset: Offset, a: &mut [MaybeUninit<Self::A>], b: &mut [MaybeUninit<Self::B>]) {
         let (from_a, from_b) = self.elements();
         a.iter_mut().zip(from_a).for_each(|(to, a)| {
-            to.write(Self::moved(a, at));
+            to.write(Self::moved(a, offset));
         });
         b.iter_mut().zip(from_b).for_each(|(to, &b)| {
             to.write(b);
         });
     }
-    /// Forgets what it holds, but not its memory.
+    /// Removes the elements and keeps the memory.
     fn clear(&mut self);
+
+    /// Numbers of elements.
+    fn lengths(&self) -> Offset {
+        let (a, b) = self.elements();
+        [a.len(), b.len()]
+    }
 }
 
-/// Finished batches that a thread keeps before it waits for others.
+/// Finished chunks that a thread keeps before it waits for others.
 const PATIENCE: usize = 4;
 
-/// Memory kept from build to build.
-pub(crate) struct Spare<T>(Mutex<Vec<T>>);
-
-impl<T> Default for Spare<T> {
-    fn default() -> Self {
-        Self(Mutex::default())
-    }
-}
-
-impl<T: Default> Spare<T> {
-    /// Memory used before, or new.
-    pub fn take(&self) -> T {
-        self.0.lock().expect("no task panics").pop().unwrap_or_default()
-    }
-
-    /// Keeps `memory`.
-    pub fn put(&self, memory: T) {
-        self.0.lock().expect("no task panics").push(memory);
-    }
-
-    /// Looks at all that is kept.
-    pub fn for_each(&self, f: impl FnMut(&mut T)) {
-        self.0.lock().expect("no task panics").iter_mut().for_each(f);
-    }
-}
-
-/// Makes `tasks` batches by `make` and appends them to the arrays `a` and `b` in the order of the tasks.
-/// Capacity that the arrays have is used at once; what exceeds it is kept until the end.
-pub(crate) fn append<T: Batch>(
+/// Fills one chunk per task by `make` and appends them to the arrays `a` and `b` in the order of the tasks. Returns the
+/// results of `make`, each with the offset of its chunk. The capacity of the arrays is used at once; what exceeds it is
+/// kept until the end.
+pub(crate) fn append<C: Chunk, R: Send>(
     tasks: usize,
-    spare: &Spare<T>,
-    a: &mut Vec<T::A>,
-    b: &mut Vec<T::B>,
-    make: impl Fn(usize, &mut T) + Sync,
-) {
-    let chain = Chain::new(tasks, [a.len(), b.len()]);
+    pool: &Pool<C>,
+    a: &mut Vec<C::A>,
+    b: &mut Vec<C::B>,
+    make: impl Fn(usize, &mut C) -> R + Sync,
+) -> Vec<(R, Offset)> {
+    let begin = [a.len(), b.len()];
+    let chain = Chain::new(tasks, begin);
     let next = AtomicUsize::new(0);
     let left_over = Mutex::new(Vec::new());
     let failed = AtomicBool::new(false);
-    let (room_a, room_b) = (Room::new(a), Room::new(b));
-    let put = |mut batch: T, at: Place| {
-        let (from_a, from_b) = batch.elements();
-        let len = [from_a.len(), from_b.len()];
-        if at[0] + len[0] > room_a.capacity || at[1] + len[1] > room_b.capacity {
-            left_over.lock().expect("no task panics").push((at, batch));
+    let (room_a, room_b) =
+        (DisjointSlice::new(a.spare_capacity_mut()), DisjointSlice::new(b.spare_capacity_mut()));
+    let write = |mut chunk: C, offset: Offset| {
+        let (first, len) = ([offset[0] - begin[0], offset[1] - begin[1]], chunk.lengths());
+        if first[0] + len[0] > room_a.len() || first[1] + len[1] > room_b.len() {
+            left_over.lock().expect("no task panics").push((offset, chunk));
             return;
         }
-        // SAFETY: the chain gives every batch places of its own, beyond the arrays' elements, and these are
-        // below the capacities; the arrays are borrowed and not touched until all tasks have ended.
-        let (to_a, to_b) = unsafe { (room_a.places(at[0], len[0]), room_b.places(at[1], len[1])) };
-        batch.put(at, to_a, to_b);
-        batch.clear();
-        spare.put(batch);
+        // SAFETY: within the slices, as just seen, and the chain gives every chunk places of its own.
+        let (to_a, to_b) = unsafe { (room_a.range(first[0], len[0]), room_b.range(first[1], len[1])) };
+        chunk.write(offset, to_a, to_b);
+        chunk.clear();
+        pool.put(chunk);
     };
     let work = || {
         let _alarm = Alarm(&failed);
-        let mut waiting: VecDeque<(usize, T)> = VecDeque::new();
+        let mut waiting: VecDeque<(usize, C)> = VecDeque::new();
         loop {
-            // Tasks are begun in order, so that whoever waits for an earlier one waits for one that runs.
             let task = next.fetch_add(1, Ordering::Relaxed);
             if task < tasks {
-                let mut batch = spare.take();
-                make(task, &mut batch);
-                let (a, b) = batch.elements();
-                chain.finish(task, [a.len(), b.len()]);
-                waiting.push_back((task, batch));
+                let mut chunk = pool.take();
+                let result = make(task, &mut chunk);
+                chain.finish(task, result, chunk.lengths());
+                waiting.push_back((task, chunk));
             }
             while let Some(&(first, _)) = waiting.front() {
-                if let Some(at) = chain.place(first) {
-                    let (_, batch) = waiting.pop_front().expect("there is a front");
-                    put(batch, at);
+                if let Some(offset) = chain.offset(first) {
+                    let (_, chunk) = waiting.pop_front().expect("there is a front");
+                    write(chunk, offset);
                 } else if failed.load(Ordering::Relaxed) {
                     return;
                 } else if task < tasks && waiting.len() < PATIENCE {
@@ -127,24 +112,25 @@ pub(crate) fn append<T: Batch>(
     };
     rayon::scope(|scope| (0..rayon::current_num_threads().min(tasks)).for_each(|_| scope.spawn(|_| work())));
 
+    let Links { tasks, end, .. } = chain.0.into_inner().expect("no task panics");
     let mut left_over = left_over.into_inner().expect("no task panics");
-    left_over.sort_by_key(|&(at, _)| at);
-    // Once a batch has no room, none after it has: places only grow.
-    let written = left_over.first().map_or(chain.end(), |&(at, _)| at);
-    // SAFETY: all places below `written` were filled, see `put`.
+    left_over.sort_by_key(|&(offset, _)| offset);
+    // Once a chunk has no room, none after it has: offsets only grow.
+    let written = left_over.first().map_or(end, |&(offset, _)| offset);
+    // SAFETY: all places below `written` were filled by `write`.
     unsafe {
         a.set_len(written[0]);
         b.set_len(written[1]);
     }
-    let end = chain.end();
     a.reserve_exact(end[0] - a.len());
     b.reserve_exact(end[1] - b.len());
-    // They may be many, and their memory, unlike that of the others, is not kept.
-    for (at, batch) in left_over {
-        let (from_a, from_b) = batch.elements();
-        a.extend(from_a.iter().map(|a| T::moved(a, at)));
+    // There may be many of them, and their memory, unlike that of the others, is not kept.
+    for (offset, chunk) in left_over {
+        let (from_a, from_b) = chunk.elements();
+        a.extend(from_a.iter().map(|a| C::moved(a, offset)));
         b.extend_from_slice(from_b);
     }
+    tasks.into_iter().map(|task| task.expect("all tasks have run")).collect()
 }
 
 /// Tells the other threads when one panics: the task they wait for will never be done.
@@ -158,65 +144,37 @@ impl Drop for Alarm<'_> {
     }
 }
 
-/// The memory of an array, to be filled by several threads.
-struct Room<T> {
-    first: *mut MaybeUninit<T>,
-    capacity: usize,
-}
+/// Where each chunk begins, known once all tasks before its own are done.
+struct Chain<R>(Mutex<Links<R>>);
 
-// SAFETY: threads get references to disjoint places only, see `append`.
-unsafe impl<T: Send> Sync for Room<T> {}
-
-impl<T> Room<T> {
-    fn new(array: &mut Vec<T>) -> Self {
-        Self { first: array.as_mut_ptr().cast(), capacity: array.capacity() }
-    }
-
-    /// The places `first..first + len`.
-    ///
-    /// # Safety
-    /// They lie within the capacity of the array, hold no elements, and nobody else has them meanwhile.
-    #[allow(clippy::mut_from_ref)] // disjoint, by the caller's promise
-    unsafe fn places(&self, first: usize, len: usize) -> &mut [MaybeUninit<T>] {
-        // SAFETY: the caller's promise.
-        unsafe { std::slice::from_raw_parts_mut(self.first.add(first), len) }
-    }
-}
-
-/// Where each task writes, known once all before it are done.
-struct Chain(Mutex<Links>);
-
-struct Links {
-    /// Lengths of tasks that are done, then their places.
-    tasks: Vec<Option<Place>>,
-    /// Tasks whose places are known.
+struct Links<R> {
+    /// Results of the tasks that are done, each with the lengths of its chunk, and then with its offset.
+    tasks: Vec<Option<(R, Offset)>>,
+    /// Tasks whose offsets are known.
     placed: usize,
-    end: Place,
+    end: Offset,
 }
 
-impl Chain {
-    fn new(tasks: usize, begin: Place) -> Self {
-        Self(Mutex::new(Links { tasks: vec![None; tasks], placed: 0, end: begin }))
+impl<R> Chain<R> {
+    fn new(tasks: usize, begin: Offset) -> Self {
+        let tasks = std::iter::repeat_with(|| None).take(tasks).collect();
+        Self(Mutex::new(Links { tasks, placed: 0, end: begin }))
     }
 
-    fn finish(&self, task: usize, len: Place) {
+    fn finish(&self, task: usize, result: R, lengths: Offset) {
         let mut guard = self.0.lock().expect("no task panics");
-        let links = &mut *guard;
-        links.tasks[task] = Some(len);
-        while let Some(Some(entry)) = links.tasks.get_mut(links.placed) {
-            let [a, b] = std::mem::replace(entry, links.end);
-            links.end = [links.end[0] + a, links.end[1] + b];
-            links.placed += 1;
+        let Links { tasks, placed, end } = &mut *guard;
+        tasks[task] = Some((result, lengths));
+        while let Some(Some((_, entry))) = tasks.get_mut(*placed) {
+            let [a, b] = std::mem::replace(entry, *end);
+            *end = [end[0] + a, end[1] + b];
+            *placed += 1;
         }
     }
 
-    fn place(&self, task: usize) -> Option<Place> {
+    fn offset(&self, task: usize) -> Option<Offset> {
         let links = self.0.lock().expect("no task panics");
-        if task < links.placed { links.tasks[task] } else { None }
-    }
-
-    fn end(&self) -> Place {
-        self.0.lock().expect("no task panics").end
+        if task < links.placed { links.tasks[task].as_ref().map(|(_, offset)| *offset) } else { None }
     }
 }
 
@@ -227,13 +185,13 @@ mod tests {
     #[derive(Default)]
     struct Numbers(Vec<usize>, Vec<()>);
 
-    impl Batch for Numbers {
+    impl Chunk for Numbers {
         type A = usize;
         type B = ();
         fn elements(&self) -> (&[usize], &[()]) {
             (&self.0, &self.1)
         }
-        fn moved(element: &usize, at: Place) -> usize {
+        fn moved(element: &usize, at: Offset) -> usize {
             assert_eq!(at[0], at[1] + 1);
             *element
         }
@@ -249,14 +207,14 @@ mod tests {
         let append = || {
             pool.install(|| {
                 let make = |task: usize, _: &mut Numbers| assert!(task != 3);
-                append(100, &Spare::default(), &mut vec![7], &mut Vec::new(), make);
+                append(100, &Pool::default(), &mut vec![7], &mut Vec::new(), make);
             });
         };
         assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(append)).is_err());
     }
 
     #[test]
-    fn batches_follow_each_other_in_order_whatever_their_lengths_and_the_room() {
+    fn chunks_follow_each_other_in_order_whatever_their_lengths_and_the_room() {
         let expected: Vec<usize> = [7]
             .into_iter()
             .chain((0..100).flat_map(|task| std::iter::repeat_n(task, task * 37 % 11)))
@@ -267,11 +225,11 @@ mod tests {
                 let (mut a, mut b) = (vec![7], Vec::new());
                 a.reserve_exact(room);
                 b.reserve_exact(room);
-                let make = |task: usize, batch: &mut Numbers| {
-                    batch.0.extend(std::iter::repeat_n(task, task * 37 % 11));
-                    batch.1.resize(batch.0.len(), ());
+                let make = |task: usize, chunk: &mut Numbers| {
+                    chunk.0.extend(std::iter::repeat_n(task, task * 37 % 11));
+                    chunk.1.resize(chunk.0.len(), ());
                 };
-                pool.install(|| append(100, &Spare::default(), &mut a, &mut b, make));
+                pool.install(|| append(100, &Pool::default(), &mut a, &mut b, make));
                 assert_eq!(a, expected);
                 assert_eq!(b.len() + 1, a.len());
             }

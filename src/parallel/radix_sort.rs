@@ -1,10 +1,11 @@
 //! A parallel least-significant-digit radix sort of (code << 32 | triangle) keys by code.
 //!
-//! Each pass counts digits per chunk, gives every chunk its place in every bucket, and scatters the chunks in
+//! Each pass counts digits per chunk, gives every chunk its offset in every bucket, and scatters the chunks in
 //! parallel. The sort is stable, so the result does not depend on the number of chunks.
 
 #![allow(unsafe_code)]
 
+use super::disjoint::DisjointSlice;
 use rayon::prelude::*;
 
 const DIGIT_BITS: u32 = 11;
@@ -52,26 +53,18 @@ fn scatter(from: &[u64], to: &mut [u64], chunk: usize, shift: u32) {
             next += std::mem::replace(&mut counts[bucket], next);
         }
     }
-    let target = Target(to.as_mut_ptr());
+    let to = DisjointSlice::new(to);
     from.par_chunks(chunk).zip(offsets).for_each(|(keys, mut offsets)| {
-        let target = &target;
         for &key in keys {
             let place = &mut offsets[digit(key, shift)];
             // SAFETY: the offsets are an exclusive prefix sum of the counts of exactly these keys, over all
             // buckets and chunks, so every key of every chunk has a place of its own below `from.len()`,
             // which is the length of `to`.
-            unsafe { target.0.add(*place as usize).write(key) };
+            unsafe { to.write(*place as usize, key) };
             *place += 1;
         }
     });
 }
-
-/// Where the chunks of one pass write, each to places of its own.
-struct Target(*mut u64);
-
-// SAFETY: threads write through the pointer only to disjoint places (see `scatter`), and nothing reads until
-// all have ended.
-unsafe impl Sync for Target {}
 
 #[cfg(test)]
 mod tests {

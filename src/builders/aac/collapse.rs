@@ -1,43 +1,43 @@
-//! From a binary tree to a wide one, by opening the largest child first (paper 4.5).
+//! From the binary tree of clusters to a wide one, the largest child opened first (paper 4.5).
 
-use crate::builders::binary::{BinaryTree, Node};
-use crate::builders::lbvh::prefetch::warm;
-use crate::builders::lbvh::sort::{Key, reference};
-use crate::builders::prims::refs::References;
-use crate::builders::wide::top_down::{Kind, QUARTET, TopDown};
+use crate::builders::binary::kind::Kind;
+use crate::builders::binary::node::Node;
+use crate::builders::binary::tree::BinaryTree;
+use crate::builders::lbvh::key::{MortonKey, reference};
+use crate::builders::lbvh::prefetch;
+use crate::builders::prims::refs::PrimRefs;
+use crate::builders::wide::top_down::{BinarySplits, TopDown};
+use crate::bvh::limits::{BLOCK, WIDTH, follows_clusters};
 use crate::geometry::Aabb;
+use arrayvec::ArrayVec;
 
-/// From this depth of the binary tree on, references are halved by count: a chain of clusters must not make the
-/// tree deeper than traversal stacks allow.
-const MAX_DEPTH: u32 = 64;
-
-/// Collapses a binary tree: subtrees of at most four references become leaves.
+/// A binary tree to be widened: subtrees of at most four references become leaves.
 #[derive(Clone, Copy)]
-pub(crate) struct Collapse<'a> {
+pub(crate) struct ClusterTree<'a> {
     /// The tree.
     pub tree: &'a BinaryTree,
     /// References in the order that the leaves' positions mean.
-    pub keys: &'a [Key],
+    pub keys: &'a [MortonKey],
     /// What they refer to.
-    pub references: References<'a>,
+    pub refs: PrimRefs<'a>,
 }
 
-/// What is left to build.
+/// An unbuilt subtree.
 #[derive(Clone, Copy)]
-pub(crate) enum Part {
+pub(crate) enum ClusterPart {
     /// A subtree at a depth of the binary tree.
     Subtree(Node, u32),
-    /// References of a subtree too deep, as a range of the scratch memory, and their box.
+    /// References of a subtree at too great a depth, which are halved by count: as a range of the scratch memory, and their box.
     References(usize, u32, Aabb),
 }
 
 /// A part with references of its own.
-pub(crate) struct OwnPart(Part, Vec<u32>);
+pub(crate) struct OwnedPart(ClusterPart, Vec<u32>);
 
-impl Collapse<'_> {
+impl ClusterTree<'_> {
     /// The whole tree.
-    pub fn root(&self) -> Option<OwnPart> {
-        self.tree.root.map(|root| OwnPart(Part::Subtree(root, 0), Vec::new()))
+    pub fn root(&self) -> Option<OwnedPart> {
+        self.tree.root.map(|root| OwnedPart(ClusterPart::Subtree(root, 0), Vec::new()))
     }
 
     /// Appends the references below `node`.
@@ -49,97 +49,98 @@ impl Collapse<'_> {
         }
     }
 
-    fn part(&self, first: usize, ids: &[u32]) -> Option<Part> {
-        let bounds = ids.iter().map(|&id| self.references.bounds(id)).collect();
-        Some(Part::References(first, ids.len() as u32, bounds))
+    fn part(&self, first: usize, ids: &[u32]) -> Option<ClusterPart> {
+        let bounds = ids.iter().map(|&id| self.refs.bounds(id)).collect();
+        Some(ClusterPart::References(first, ids.len() as u32, bounds))
     }
 }
 
-impl TopDown for Collapse<'_> {
-    type Seed = OwnPart;
-    type Part = Part;
+impl TopDown for ClusterTree<'_> {
+    type Task = OwnedPart;
+    type Part = ClusterPart;
     type Scratch = Vec<u32>;
-    type Mark = usize;
 
-    fn plant(&self, OwnPart(part, ids): OwnPart, scratch: &mut Vec<u32>) -> Part {
+    fn import(&self, OwnedPart(part, ids): OwnedPart, scratch: &mut Vec<u32>) -> ClusterPart {
         let first = scratch.len();
         scratch.extend(ids);
         match part {
-            Part::References(_, len, bounds) => Part::References(first, len, bounds),
-            subtree @ Part::Subtree(..) => subtree,
+            ClusterPart::References(_, len, bounds) => ClusterPart::References(first, len, bounds),
+            subtree @ ClusterPart::Subtree(..) => subtree,
         }
     }
 
-    fn lift(&self, part: &Part, scratch: &Vec<u32>) -> OwnPart {
+    fn export(&self, part: &ClusterPart, scratch: &Vec<u32>) -> OwnedPart {
         match *part {
-            Part::References(first, len, _) => OwnPart(*part, scratch[first..first + len as usize].to_vec()),
-            Part::Subtree(..) => OwnPart(*part, Vec::new()),
+            ClusterPart::References(first, len, _) => OwnedPart(*part, scratch[first..first + len as usize].to_vec()),
+            ClusterPart::Subtree(..) => OwnedPart(*part, Vec::new()),
         }
     }
 
-    fn approach(&self, part: &Part, _: &Vec<u32>) {
-        if let Part::Subtree(node, _) = part {
-            warm(self.tree, self.keys, &self.references, node, 1);
+    fn prefetch(&self, part: &ClusterPart, _: &Vec<u32>) {
+        if let ClusterPart::Subtree(node, _) = part {
+            prefetch::subtree(self.tree, self.keys, &self.refs, node, 1);
         }
     }
 
-    fn count(&self, part: &Part) -> u32 {
+    fn count(&self, part: &ClusterPart) -> u32 {
         match part {
-            Part::Subtree(node, _) => node.count(),
-            Part::References(_, len, _) => *len,
+            ClusterPart::Subtree(node, _) => node.count(),
+            ClusterPart::References(_, len, _) => *len,
         }
     }
 
-    fn half_area(&self, part: &Part) -> f32 {
-        match part {
-            Part::Subtree(node, _) => node.bounds().half_area(),
-            Part::References(_, _, bounds) => bounds.half_area(),
-        }
+    fn is_leaf(&self, part: &ClusterPart) -> bool {
+        self.count(part) <= BLOCK
     }
 
-    fn kind(&self, part: &Part) -> Kind {
-        if self.count(part) <= QUARTET { Kind::Leaf } else { Kind::Inner }
+    fn children(&self, part: &ClusterPart, scratch: &mut Vec<u32>) -> ArrayVec<ClusterPart, WIDTH> {
+        self.split_largest(part, scratch)
     }
 
-    fn split(&self, part: &Part, scratch: &mut Vec<u32>) -> [Option<Part>; 2] {
-        let (first, len) = match *part {
-            Part::Subtree(node, depth) if depth < MAX_DEPTH => {
-                return self.tree.children(&node).map(|child| {
-                    self.tree.prefetch(&child);
-                    Some(Part::Subtree(child, depth + 1))
-                });
-            }
-            Part::Subtree(node, _) => {
-                let first = scratch.len();
-                self.gather(&node, scratch);
-                (first, node.count() as usize)
-            }
-            Part::References(first, len, _) => (first, len as usize),
-        };
-        let (left, right) = scratch[first..first + len].split_at(len / 2);
-        [self.part(first, left), self.part(first + len / 2, right)]
-    }
-
-    fn leaf(&self, part: &Part, prims: &mut Vec<u32>, scratch: &mut Vec<u32>) -> Aabb {
+    fn leaf(&self, part: &ClusterPart, prims: &mut Vec<u32>, scratch: &mut Vec<u32>) -> Aabb {
         let bounds = match *part {
-            Part::Subtree(node, _) => {
+            ClusterPart::Subtree(node, _) => {
                 self.gather(&node, prims);
                 node.bounds()
             }
-            Part::References(first, len, bounds) => {
+            ClusterPart::References(first, len, bounds) => {
                 prims.extend(&scratch[first..first + len as usize]);
                 bounds
             }
         };
-        prims.iter_mut().for_each(|id| *id = self.references.prim(*id));
+        prims.iter_mut().for_each(|id| *id = self.refs.prim(*id));
         bounds
     }
+}
 
-    fn mark(&self, scratch: &Vec<u32>) -> usize {
-        scratch.len()
+impl BinarySplits for ClusterTree<'_> {
+    fn kind(&self, part: &ClusterPart) -> Kind {
+        if self.count(part) <= BLOCK { Kind::Leaf } else { Kind::Inner }
     }
 
-    fn release(&self, scratch: &mut Vec<u32>, mark: usize) {
-        scratch.truncate(mark);
+    fn half_area(&self, part: &ClusterPart) -> f32 {
+        match part {
+            ClusterPart::Subtree(node, _) => node.bounds().half_area(),
+            ClusterPart::References(_, _, bounds) => bounds.half_area(),
+        }
+    }
+
+    fn split(&self, part: &ClusterPart, scratch: &mut Vec<u32>) -> [Option<ClusterPart>; 2] {
+        let (first, len) = match *part {
+            ClusterPart::Subtree(node, depth) if follows_clusters(depth, node.count() as usize) => {
+                return self.tree.children(&node).map(|child| {
+                    self.tree.prefetch(&child);
+                    Some(ClusterPart::Subtree(child, depth + 1))
+                });
+            }
+            ClusterPart::Subtree(node, _) => {
+                let first = scratch.len();
+                self.gather(&node, scratch);
+                (first, node.count() as usize)
+            }
+            ClusterPart::References(first, len, _) => (first, len as usize),
+        };
+        let (left, right) = scratch[first..first + len].split_at(len / 2);
+        [self.part(first, left), self.part(first + len / 2, right)]
     }
 }

@@ -1,10 +1,9 @@
-//! Binary subtrees near the leaves, on their way to wide nodes.
+//! Binary subtrees near the leaves, in the memory of one thread.
 
-use crate::builders::binary::Node;
-use crate::builders::wide::largest_first::{self, At, KnownSplits};
-use crate::builders::wide::top_down::Kind;
+use super::node::{Node, NodeRun};
+use crate::geometry::Aabb;
 
-/// Subtrees of a thread, those made last at the end.
+/// Subtrees of a thread, the latest at the end.
 #[derive(Default)]
 pub(crate) struct Subtrees {
     /// Pairs of siblings. Leaves are runs of `prims`, and so is every subtree.
@@ -14,68 +13,65 @@ pub(crate) struct Subtrees {
 }
 
 impl Subtrees {
-    /// How many pairs and triangles there are.
-    pub fn mark(&self) -> [usize; 2] {
+    /// Numbers of pairs and triangles.
+    pub fn checkpoint(&self) -> [usize; 2] {
         [self.pairs.len(), self.prims.len()]
     }
 
-    /// Forgets what was made since `mark`.
-    pub fn release(&mut self, [pairs, prims]: [usize; 2]) {
+    /// Removes what was appended since `checkpoint`.
+    pub fn rollback(&mut self, [pairs, prims]: [usize; 2]) {
         self.pairs.truncate(pairs);
         self.prims.truncate(prims);
     }
 
-    /// `node` with the place of its first triangle.
-    pub fn at(&self, node: &Node) -> At {
+    /// `node` with the position of its first triangle.
+    pub fn run_of(&self, node: &Node) -> NodeRun {
         let mut first = node;
         while let Some(pair) = first.pair() {
             first = &self.pairs[pair][0];
         }
-        At { node: *node, first: first.run().start as u32 }
+        NodeRun { node: *node, first: first.run().start as u32 }
     }
 
     /// The triangles below `node`.
-    pub fn run(&self, node: &Node) -> &[u32] {
-        let first = self.at(node).first as usize;
+    pub fn prims_below(&self, node: &Node) -> &[u32] {
+        let first = self.run_of(node).first as usize;
         &self.prims[first..first + node.count() as usize]
     }
 
     /// The children of an inner node.
+    #[inline(always)]
     pub fn children(&self, node: &Node) -> [Node; 2] {
-        self.pairs[node.pair().expect("leaves are not opened")]
+        self.pairs[node.pair_of_inner()]
     }
 
-    /// What is to become of `node`.
-    pub fn kind(&self, node: &Node, max_leaf: u32) -> Kind {
-        largest_first::kind(node, max_leaf, || self.children(node))
+    /// Appends the leaf of `prims`; `None` without triangles.
+    pub fn push_leaf(&mut self, bounds: Aabb, prims: &[u32]) -> Option<Node> {
+        let first = self.prims.len();
+        self.prims.extend_from_slice(prims);
+        (!prims.is_empty()).then(|| Node::leaf(bounds, first, prims.len() as u32))
+    }
+
+    /// Appends the parent of two subtrees; a lone one takes its place.
+    pub fn merge(&mut self, halves: [Option<Node>; 2]) -> Option<Node> {
+        match halves {
+            [Some(left), Some(right)] => {
+                self.pairs.push([left, right]);
+                Some(Node::inner(&[left, right], self.pairs.len() - 1))
+            }
+            [only, None] | [None, only] => only,
+        }
     }
 
     /// Appends a copy of the subtree of `node` in `from`.
-    pub fn graft(&mut self, node: &Node, from: &Self) -> Node {
-        match node.pair() {
-            None => {
-                let first = self.prims.len();
-                self.prims.extend(&from.prims[node.run()]);
-                Node::leaf(node.bounds(), first, node.count())
-            }
+    pub fn copy(&mut self, node: &Node, from: &Self) -> Node {
+        let copied = match node.pair() {
+            None => self.push_leaf(node.bounds(), &from.prims[node.run()]),
             Some(pair) => {
-                let children = from.pairs[pair].map(|child| self.graft(&child, from));
-                self.pairs.push(children);
-                Node::inner(&children, self.pairs.len() - 1)
+                let children = from.pairs[pair].map(|child| Some(self.copy(&child, from)));
+                self.merge(children)
             }
-        }
-    }
-}
-
-impl KnownSplits for Subtrees {
-    #[inline(always)]
-    fn children(&self, at: &At) -> [At; 2] {
-        let [left, right] = self.children(&at.node);
-        [At { node: left, first: at.first }, At { node: right, first: at.first + left.count() }]
-    }
-
-    #[inline(always)]
-    fn prim(&self, place: usize) -> u32 {
-        self.prims[place]
+        };
+        copied.expect("a subtree holds a triangle")
     }
 }

@@ -1,9 +1,9 @@
 //! What thresholds of area are relative to. The paper's are relative to the scene's area; choosing its parameters by
-//! the scene is left open there (section 6). In a flat wide city nearly all that is hit is smaller than any threshold
-//! that suits a room, so extensions may be relative to what the scene's own parts measure.
+//! the scene is left open there (section 6). In a flat wide city most geometry is smaller than any threshold that suits
+//! a room, so extensions may be relative to the area of the scene's own parts.
 
-use crate::builders::lbvh::sort::{Key, reference};
-use crate::builders::prims::refs::References;
+use super::key::{MortonKey, reference};
+use crate::builders::prims::refs::PrimRefs;
 use crate::geometry::Aabb;
 use rayon::prelude::*;
 
@@ -16,33 +16,33 @@ pub(crate) const STEP: usize = 64;
 
 /// Half areas of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Areas {
+pub(crate) struct AreaScale {
     /// Of its box.
     pub scene: f32,
-    /// Of what thresholds of extensions are relative to: no more than that.
-    pub reference: f32,
+    /// Thresholds of extensions are relative to this area; it is at most the scene's.
+    pub scale: f32,
 }
 
-impl Areas {
+impl AreaScale {
     /// Those of a scene with the given box.
     pub fn of(scene: Aabb) -> Self {
-        Self { scene: scene.half_area(), reference: scene.half_area() }
+        Self { scene: scene.half_area(), scale: scene.half_area() }
     }
 
-    /// Those of a scene whose keys are sorted: the reference area is `parts` times the median area of parts of the
-    /// scene, runs of [`PART`] references along the Morton curve.
-    pub fn calibrated(scene: Aabb, keys: &[Key], references: &References<'_>, parts: f32) -> Self {
-        let areas = Self::of(scene);
+    /// Those of a scene whose keys are sorted: the scale is `parts` times the median area of parts of the scene, runs of
+    /// [`PART`] references along the Morton curve.
+    pub fn calibrated(scene: Aabb, keys: &[MortonKey], refs: &PrimRefs<'_>, parts: f32) -> Self {
+        let whole = Self::of(scene);
         let count = PARTS.min(keys.len() / PART);
         let area = |i: usize| {
             let first = i * keys.len() / count;
             let some = keys[first..first + PART].iter().step_by(STEP);
-            some.map(|&key| references.bounds(reference(key))).collect::<Aabb>().half_area()
+            some.map(|&key| refs.bounds(reference(key))).collect::<Aabb>().half_area()
         };
         let mut measured: Vec<f32> = (0..count).into_par_iter().with_min_len(16).map(area).collect();
         measured.sort_by(f32::total_cmp);
         let median = measured.get(count / 2).copied().unwrap_or(f32::INFINITY);
-        Self { reference: areas.scene.min(median * parts), ..areas }
+        Self { scale: whole.scene.min(median * parts), ..whole }
     }
 }
 
@@ -65,26 +65,26 @@ mod tests {
         Mesh::new(vertices, of_plain.into_iter().chain(others).collect()).unwrap().0
     }
 
-    fn areas(mesh: &Mesh, calibration: Option<f32>) -> Areas {
+    fn areas(mesh: &Mesh, calibration: Option<f32>) -> AreaScale {
         let mut auxiliary = Auxiliary::default();
         auxiliary.build(mesh, &AuxiliaryConfig { calibration, ..AuxiliaryConfig::PAPER });
-        auxiliary.areas
+        auxiliary.scale
     }
 
     #[test]
     fn areas_are_those_of_parts_where_the_scene_is_large_for_them() {
         let mesh = city(160, 10.0, 1.0);
         let scene = mesh.bounds().half_area();
-        assert_eq!(areas(&mesh, None), Areas { scene, reference: scene });
+        assert_eq!(areas(&mesh, None), AreaScale { scene, scale: scene });
         // A part of 2048 of the 160 x 160 is about a 12th of the scene, its box up to some times that.
-        let part = areas(&mesh, Some(1.0)).reference / scene;
+        let part = areas(&mesh, Some(1.0)).scale / scene;
         assert!((0.04..0.5).contains(&part), "{part}");
         let half = areas(&mesh, Some(0.5));
-        assert_eq!((half.scene, half.reference / scene), (scene, 0.5 * part));
+        assert_eq!((half.scene, half.scale / scene), (scene, 0.5 * part));
         // No more than the scene's area, nor anything without a part.
-        assert_eq!(areas(&mesh, Some(1e3)), Areas { scene, reference: scene });
+        assert_eq!(areas(&mesh, Some(1e3)), AreaScale { scene, scale: scene });
         let small = city(40, 10.0, 1.0);
         assert_eq!(areas(&small, Some(1e-6)), areas(&small, None));
-        assert_eq!(areas(&Mesh::new(vec![], vec![]).unwrap().0, Some(1.0)).reference, 0.0);
+        assert_eq!(areas(&Mesh::new(vec![], vec![]).unwrap().0, Some(1.0)).scale, 0.0);
     }
 }

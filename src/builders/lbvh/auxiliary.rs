@@ -1,19 +1,22 @@
-//! LBVH (Lauterbach et al. 2009) as the paper builds it in 4.7: Morton codes, a parallel sort, and a tree that
-//! parts each run of codes where their highest bit changes. Three changes: the sort is a radix sort; boxes are
-//! united on the way up instead of by atomic counters; and references that share a code are parted by the
-//! middle of their own centroids' bounds, so that 32 bits suffice for any scene.
+//! Paper 4.7: the auxiliary BVH, an LBVH (Lauterbach et al. 2009): Morton codes, a parallel sort, and a tree that
+//! partitions each run of codes where their highest bit changes.
+//!
+//! Three changes: the sort is a radix sort of all 32 bits, not by the highest 12; boxes are merged on the way up instead
+//! of by atomic counters; and references that share a code are partitioned by the middle of their own centroids' bounds,
+//! so that 32 bits suffice for any scene.
 
-use crate::builders::binary::{BinaryTree, Node};
+use super::area_scale::AreaScale;
+use super::sort::MortonOrder;
+use super::top_tree::{TopTree, result_of};
+use super::treelet::{LbvhTreelet, LeafRule};
+use crate::builders::binary::node::Node;
+use crate::builders::binary::tree::BinaryTree;
 use crate::builders::builder::{Phase, Stopwatch};
-use crate::builders::lbvh::area_scale::Areas;
-use crate::builders::lbvh::sort::MortonOrder;
-use crate::builders::lbvh::top_tree::{self, Upper};
-use crate::builders::lbvh::treelet::{Leaves, Run};
 use crate::builders::prims::presplit::PresplitConfig;
 use crate::geometry::Mesh;
 use crate::memory::huge_pages;
-use crate::parallel::ordered_append::{self, Spare};
-use std::sync::OnceLock;
+use crate::memory::pool::Pool;
+use crate::parallel::ordered_append;
 
 /// Which subtrees of the auxiliary BVH are leaves beside those of few references: near the leaves nothing is lost
 /// by opening them all at once, where they are small.
@@ -21,30 +24,42 @@ use std::sync::OnceLock;
 pub struct Clusters {
     /// Most references of a cluster.
     pub most: u32,
-    /// Largest area of its box, relative to the scene's ([`super::PhrConfig::calibration`]).
+    /// Largest area of its box, relative to the scene's ([`AuxiliaryConfig::calibration`]).
     pub area: f32,
 }
 
-/// Parameters of the auxiliary BVH.
-#[derive(Clone, Copy)]
-pub(crate) struct AuxiliaryConfig {
-    /// Which triangles are split before the sort.
+/// Extensions of the auxiliary BVH; each changes the tree.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct AuxiliaryConfig {
+    /// Which triangles are split before the sort (paper 5.3).
     pub presplit: Option<PresplitConfig>,
-    /// Subtrees of at most so many references are leaves,
-    pub leaf: u32,
-    /// and these.
+    /// Subtrees of at most as many references are leaves, 1 to 4.
+    pub auxiliary_leaf: Option<u32>,
+    /// Larger subtrees that are leaves too.
     pub clusters: Option<Clusters>,
-    /// Areas are relative to so many times that of a part of the scene ([`Areas::calibrated`]), not to the scene's.
+    /// Areas of clusters, of nodes split spatially and of overlaps are relative to this many times the median area of
+    /// 2048 references that follow one another along the Morton curve, where that is less than the scene's: a flat wide
+    /// scene is large for what is in it (paper, section 6, leaves parameters chosen by the scene open).
     pub calibration: Option<f32>,
 }
 
 impl AuxiliaryConfig {
     /// That of the paper.
-    pub const PAPER: Self = Self { presplit: None, leaf: 1, clusters: None, calibration: None };
+    pub const PAPER: Self = Self { presplit: None, auxiliary_leaf: None, clusters: None, calibration: None };
 
-    fn leaves(&self, areas: &Areas) -> Leaves {
-        let clusters = self.clusters.unwrap_or(Clusters { most: self.leaf, area: 0.0 });
-        Leaves { always: self.leaf, most: clusters.most, area: clusters.area * areas.reference }
+    /// References that subtrees may have and always be a leaf.
+    fn leaf(&self) -> u32 {
+        self.auxiliary_leaf.unwrap_or(1)
+    }
+
+    /// Most references of a leaf.
+    pub(crate) fn max_leaf(&self) -> u32 {
+        self.clusters.map_or(self.leaf(), |clusters| clusters.most)
+    }
+
+    fn rule(&self, scale: &AreaScale) -> LeafRule {
+        let area = self.clusters.map_or(0.0, |clusters| clusters.area * scale.scale);
+        LeafRule { always: self.leaf(), most: self.max_leaf(), area }
     }
 }
 
@@ -55,9 +70,9 @@ pub(crate) struct Auxiliary {
     pub order: MortonOrder,
     /// The tree.
     pub tree: BinaryTree,
-    /// What thresholds are relative to.
-    pub areas: Areas,
-    spare: Spare<Run>,
+    /// What thresholds of area are relative to.
+    pub scale: AreaScale,
+    treelets: Pool<LbvhTreelet>,
 }
 
 impl Auxiliary {
@@ -65,67 +80,51 @@ impl Auxiliary {
     pub fn build(&mut self, mesh: &Mesh, config: &AuxiliaryConfig) -> Vec<Phase> {
         let mut watch = Stopwatch::start();
         self.order.sort(mesh, config.presplit.as_ref(), &mut self.tree.pairs, &mut watch);
-        // Parting equal codes reorders keys.
-        let mut all_keys = std::mem::take(&mut self.order.keys);
-        let keys = &mut all_keys[..];
-        let references = &self.order.references(mesh);
-        self.areas = match config.calibration {
-            Some(parts) => Areas::calibrated(self.order.bounds(), keys, references, parts),
-            None => Areas::of(self.order.bounds()),
+        // Equal codes are partitioned by reordering keys.
+        let mut keys = std::mem::take(&mut self.order.keys);
+        let refs = self.order.refs(mesh);
+        self.scale = match config.calibration {
+            Some(parts) => AreaScale::calibrated(self.order.bounds(), &keys, &refs, parts),
+            None => AreaScale::of(self.order.bounds()),
         };
-        let leaves = config.leaves(&self.areas);
         self.tree.root = None;
         if !keys.is_empty() {
+            let rule = config.rule(&self.scale);
             // Of leaves of several references about half are full.
-            let pairs = keys.len().div_ceil(leaves.always as usize) * if leaves.always == 1 { 1 } else { 2 };
+            let pairs = keys.len().div_ceil(rule.always as usize) * if rule.always == 1 { 1 } else { 2 };
             huge_pages::reserve(&mut self.tree.pairs, pairs + pairs / 1000 + 64);
-            let upper = Upper::part(references, keys);
-            let built: Vec<OnceLock<(Node, usize)>> = (0..upper.len()).map(|_| OnceLock::new()).collect();
-            let all_pairs = &mut self.tree.pairs;
-            ordered_append::append(
-                upper.len(),
-                &self.spare,
-                all_pairs,
-                &mut Vec::new(),
-                |i, run: &mut Run| {
-                    let (first, depth, mut keys) = upper.run(i);
-                    let root = run.build(references, &mut keys, first, depth, leaves);
-                    built[i].set((root, run.tree.pairs.len())).expect("each task runs once");
-                },
-            );
-            let mut begin = 0;
-            let runs: Vec<Node> = built
-                .into_iter()
-                .map(|built| {
-                    let (root, pairs) = built.into_inner().expect("all tasks have run");
-                    begin += pairs;
-                    root.moved((begin - pairs) as u32)
-                })
-                .collect();
-            let pairs = upper.fold(&runs, |children| {
-                all_pairs.push(children);
-                Node::inner(&children, all_pairs.len() - 1)
+            let top = TopTree::new(&refs, &mut keys);
+            let pairs = &mut self.tree.pairs;
+            let make = |i: usize, treelet: &mut LbvhTreelet| {
+                let (first, depth, mut keys) = top.treelet(i);
+                treelet.build(&refs, &mut keys, first, depth, rule)
+            };
+            let built = ordered_append::append(top.len(), &self.treelets, pairs, &mut Vec::new(), make);
+            let treelets: Vec<Node> =
+                built.into_iter().map(|(root, offset)| root.moved(offset[0] as u32)).collect();
+            let top_pairs = top.fold(&treelets, |children| {
+                pairs.push(children);
+                Node::inner(&children, pairs.len() - 1)
             });
-            self.tree.root = Some(*top_tree::of(upper.top(), &runs, &pairs));
+            self.tree.root = Some(*result_of(top.root(), &treelets, &top_pairs));
         }
-        self.order.keys = all_keys;
+        self.order.keys = keys;
         watch.lap("auxiliary tree");
         watch.phases
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let mut runs = 0;
-        self.spare.for_each(|run| runs += run.bytes());
-        self.order.bytes() + self.tree.bytes() + runs
+        self.order.bytes() + self.tree.bytes() + self.treelets.sum(LbvhTreelet::bytes)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builders::lbvh::sort::{code, part, reference};
-    use crate::builders::prims::refs::References;
+    use crate::builders::lbvh::key::{code, reference};
+    use crate::builders::lbvh::partition::partition;
+    use crate::builders::prims::refs::PrimRefs;
     use crate::geometry::Aabb;
 
     fn triangles(n: usize, place: impl Fn(usize) -> [f32; 3]) -> Mesh {
@@ -140,7 +139,7 @@ mod tests {
 
     fn walk(
         auxiliary: &Auxiliary,
-        references: &References<'_>,
+        references: &PrimRefs<'_>,
         node: &Node,
         seen: &mut Vec<u32>,
         leaf: u32,
@@ -175,8 +174,8 @@ mod tests {
             {
                 let mesh = triangles(n, place);
                 let mut auxiliary = Auxiliary::default();
-                auxiliary.build(&mesh, &AuxiliaryConfig { leaf, ..AuxiliaryConfig::PAPER });
-                let references = auxiliary.order.references(&mesh);
+                auxiliary.build(&mesh, &AuxiliaryConfig { auxiliary_leaf: Some(leaf), ..AuxiliaryConfig::PAPER });
+                let references = auxiliary.order.refs(&mesh);
                 let root = auxiliary.tree.root.unwrap();
                 let mut seen = Vec::new();
                 let depth = walk(&auxiliary, &references, &root, &mut seen, leaf);
@@ -191,12 +190,12 @@ mod tests {
     }
 
     #[test]
-    fn runs_part_where_bisection_parts_them() {
+    fn treelets_are_partitioned_as_by_definition() {
         // Few distinct codes per axis: many equal ones, and neighbours that differ in any bit.
         let mesh = triangles(3000, |i| [(i * i % 61) as f32, (i * 13 % 17) as f32, (i % 5) as f32 * 0.1]);
         let mut auxiliary = Auxiliary::default();
         auxiliary.build(&mesh, &AuxiliaryConfig::PAPER);
-        let references = auxiliary.order.references(&mesh);
+        let references = auxiliary.order.refs(&mesh);
         let mut checked = 0;
         let mut stack = vec![(auxiliary.tree.root.unwrap(), 0)];
         while let Some((node, first)) = stack.pop() {
@@ -207,7 +206,7 @@ mod tests {
             let keys = &mut auxiliary.order.keys.clone()[first..first + node.count() as usize];
             let [left, right] = *auxiliary.tree.children(&node);
             if code(keys[0]) != code(keys[keys.len() - 1]) {
-                assert_eq!(left.count() as usize, part(keys, &references, &mut 0));
+                assert_eq!(left.count() as usize, partition(keys, &references, &mut 0));
                 checked += 1;
             }
             stack.extend([(left, first), (right, first + left.count() as usize)]);

@@ -1,43 +1,49 @@
-//! The stack that makes a binary tree of subtrees in a row and the heights at which neighbours part.
+//! The binary tree over a row of leaves with the deltas of neighbours: their Cartesian tree, in one pass with a stack (cf.
+//! Apetrei 2014).
 
-/// More than the heights there are: each subtree on the stack has one of its own.
-const WAITING: usize = 128;
+/// More than there are deltas: each subtree on the stack has a delta of its own.
+const STACK: usize = 128;
 
-/// Subtrees that wait for siblings to their right: each parts from the one before at a lower height than that from
-/// its own.
-pub(crate) struct Waiting<T> {
-    subtrees: [T; WAITING],
-    heights: [u8; WAITING],
-    /// The first subtree is at 1, above what is higher than all.
+/// Builds the tree over `leaves`, of which there are some, each with the delta to the leaf before. `merge` makes the
+/// parent of two subtrees; `filler` is never read.
+#[inline(always)]
+pub(crate) fn cartesian_tree<T: Copy>(
+    filler: T,
+    leaves: impl Iterator<Item = (T, u8)>,
+    mut merge: impl FnMut([T; 2]) -> T,
+) -> T {
+    let mut stack = CartesianStack { subtrees: [filler; STACK], deltas: [u8::MAX; STACK], last: 0 };
+    for (leaf, delta) in leaves {
+        stack.merge_below(delta, &mut merge);
+        stack.push(leaf, delta);
+    }
+    stack.merge_below(u8::MAX, &mut merge);
+    stack.subtrees[stack.last]
+}
+
+/// Subtrees that wait for their right siblings, in descending order of their deltas.
+struct CartesianStack<T> {
+    subtrees: [T; STACK],
+    deltas: [u8; STACK],
+    /// The first subtree is at 1, above a delta that is greater than all.
     last: usize,
 }
 
-impl<T: Copy> Waiting<T> {
-    /// None; `filler` is never looked at.
-    pub fn new(filler: T) -> Self {
-        Self { subtrees: [filler; WAITING], heights: [u8::MAX; WAITING], last: 0 }
-    }
-
-    /// Appends a subtree that parts from the one before at `height`.
-    #[inline]
-    pub fn push(&mut self, subtree: T, height: u8) {
+impl<T: Copy> CartesianStack<T> {
+    #[inline(always)]
+    fn push(&mut self, subtree: T, delta: u8) {
         self.last += 1;
         self.subtrees[self.last] = subtree;
-        self.heights[self.last] = height;
+        self.deltas[self.last] = delta;
     }
 
-    /// Unites those that part below `height`.
-    #[inline]
-    pub fn unite_below(&mut self, height: u8, mut unite: impl FnMut([T; 2]) -> T) {
-        while self.heights[self.last] < height {
+    /// Merges the subtrees whose delta is below `delta`.
+    #[inline(always)]
+    fn merge_below(&mut self, delta: u8, merge: &mut impl FnMut([T; 2]) -> T) {
+        while self.deltas[self.last] < delta {
             let children = [self.subtrees[self.last - 1], self.subtrees[self.last]];
             self.last -= 1;
-            self.subtrees[self.last] = unite(children);
+            self.subtrees[self.last] = merge(children);
         }
-    }
-
-    /// The last subtree.
-    pub fn last(&self) -> T {
-        self.subtrees[self.last]
     }
 }

@@ -1,81 +1,82 @@
-//! At which height of an LBVH neighbours in a run part: all that its topology is made from.
+//! The level at which an LBVH separates two neighbours in a run of sorted keys: all that its topology depends on (the
+//! deltas of Karras 2012).
 //!
-//! Heights are bytes, so that a vector holds many. Below a common ancestor neighbours part but once at its height,
-//! where two codes differ in its bit first, or, below that, where references of one code are parted by the middle.
+//! A delta is a byte, so that a vector holds many. Below a common ancestor two neighbours are separated once, where their
+//! codes differ in the highest bit, or, below that, where references of one code are partitioned by the middle.
 
-use crate::builders::lbvh::sort::{Key, code};
+use super::key::{MortonKey, code};
 
 /// Before the first reference and after the last.
 const END: u8 = u8::MAX;
-/// Of neighbours of one code that are not parted.
+/// Of neighbours of one code that are not separated.
 const EQUAL: u8 = 0;
-/// Neighbours that are parted by the middle do so below this height.
+/// Neighbours that are partitioned by the middle have lower deltas than this.
 const MIDDLE: u8 = 126;
-/// Heights beyond either end, so that windows reach over it.
+/// Deltas beyond either end, so that windows may reach over it.
 const PAD: usize = MOST - 1;
 /// Most references of a leaf.
 const MOST: usize = 4;
 
-/// The heights at which the references of a run part.
+/// The deltas of a run.
 #[derive(Default)]
-pub(crate) struct Heights {
-    /// At `PAD + i`: of references i - 1 and i.
+pub(crate) struct Deltas {
+    /// `padded[PAD + i]`: of references i - 1 and i.
     padded: Vec<u8>,
-    /// Whether a leaf begins with reference i, or all of them end before it.
+    /// Whether a leaf begins with reference i, or all leaves end before it.
     begins: Vec<bool>,
 }
 
-impl Heights {
+impl Deltas {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.padded.capacity() + self.begins.capacity()
     }
 
-    /// Takes those of sorted keys.
-    pub fn of_codes(&mut self, keys: &[Key]) {
+    /// Computes the deltas of sorted keys.
+    pub fn of_codes(&mut self, keys: &[MortonKey]) {
         self.padded.clear();
         self.padded.resize(keys.len() + 1 + 2 * PAD, END);
-        let heights = &mut self.padded[PAD + 1..];
-        for ((height, &before), &after) in heights.iter_mut().zip(keys).zip(&keys[1..]) {
-            *height = height_of(code(before) ^ code(after));
+        let deltas = &mut self.padded[PAD + 1..];
+        for ((delta, &before), &after) in deltas.iter_mut().zip(keys).zip(&keys[1..]) {
+            *delta = delta_of(code(before) ^ code(after));
         }
     }
 
     /// The first references of one code, of which there are two or more, from `begin` on.
     pub fn equal_codes(&self, begin: usize) -> Option<std::ops::Range<usize>> {
-        let heights = &self.padded[PAD..];
-        let second = begin + heights[begin..].iter().position(|&height| height == EQUAL)?;
-        let others = heights[second..].iter().take_while(|&&height| height == EQUAL).count();
+        let deltas = &self.padded[PAD..];
+        let second = begin + deltas[begin..].iter().position(|&delta| delta == EQUAL)?;
+        let others = deltas[second..].iter().take_while(|&&delta| delta == EQUAL).count();
         Some(second - 1..second + others)
     }
 
-    /// Parts references of one code, which have been parted by the middle `depth` times, before `split`.
-    pub fn part_by_middle(&mut self, split: usize, depth: u32) {
+    /// Separates references of one code, partitioned by the middle `depth` times before, in front of `split`.
+    pub fn separate_by_middle(&mut self, split: usize, depth: u32) {
         self.padded[PAD + split] = MIDDLE - depth as u8;
     }
 
-    /// The height at which `reference` and the one before part.
+    /// The delta of `reference` and the one before.
     pub fn before(&self, reference: usize) -> u8 {
         self.padded[PAD + reference]
     }
 
     /// Finds where leaves begin, the largest subtrees of at most `most` references, and where the last one ends.
     ///
-    /// A subtree whose children part at some height has a reference more on either side than there are lower
-    /// heights in a row. No branch depends on any.
+    /// On either side of a delta, its subtree has one reference more than there are lower deltas in a row. No branch
+    /// depends on a delta.
     pub fn leaves(&mut self, most: u32, leaves: &mut Vec<u32>) {
         debug_assert!((1..=MOST as u32).contains(&most));
         let ends = self.padded.len() - 2 * PAD;
         self.begins.resize(ends, true);
         let [a, b, c, own, d, e, f] = std::array::from_fn(|i| &self.padded[i..i + ends]);
         for (i, begins) in self.begins.iter_mut().enumerate() {
-            let lower = |height: u8| height < own[i];
+            let lower = |delta: u8| delta < own[i];
             let left = [lower(c[i]), lower(c[i]) & lower(b[i]), lower(c[i]) & lower(b[i]) & lower(a[i])];
             let right = [lower(d[i]), lower(d[i]) & lower(e[i]), lower(d[i]) & lower(e[i]) & lower(f[i])];
             let count = 2 + left.iter().chain(&right).map(|&is| u8::from(is)).sum::<u8>();
             *begins = count > most as u8;
         }
-        // Whatever their number.
+        // Whatever the number of references.
         self.begins[0] = true;
         self.begins[ends - 1] = true;
         leaves.resize(ends, 0);
@@ -91,7 +92,7 @@ impl Heights {
 /// The number of the highest bit in which codes differ, from one below the exponent of 1 on. It is the exponent of
 /// that bit alone: vectors convert to floats, but do not find bits.
 #[inline]
-fn height_of(difference: u32) -> u8 {
+fn delta_of(difference: u32) -> u8 {
     // The next bit is cleared so that nothing is rounded up.
     let float = (difference & !(difference >> 1)) as f32;
     (float.to_bits() >> 23) as u8
@@ -102,11 +103,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn heights_are_those_of_highest_bits() {
-        assert_eq!(height_of(0), EQUAL);
+    fn deltas_are_those_of_highest_bits() {
+        assert_eq!(delta_of(0), EQUAL);
         for bit in 0..32 {
             for below in [0, 1, u32::MAX, 0x5555_5555] {
-                assert_eq!(height_of(1 << bit | below & ((1 << bit) - 1)), MIDDLE + 1 + bit);
+                assert_eq!(delta_of(1 << bit | below & ((1 << bit) - 1)), MIDDLE + 1 + bit);
             }
         }
     }

@@ -1,24 +1,34 @@
-//! The builder that makes the auxiliary LBVH wide and does nothing better. Runs are built, made wide and written
-//! while they are in the cache; the tree over them is made wide at the end.
+//! The builder `lbvh`: the auxiliary BVH as a wide tree, without refinement. Treelets are built, widened and written
+//! while they are in the cache; the tree over them is widened at the end.
 
+use super::direct_treelet::DirectTreelet;
+use super::sort::MortonOrder;
+use super::top_tree::{TopNode, TopTree, result_of};
+use crate::builders::binary::kind::Kind;
 use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
-use crate::builders::lbvh::direct_treelet::WideRun;
-use crate::builders::lbvh::sort::MortonOrder;
-use crate::builders::lbvh::top_tree::{self, Top, Upper};
-use crate::builders::wide::top_down::{Memory, WIDTH};
-use crate::builders::wide::treelet::{self, Subtree};
+use crate::builders::wide::memory::Memory;
+use crate::builders::wide::open_largest::{Priority, open_largest};
+use crate::builders::wide::treelet::{self, Subtree, WideTreelet};
+use crate::bvh::limits::{MORTON_BITS, WIDTH};
 use crate::bvh::{Bvh4, Link, WideNode};
 use crate::geometry::{Aabb, Mesh};
-use crate::parallel::ordered_append::Spare;
+use crate::memory::pool::Pool;
+use crate::parallel::ordered_append;
+use crate::simd::Isa;
 use arrayvec::ArrayVec;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Builds the LBVH (see [`crate::builders::lbvh::auxiliary`]); memory is kept between builds.
-#[derive(Default)]
+/// Builds the LBVH of paper 4.7; memory is kept between builds.
 pub struct Lbvh {
     order: MortonOrder,
-    runs: Spare<WideRun>,
+    treelets: Pool<DirectTreelet>,
     memory: Memory<()>,
+    isa: Isa,
+}
+
+impl Default for Lbvh {
+    fn default() -> Self {
+        Self::with_isa(Isa::best())
+    }
 }
 
 impl Builder for Lbvh {
@@ -27,22 +37,19 @@ impl Builder for Lbvh {
     }
 
     fn config(&self) -> serde_json::Value {
-        serde_json::json!({ "code_bits": crate::builders::lbvh::morton::BITS })
+        serde_json::json!({ "code_bits": MORTON_BITS })
     }
 
     fn build(&mut self, mesh: &Mesh) -> Build {
         let mut watch = Stopwatch::start();
         self.order.sort(mesh, None, self.memory.blocks(mesh.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
-        let pairs = AtomicUsize::new(0);
-        let tree = if keys.is_empty() { Bvh4::default() } else { self.tree(mesh, &mut keys, &pairs) };
+        let (tree, pairs) = if keys.is_empty() { Default::default() } else { self.tree(mesh, &mut keys) };
         self.order.keys = keys;
         watch.lap("tree");
-        let auxiliary_nodes = 2 * pairs.into_inner() as u64 + 1;
-        let counts = Counts { auxiliary_nodes, ..Counts::default() };
-        let mut runs = 0;
-        self.runs.for_each(|run| runs += run.bytes());
-        Build::finish(tree, watch.phases, counts, self.order.bytes() + runs + self.memory.bytes())
+        let counts = Counts { auxiliary_nodes: 2 * pairs as u64 + 1, ..Counts::default() };
+        let held = self.order.bytes() + self.treelets.sum(DirectTreelet::bytes) + self.memory.bytes();
+        Build::finish(tree, watch.phases, counts, held)
     }
 
     fn recycle(&mut self, tree: Bvh4) {
@@ -51,58 +58,61 @@ impl Builder for Lbvh {
 }
 
 impl Lbvh {
-    /// The tree over sorted keys, of which there are some.
-    fn tree(&mut self, mesh: &Mesh, keys: &mut [u64], pairs: &AtomicUsize) -> Bvh4 {
-        let references = &self.order.references(mesh);
+    /// A builder with the given instructions.
+    pub(crate) fn with_isa(isa: Isa) -> Self {
+        Self { order: MortonOrder::default(), treelets: Pool::default(), memory: Memory::default(), isa }
+    }
+
+    /// The tree over sorted keys, of which there are some, and the pairs of the binary tree below it.
+    fn tree(&mut self, mesh: &Mesh, keys: &mut [u64]) -> (Bvh4, usize) {
+        let refs = &self.order.refs(mesh);
         let (mut nodes, mut blocks) = self.memory.arrays(mesh.len());
-        let upper = Upper::part(references, keys);
-        let subtrees =
-            treelet::append(upper.len(), &self.memory.pieces, &mut nodes, &mut blocks, |i, piece| {
-                let mut run = self.runs.take();
-                let (_, depth, keys) = upper.run(i);
-                let subtree = run.build(mesh, &keys, depth, piece);
-                pairs.fetch_add(run.pairs() + 1, Ordering::Relaxed);
-                self.runs.put(run);
-                subtree
-            });
+        let top = TopTree::new(refs, keys);
+        let make = |i: usize, wide: &mut WideTreelet| {
+            let mut treelet = self.treelets.take();
+            let (_, depth, keys) = top.treelet(i);
+            let built = treelet.build(self.isa, mesh, &keys, depth, wide);
+            self.treelets.put(treelet);
+            built
+        };
+        let built =
+            ordered_append::append(top.len(), &self.memory.treelets, &mut nodes, &mut blocks, make);
+        let pairs = built.iter().map(|((_, pairs), _)| pairs + 1).sum();
+        let subtrees = treelet::moved(built.into_iter().map(|((subtree, _), at)| (subtree, at)).collect());
         let bounds: Vec<Aabb> =
             subtrees.iter().map(|subtree| subtree.map_or(Aabb::EMPTY, |(b, _)| b)).collect();
-        let pair_bounds = upper.fold(&bounds, |[left, right]| left.union(right));
-        let wide = Wide { upper: &upper, subtrees: &subtrees, bounds: &bounds, pair_bounds: &pair_bounds };
-        match wide.subtree(upper.top(), &mut nodes) {
-            None => Bvh4::default(),
-            Some((bounds, root)) => Bvh4 { root, bounds, nodes, blocks },
-        }
+        let pair_bounds = top.fold(&bounds, |[left, right]| left.union(right));
+        let wide = WideTop { top: &top, subtrees: &subtrees, bounds: &bounds, pair_bounds: &pair_bounds };
+        let tree = wide.emit(top.root(), &mut nodes);
+        (tree.map_or_else(Bvh4::default, |(bounds, root)| Bvh4 { root, bounds, nodes, blocks }), pairs)
     }
 }
 
-/// The upper part on its way to wide nodes.
-struct Wide<'a> {
-    upper: &'a Upper<'a>,
+/// The top tree on its way to wide nodes.
+struct WideTop<'a> {
+    top: &'a TopTree<'a>,
     subtrees: &'a [Subtree],
     bounds: &'a [Aabb],
     pair_bounds: &'a [Aabb],
 }
 
-impl Wide<'_> {
-    /// Appends the wide nodes below `top`, opening the largest first (paper 4.5).
-    fn subtree(&self, top: Top, nodes: &mut Vec<WideNode<WIDTH>>) -> Subtree {
-        if let Top::Run(run) = top {
-            return self.subtrees[run];
+impl WideTop<'_> {
+    /// Appends the wide nodes below `node`.
+    fn emit(&self, node: TopNode, nodes: &mut Vec<WideNode<WIDTH>>) -> Subtree {
+        if let TopNode::Treelet(treelet) = node {
+            return self.subtrees[treelet];
         }
-        let mut children = ArrayVec::<Top, WIDTH>::from_iter([top]);
-        while children.len() < WIDTH {
-            let area = |i: usize| top_tree::of(children[i], self.bounds, self.pair_bounds).half_area();
-            let pairs = (0..children.len()).filter(|&i| matches!(children[i], Top::Pair(_)));
-            let Some(largest) = pairs.reduce(|a, b| if area(b) > area(a) { b } else { a }) else { break };
-            if let Top::Pair(pair) = children[largest] {
-                let [left, right] = self.upper.children(pair);
-                children[largest] = left;
-                children.insert(largest + 1, right);
-            }
-        }
+        let priority = |node: &TopNode| {
+            let kind = if matches!(node, TopNode::Pair(_)) { Kind::Inner } else { Kind::Leaf };
+            Priority::new(kind, result_of(*node, self.bounds, self.pair_bounds).half_area())
+        };
+        let mut children = ArrayVec::<TopNode, WIDTH>::from_iter([node]);
+        open_largest(&mut children, priority, |node| match node {
+            TopNode::Pair(pair) => Some(self.top.children(*pair).map(Some)),
+            TopNode::Treelet(_) => None,
+        });
         let built: ArrayVec<(Aabb, Link), WIDTH> =
-            children.into_iter().filter_map(|child| self.subtree(child, nodes)).collect();
+            children.into_iter().filter_map(|child| self.emit(child, nodes)).collect();
         treelet::append_node(&built, nodes)
     }
 }

@@ -1,4 +1,14 @@
-//! The auxiliary BVH (paper 4.7).
+//! The auxiliary BVH (paper 4.7): an LBVH over Morton codes.
+//!
+//! 1. [`morton`]: a code for each triangle, or for each piece of a presplit one; [`key`] joins code and reference;
+//! 2. [`sort`]: bounds, presplitting, codes, and the radix sort by code;
+//! 3. [`partition`]: where a run of sorted keys is divided in two, by definition;
+//! 4. [`top_tree`]: runs are divided down to treelets that fit a cache;
+//! 5. [`treelet`]: one task builds the tree of a treelet from [`deltas`], [`equal_codes`] and a [`cartesian`] tree;
+//! 6. [`auxiliary`]: all of it.
+//!
+//! [`direct`] is the builder `lbvh`, which widens the same tree and refines nothing; [`direct_treelet`] is its treelet.
+//! [`area_scale`] tells what thresholds of area are relative to, [`prefetch`] what is read next.
 
 pub(crate) mod area_scale;
 pub(crate) mod auxiliary;
@@ -7,7 +17,9 @@ pub(crate) mod deltas;
 pub(crate) mod direct;
 pub(crate) mod direct_treelet;
 pub(crate) mod equal_codes;
+pub(crate) mod key;
 pub(crate) mod morton;
+pub(crate) mod partition;
 pub(crate) mod prefetch;
 pub(crate) mod sort;
 pub(crate) mod top_tree;

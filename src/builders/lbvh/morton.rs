@@ -6,18 +6,17 @@
 
 #![allow(unsafe_code)]
 
-#[cfg(target_arch = "x86_64")]
-use crate::builders::split::object::lanes::Isa;
+use crate::bvh::limits::MORTON_BITS as BITS;
 use crate::geometry::Aabb;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::{Avx2, Isa};
 use glam::Vec3A;
 
-/// Bits of a code.
-pub(crate) const BITS: u32 = 32;
 /// Most bits that one axis may take.
 const AXIS_BITS: u32 = 16;
 
 /// Maps points to codes.
-pub(crate) struct Quantizer {
+pub(crate) struct MortonEncoder {
     origin: Vec3A,
     /// Cells per unit, by axis.
     scale: Vec3A,
@@ -29,7 +28,7 @@ pub(crate) struct Quantizer {
     bits: [u32; 3],
 }
 
-impl Quantizer {
+impl MortonEncoder {
     /// Codes for points inside `centers`.
     pub fn new(centers: Aabb) -> Self {
         let extent = centers.extent().max(Vec3A::ZERO);
@@ -85,24 +84,26 @@ impl Quantizer {
     /// Calls `write` with the code of each point, once and in turn.
     #[inline]
     pub fn codes(&self, points: impl Iterator<Item = Vec3A>, write: impl FnMut(u32)) {
-        // Processors that have AVX2 only may take long to deposit bits.
+        // Some processors that have AVX2 but no AVX-512 take long to deposit bits.
         #[cfg(target_arch = "x86_64")]
-        if Isa::best() == Isa::Avx512 && std::arch::is_x86_feature_detected!("bmi2") {
-            // SAFETY: the processor has the instructions.
-            return unsafe { self.codes_deposited(points, write) };
+        if let Isa::Avx512(token) = Isa::best() {
+            return self.codes_deposited(token.avx2(), points, write);
         }
         points.map(|point| self.code(point)).for_each(write);
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,bmi2")]
-    fn codes_deposited(&self, points: impl Iterator<Item = Vec3A>, mut write: impl FnMut(u32)) {
-        use std::arch::x86_64::_pdep_u32;
-        for point in points {
-            let [x, y, z] = self.cell(point);
-            let [bx, by, bz] = self.bits;
-            write(_pdep_u32(x, bx) | _pdep_u32(y, by) | _pdep_u32(z, bz));
-        }
+    fn codes_deposited(&self, token: Avx2, points: impl Iterator<Item = Vec3A>, mut write: impl FnMut(u32)) {
+        token.run(
+            #[inline(always)]
+            || {
+                for point in points {
+                    let [x, y, z] = self.cell(point);
+                    let [bx, by, bz] = self.bits;
+                    write(token.deposit(x, bx) | token.deposit(y, by) | token.deposit(z, bz));
+                }
+            },
+        );
     }
 }
 
@@ -112,45 +113,45 @@ mod tests {
 
     #[test]
     fn a_cube_interleaves_x_y_z() {
-        let quantizer = Quantizer::new(Aabb::new(Vec3A::ZERO, Vec3A::ONE));
-        assert_eq!(quantizer.code(Vec3A::ZERO), 0);
-        assert_eq!(quantizer.code(Vec3A::ONE), u32::MAX);
-        assert_eq!(quantizer.code(Vec3A::new(0.6, 0.0, 0.0)) >> 29, 0b100);
-        assert_eq!(quantizer.code(Vec3A::new(0.0, 0.6, 0.0)) >> 29, 0b010);
-        assert_eq!(quantizer.code(Vec3A::new(0.0, 0.0, 0.6)) >> 29, 0b001);
+        let encoder = MortonEncoder::new(Aabb::new(Vec3A::ZERO, Vec3A::ONE));
+        assert_eq!(encoder.code(Vec3A::ZERO), 0);
+        assert_eq!(encoder.code(Vec3A::ONE), u32::MAX);
+        assert_eq!(encoder.code(Vec3A::new(0.6, 0.0, 0.0)) >> 29, 0b100);
+        assert_eq!(encoder.code(Vec3A::new(0.0, 0.6, 0.0)) >> 29, 0b010);
+        assert_eq!(encoder.code(Vec3A::new(0.0, 0.0, 0.6)) >> 29, 0b001);
     }
 
     #[test]
     fn a_flat_scene_spends_no_bit_on_its_height() {
-        let quantizer = Quantizer::new(Aabb::new(Vec3A::ZERO, Vec3A::new(8.0, 4.0, 0.0)));
-        assert_eq!(quantizer.code(Vec3A::new(8.0, 4.0, 0.0)), u32::MAX);
-        assert_eq!(quantizer.code(Vec3A::new(4.1, 0.0, 0.0)) >> 30, 0b10);
-        assert_eq!(quantizer.code(Vec3A::new(2.1, 2.1, 0.0)) >> 29, 0b011);
+        let encoder = MortonEncoder::new(Aabb::new(Vec3A::ZERO, Vec3A::new(8.0, 4.0, 0.0)));
+        assert_eq!(encoder.code(Vec3A::new(8.0, 4.0, 0.0)), u32::MAX);
+        assert_eq!(encoder.code(Vec3A::new(4.1, 0.0, 0.0)) >> 30, 0b10);
+        assert_eq!(encoder.code(Vec3A::new(2.1, 2.1, 0.0)) >> 29, 0b011);
     }
 
     #[test]
     fn codes_are_monotone_along_each_axis_and_total_on_a_point() {
-        let quantizer = Quantizer::new(Aabb::new(Vec3A::splat(-3.0), Vec3A::new(5.0, 1.0, 100.0)));
+        let encoder = MortonEncoder::new(Aabb::new(Vec3A::splat(-3.0), Vec3A::new(5.0, 1.0, 100.0)));
         for axis in 0..3 {
             let code = |i: i32| {
                 let mut p = Vec3A::splat(-3.0);
                 p[axis] += i as f32 * 0.37;
-                quantizer.code(p)
+                encoder.code(p)
             };
             assert!((0..400).all(|i| code(i) <= code(i + 1)));
         }
-        let point = Quantizer::new(Aabb::new(Vec3A::ONE, Vec3A::ONE));
+        let point = MortonEncoder::new(Aabb::new(Vec3A::ONE, Vec3A::ONE));
         assert_eq!(point.code(Vec3A::ONE), 0);
     }
 
     #[test]
     fn codes_are_the_same_one_at_a_time_and_in_a_row() {
         let (low, high) = (Vec3A::new(-3.0, 0.5, 0.0), Vec3A::new(1.0, 700.0, 9.0));
-        let quantizer = Quantizer::new(Aabb::new(low, high));
+        let encoder = MortonEncoder::new(Aabb::new(low, high));
         let mix = |i: u32| i.wrapping_mul(0x9e37_79b9) as f32 / u32::MAX as f32;
         let point = |i: u32| low + (high - low) * Vec3A::new(mix(i), mix(i + 1000), mix(i + 2000));
-        let (mut codes, expected) = (Vec::new(), (0..1000).map(|i| quantizer.code(point(i))));
-        quantizer.codes((0..1000).map(point), |code| codes.push(code));
+        let (mut codes, expected) = (Vec::new(), (0..1000).map(|i| encoder.code(point(i))));
+        encoder.codes((0..1000).map(point), |code| codes.push(code));
         assert!(codes.iter().copied().eq(expected));
     }
 }

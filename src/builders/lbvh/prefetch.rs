@@ -1,16 +1,15 @@
-//! Hints to the memory system, where it cannot guess what is read next.
+//! Prefetches along sorted keys: the processor cannot guess which triangle is read next.
 
-#![allow(unsafe_code)]
-
-use crate::builders::binary::{BinaryTree, Node};
-use crate::builders::lbvh::sort::{Key, reference};
-use crate::builders::prims::refs::References;
+use super::key::{MortonKey, reference};
+use crate::builders::binary::node::Node;
+use crate::builders::binary::tree::BinaryTree;
+use crate::builders::prims::refs::PrimRefs;
 use crate::geometry::Mesh;
+use crate::memory::prefetch::line;
 
-/// Brings near the pairs and the triangles below `node`, which one thread is about to build, in a tree of leaves of up to
-/// `leaf` references: their addresses depend on loads
-/// themselves, and here many such are on their way at once.
-pub(crate) fn warm(tree: &BinaryTree, keys: &[Key], references: &References<'_>, node: &Node, leaf: u32) {
+/// Prefetches the pairs and the triangles below `node`, which one thread is about to build, in a tree of leaves of up to
+/// `leaf` references. Their addresses depend on loads; here many such loads are in flight at once.
+pub(crate) fn subtree(tree: &BinaryTree, keys: &[MortonKey], refs: &PrimRefs<'_>, node: &Node, leaf: u32) {
     // In Morton order a subtree is a run; in other trees nearly so.
     let run = tree.run(node);
     let keys = &keys[run.start..keys.len().min(run.end)];
@@ -19,7 +18,7 @@ pub(crate) fn warm(tree: &BinaryTree, keys: &[Key], references: &References<'_>,
         let pairs = if leaf == 1 { keys.len() } else { keys.len() / 2 }.min(pair);
         (pair - pairs..pair).for_each(|pair| line(&tree.pairs, pair));
     }
-    let (triangles, vertices) = (references.mesh.triangles(), references.mesh.padded_vertices());
+    let (triangles, vertices) = (refs.mesh.triangles(), refs.mesh.padded_vertices());
     for key in keys {
         line(triangles, reference(*key) as usize);
     }
@@ -30,9 +29,9 @@ pub(crate) fn warm(tree: &BinaryTree, keys: &[Key], references: &References<'_>,
     }
 }
 
-/// Brings near triangles that the walk along `keys` that is at `i` comes to next.
+/// Prefetches the triangles that a walk along `keys`, now at `i`, comes to next.
 #[inline]
-pub(crate) fn triangle(mesh: &Mesh, keys: &[Key], i: usize) {
+pub(crate) fn triangle(mesh: &Mesh, keys: &[MortonKey], i: usize) {
     const AHEAD: usize = 16;
     if let Some(&key) = keys.get(i + 2 * AHEAD) {
         line(mesh.triangles(), reference(key) as usize);
@@ -44,30 +43,17 @@ pub(crate) fn triangle(mesh: &Mesh, keys: &[Key], i: usize) {
     }
 }
 
-/// Brings near the corners, as indices, of a triangle that the walk along `keys` that is at `i` comes to next.
+/// Prefetches the vertex indices of a triangle that a walk along `keys`, now at `i`, comes to next.
 #[inline]
-pub(crate) fn indices(mesh: &Mesh, keys: &[Key], i: usize) {
+pub(crate) fn indices(mesh: &Mesh, keys: &[MortonKey], i: usize) {
     const AHEAD: usize = 32;
     if let Some(&key) = keys.get(i + AHEAD) {
         line(mesh.triangles(), reference(key) as usize);
     }
 }
 
-/// Brings near the corners of a triangle.
+/// Prefetches the corners of a triangle.
 #[inline]
 pub(crate) fn corners(mesh: &Mesh, triangle: [u32; 3]) {
     triangle.iter().for_each(|&vertex| line(mesh.padded_vertices(), vertex as usize));
-}
-
-/// Asks for the cache line of `array[index]`; nothing happens beyond the array's end.
-#[inline]
-pub(crate) fn line<T>(array: &[T], index: usize) {
-    #[cfg(target_arch = "x86_64")]
-    if index < array.len() {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: the address lies within the array; a prefetch reads nothing and cannot fault.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(array.as_ptr().add(index).cast()) };
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = (array, index);
 }

@@ -1,101 +1,101 @@
-//! The upper part of an LBVH: sorted codes are bisected down to runs that fit the cache, each of which one task
-//! then makes a subtree of.
+//! The top of an LBVH: sorted keys are partitioned down to treelets that fit a cache, each of which one task builds.
 
-use crate::builders::lbvh::sort::{Key, part};
-use crate::builders::prims::refs::References;
+use super::key::MortonKey;
+use super::partition::partition;
+use crate::builders::prims::refs::PrimRefs;
 use std::sync::{Mutex, MutexGuard};
 
-/// Most references of a run.
-pub(crate) const RUN: usize = 1 << 12;
+/// Most references of a treelet.
+pub(crate) const TREELET: usize = 1 << 12;
 
-/// A run of keys.
-struct Run<'a> {
+/// The keys of a treelet.
+struct Treelet<'a> {
     first: usize,
     depth: u32,
-    keys: Mutex<&'a mut [Key]>,
+    keys: Mutex<&'a mut [MortonKey]>,
 }
 
-/// A subtree of the upper part.
+/// A subtree of the top.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Top {
-    /// Number of a run.
-    Run(usize),
-    /// Number of a pair.
+pub(crate) enum TopNode {
+    /// Index of a treelet.
+    Treelet(usize),
+    /// Index of a pair.
     Pair(usize),
 }
 
-/// Runs and the tree over them.
-pub(crate) struct Upper<'a> {
-    runs: Vec<Run<'a>>,
+/// Treelets and the tree over them.
+pub(crate) struct TopTree<'a> {
+    treelets: Vec<Treelet<'a>>,
     /// Children before parents.
-    pairs: Vec<[Top; 2]>,
+    pairs: Vec<[TopNode; 2]>,
 }
 
-impl<'a> Upper<'a> {
-    /// Parts `keys`, of which there are some; those of one code are reordered.
-    pub fn part(references: &References<'_>, keys: &'a mut [Key]) -> Self {
-        let mut upper = Self { runs: Vec::new(), pairs: Vec::new() };
-        upper.part_run(references, keys, 0, 0);
-        upper
+impl<'a> TopTree<'a> {
+    /// Divides `keys`, of which there are some; keys of one code are reordered.
+    pub fn new(refs: &PrimRefs<'_>, keys: &'a mut [MortonKey]) -> Self {
+        let mut top = Self { treelets: Vec::new(), pairs: Vec::new() };
+        top.divide(refs, keys, 0, 0);
+        top
     }
 
-    fn part_run(
+    fn divide(
         &mut self,
-        references: &References<'_>,
-        keys: &'a mut [Key],
+        refs: &PrimRefs<'_>,
+        keys: &'a mut [MortonKey],
         first: usize,
         depth: u32,
-    ) -> Top {
-        if keys.len() <= RUN {
-            self.runs.push(Run { first, depth, keys: Mutex::new(keys) });
-            return Top::Run(self.runs.len() - 1);
+    ) -> TopNode {
+        if keys.len() <= TREELET {
+            self.treelets.push(Treelet { first, depth, keys: Mutex::new(keys) });
+            return TopNode::Treelet(self.treelets.len() - 1);
         }
         let mut below = depth;
-        let split = part(keys, references, &mut below);
+        let split = partition(keys, refs, &mut below);
         let (left, right) = keys.split_at_mut(split);
-        let left = self.part_run(references, left, first, below);
-        let right = self.part_run(references, right, first + split, below);
+        let left = self.divide(refs, left, first, below);
+        let right = self.divide(refs, right, first + split, below);
         self.pairs.push([left, right]);
-        Top::Pair(self.pairs.len() - 1)
+        TopNode::Pair(self.pairs.len() - 1)
     }
 
-    /// Number of runs.
+    /// Number of treelets.
     pub fn len(&self) -> usize {
-        self.runs.len()
+        self.treelets.len()
     }
 
-    /// The position of a run's first key, how often the run was parted by the middle, and its keys, for the one
-    /// task that builds it.
-    pub fn run(&self, i: usize) -> (usize, u32, MutexGuard<'_, &'a mut [Key]>) {
-        let run = &self.runs[i];
-        (run.first, run.depth, run.keys.lock().expect("no task panics"))
+    /// The position of a treelet's first key, how often its keys were partitioned by the middle, and the keys, for the
+    /// one task that builds it.
+    pub fn treelet(&self, i: usize) -> (usize, u32, MutexGuard<'_, &'a mut [MortonKey]>) {
+        let treelet = &self.treelets[i];
+        (treelet.first, treelet.depth, treelet.keys.lock().expect("no task panics"))
     }
 
     /// The root.
-    pub fn top(&self) -> Top {
-        if self.pairs.is_empty() { Top::Run(0) } else { Top::Pair(self.pairs.len() - 1) }
+    pub fn root(&self) -> TopNode {
+        if self.pairs.is_empty() { TopNode::Treelet(0) } else { TopNode::Pair(self.pairs.len() - 1) }
     }
 
     /// The children of a pair.
-    pub fn children(&self, pair: usize) -> [Top; 2] {
+    pub fn children(&self, pair: usize) -> [TopNode; 2] {
         self.pairs[pair]
     }
 
-    /// What `join` makes of the children of each pair, whose runs are `runs`.
-    pub fn fold<T: Copy>(&self, runs: &[T], mut join: impl FnMut([T; 2]) -> T) -> Vec<T> {
+    /// The results of `join` for the children of each pair, bottom-up; `treelets` are the results for treelets.
+    pub fn fold<T: Copy>(&self, treelets: &[T], mut join: impl FnMut([T; 2]) -> T) -> Vec<T> {
         let mut pairs: Vec<T> = Vec::with_capacity(self.pairs.len());
         for pair in &self.pairs {
-            let children = pair.map(|child| *of(child, runs, &pairs));
+            let children = pair.map(|child| *result_of(child, treelets, &pairs));
             pairs.push(join(children));
         }
         pairs
     }
 }
 
-/// The entry of a subtree of the upper part.
-pub(crate) fn of<'a, T>(top: Top, runs: &'a [T], pairs: &'a [T]) -> &'a T {
-    match top {
-        Top::Run(run) => &runs[run],
-        Top::Pair(pair) => &pairs[pair],
+/// The result for a node among those for treelets and pairs.
+pub(crate) fn result_of<'a, T>(node: TopNode, treelets: &'a [T], pairs: &'a [T]) -> &'a T {
+    match node {
+        TopNode::Treelet(treelet) => &treelets[treelet],
+        TopNode::Pair(pair) => &pairs[pair],
     }
 }

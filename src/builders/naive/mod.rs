@@ -15,7 +15,7 @@ use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
 use crate::builders::optimise::Costs;
 use crate::builders::phr::PhrConfig;
 use crate::builders::split::cost::Weight;
-use crate::geometry::triangle_split::split_reference;
+use crate::geometry::triangle_split::split_triangle;
 use crate::geometry::{Aabb, Mesh};
 use auxiliary::{Content, lbvh};
 use cheapest::Binary;
@@ -332,7 +332,7 @@ impl Plain<'_> {
             && let [reference] = references[..]
         {
             let corners = self.mesh.corners(reference.prim);
-            let halves = split_reference(&corners, member.bounds, plane.axis, plane.at);
+            let halves = split_triangle(&corners, member.bounds, plane.axis, plane.at);
             return halves.map(|half| (!half.is_empty()).then_some(half));
         }
         parts

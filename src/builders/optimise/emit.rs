@@ -1,57 +1,49 @@
-//! The wide tree that was chosen, emitted.
+//! The wide tree that was chosen, emitted top-down.
 
-use super::choices::{Choice, Choices};
-use super::tree::{ROOT, Tree};
-use crate::builders::prims::refs::References;
-use crate::builders::wide::top_down::{self, Kind, Memory, TopDown, WIDTH};
-use crate::bvh::Bvh4;
-use crate::geometry::{Aabb, Mesh};
+use super::tree::Tree;
+use crate::builders::wide::optimal::{Choice, Choices, CollapseSource};
+use crate::builders::wide::top_down::TopDown;
+use crate::bvh::limits::WIDTH;
+use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
-/// A binary tree and what was chosen for it.
-pub(crate) struct Collapse<'a> {
+/// A binary tree and the choices for it.
+pub(super) struct CollapsedTree<'a> {
     /// The tree.
     pub tree: &'a Tree,
     /// The choices.
     pub choices: &'a Choices,
 }
 
-impl Collapse<'_> {
-    /// The wide tree.
-    pub fn emit(&self, mesh: &Mesh, memory: &mut Memory<()>) -> Bvh4 {
-        top_down::build(self, Some(ROOT), &References { mesh, fragments: &[] }, memory)
+impl CollapseSource for Tree {
+    type At = u32;
+
+    fn half_area(&self, index: u32) -> f32 {
+        self.node(index).half_area()
     }
 
-    fn choice(&self, index: u32) -> Option<(u32, Choice)> {
-        self.tree.node(index).pair().map(|pair| (pair as u32, self.choices.of(pair)))
+    fn count(&self, index: u32) -> u32 {
+        self.node(index).count()
     }
 
-    /// Opens node `index` into up to `slots` children.
-    fn open(&self, index: u32, slots: usize, children: &mut ArrayVec<u32, WIDTH>) {
-        match self.choice(index) {
-            Some((pair, choice)) if slots > 1 => match choice.left(slots) {
-                0 => self.open(index, slots - 1, children),
-                left => {
-                    self.open(2 * pair, left, children);
-                    self.open(2 * pair + 1, slots - left, children);
-                }
-            },
-            _ => children.push(index),
-        }
+    fn pair(&self, index: u32) -> Option<(usize, [u32; 2])> {
+        self.node(index).pair().map(|pair| (pair, [2 * pair as u32, 2 * pair as u32 + 1]))
+    }
+}
+
+impl CollapsedTree<'_> {
+    fn choice(&self, index: u32) -> Option<Choice> {
+        self.tree.node(index).pair().map(|pair| self.choices.of(pair))
     }
 
     /// Appends the triangles below node `index`: each once, though spatial splits may have brought one here twice.
-    fn gather(&self, index: u32, ids: &mut Vec<u32>) {
-        let node = self.tree.node(index);
-        match node.pair() {
-            Some(pair) => {
-                self.gather(2 * pair as u32, ids);
-                self.gather(2 * pair as u32 + 1, ids);
-            }
+    fn gather(&self, index: u32, prims: &mut Vec<u32>) {
+        match self.tree.pair(index) {
+            Some((_, children)) => children.into_iter().for_each(|child| self.gather(child, prims)),
             None => {
-                for prim in &self.tree.prims[node.run()] {
-                    if !ids.contains(prim) {
-                        ids.push(*prim);
+                for prim in &self.tree.prims[self.tree.node(index).run()] {
+                    if !prims.contains(prim) {
+                        prims.push(*prim);
                     }
                 }
             }
@@ -59,41 +51,30 @@ impl Collapse<'_> {
     }
 }
 
-impl TopDown for Collapse<'_> {
-    type Seed = u32;
+impl TopDown for CollapsedTree<'_> {
+    type Task = u32;
     type Part = u32;
     type Scratch = ();
-    type Mark = usize;
 
-    fn plant(&self, index: u32, (): &mut ()) -> u32 {
+    fn import(&self, index: u32, (): &mut ()) -> u32 {
         index
     }
 
-    fn lift(&self, &index: &u32, (): &()) -> u32 {
+    fn export(&self, &index: &u32, (): &()) -> u32 {
         index
     }
-
-    fn approach(&self, _: &u32, (): &()) {}
 
     fn count(&self, &index: &u32) -> u32 {
-        self.choice(index).map_or_else(|| self.tree.node(index).count(), |(_, choice)| choice.count())
+        self.choice(index).map_or_else(|| self.tree.node(index).count(), Choice::count)
     }
 
-    fn half_area(&self, &index: &u32) -> f32 {
-        self.tree.node(index).half_area()
-    }
-
-    fn kind(&self, &index: &u32) -> Kind {
-        if self.choice(index).is_none_or(|(_, choice)| choice.is_leaf()) { Kind::Leaf } else { Kind::Inner }
-    }
-
-    fn split(&self, _: &u32, (): &mut ()) -> [Option<u32>; 2] {
-        unreachable!("parts are opened into all their children at once")
+    fn is_leaf(&self, &index: &u32) -> bool {
+        self.choice(index).is_none_or(Choice::is_leaf)
     }
 
     fn children(&self, &index: &u32, (): &mut ()) -> ArrayVec<u32, WIDTH> {
         let mut children = ArrayVec::new();
-        self.open(index, WIDTH, &mut children);
+        self.choices.open(self.tree, index, WIDTH, &mut children);
         children
     }
 
@@ -101,10 +82,4 @@ impl TopDown for Collapse<'_> {
         self.gather(index, prims);
         self.tree.node(index).bounds()
     }
-
-    fn mark(&self, (): &()) -> usize {
-        0
-    }
-
-    fn release(&self, (): &mut (), _: usize) {}
 }

@@ -54,7 +54,7 @@ impl Reinsertion {
     }
 
     /// One round; returns how many nodes moved.
-    fn round(&mut self, tree: &mut Tree, wanted: usize) -> usize {
+    pub(super) fn round(&mut self, tree: &mut Tree, wanted: usize) -> usize {
         self.candidates.find(tree, &self.tried, wanted);
         let nodes = &self.candidates.nodes;
         self.moves.resize(nodes.len(), Move::default());
@@ -224,56 +224,5 @@ fn consider(
         if below - own > best.gain {
             stack.push((below, pair as u32));
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::samples::{drawn, soup};
-    use super::*;
-
-    /// The sum of the areas of inner nodes.
-    fn cost(tree: &Tree, index: u32) -> f64 {
-        let node = tree.node(index);
-        let below = |pair: usize| [0, 1].map(|half| cost(tree, 2 * pair as u32 + half)).iter().sum::<f64>();
-        node.pair().map_or(0.0, |pair| f64::from(node.half_area()) + below(pair))
-    }
-
-    #[test]
-    fn no_round_raises_the_cost_and_together_they_lower_it() {
-        let mesh = soup(4000);
-        let mut tree = drawn(&mesh);
-        let mut reinsertion = Reinsertion::default();
-        reinsertion.run(&mut tree, 0, 0);
-        let mut costs = vec![cost(&tree, ROOT)];
-        for _ in 0..5 {
-            let wanted = tree.pairs.len() / 4;
-            reinsertion.round(&mut tree, wanted);
-            costs.push(cost(&tree, ROOT));
-        }
-        assert!(costs.windows(2).all(|pair| pair[1] <= pair[0] * (1.0 + 1e-6)), "{costs:?}");
-        assert!(costs[5] < 0.9995 * costs[0], "{costs:?}");
-    }
-
-    #[test]
-    fn boxes_heights_and_parents_stay_right() {
-        let mesh = soup(1000);
-        let mut tree = drawn(&mesh);
-        let all = 2 * tree.pairs.len();
-        Reinsertion::default().run(&mut tree, 2, all);
-        let mut open = vec![ROOT];
-        let mut triangles = 0;
-        while let Some(index) = open.pop() {
-            let (node, fitted) = (tree.node(index), tree.fitted(index));
-            assert_eq!((node.bounds(), node.height()), (fitted.bounds(), fitted.height()));
-            match node.pair() {
-                Some(pair) => {
-                    assert_eq!(tree.parent(2 * pair as u32), index);
-                    open.extend([2 * pair as u32, 2 * pair as u32 + 1]);
-                }
-                None => triangles += node.count() as usize,
-            }
-        }
-        assert_eq!(triangles, mesh.len());
     }
 }

@@ -1,20 +1,15 @@
 //! The binary tree that is optimised: two siblings to a cache line, every pair with the way to its parent.
 
+use crate::builders::binary::tagged::TaggedBox;
 use crate::geometry::Aabb;
 use crate::memory::huge_pages;
-use glam::{Vec3A, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-/// A subtree: its box and what is below. The fourth lanes carry bits that no arithmetic looks at.
+/// A subtree. Tags: the link; the height in the low bits, the triangles of a leaf above.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Node {
-    /// Lower corner, and the link.
-    lower: Vec4,
-    /// Upper corner, and the height or the triangles of a leaf.
-    upper: Vec4,
-}
+pub(crate) struct Node(TaggedBox);
 
 /// Two siblings.
 #[derive(Clone, Copy, Debug)]
@@ -27,36 +22,30 @@ const LEAF: u32 = 1 << 31;
 const COUNT_SHIFT: u32 = 8;
 
 impl Node {
-    fn new(bounds: Aabb, link: u32, height: u32) -> Self {
-        let lane = f32::from_bits;
-        Self { lower: bounds.min.extend(lane(link)), upper: bounds.max.extend(lane(height)) }
-    }
-
     /// The leaf of `count` triangles, whose ids begin at `first` in [`Tree::prims`].
     pub fn leaf(bounds: Aabb, first: usize, count: usize) -> Self {
-        Self::new(bounds, LEAF | first as u32, (count as u32) << COUNT_SHIFT)
+        Self(TaggedBox::new(bounds, [LEAF | first as u32, (count as u32) << COUNT_SHIFT]))
     }
 
     /// The parent of `pair`, which is at `index`.
     #[inline(always)]
     pub fn inner(pair: &Pair, index: usize) -> Self {
         let [a, b] = &pair.0;
-        Self::new(a.bounds().union(b.bounds()), index as u32, 1 + a.height().max(b.height()))
+        let height = 1 + a.height().max(b.height());
+        Self(TaggedBox::new(a.bounds().union(b.bounds()), [index as u32, height]))
     }
 
     /// The same subtree in a tree whose pairs and triangles have moved up.
     #[inline(always)]
     pub fn moved(self, pairs: usize, prims: usize) -> Self {
         let by = if self.pair().is_some() { pairs } else { prims };
-        let mut moved = self;
-        moved.lower.w = f32::from_bits(self.link() + by as u32);
-        moved
+        Self(self.0.with_first(self.0.first() + by as u32))
     }
 
-    /// The box.
+    /// The box; no arithmetic looks at its fourth lanes.
     #[inline(always)]
     pub fn bounds(&self) -> Aabb {
-        Aabb::new(Vec3A::from_vec4(self.lower), Vec3A::from_vec4(self.upper))
+        self.0.bounds_with_tags()
     }
 
     /// Half the surface area of the box.
@@ -68,18 +57,13 @@ impl Node {
     /// Levels of inner nodes from here down.
     #[inline(always)]
     pub fn height(&self) -> u32 {
-        self.upper.w.to_bits() & ((1 << COUNT_SHIFT) - 1)
-    }
-
-    #[inline(always)]
-    fn link(&self) -> u32 {
-        self.lower.w.to_bits()
+        self.0.second() & ((1 << COUNT_SHIFT) - 1)
     }
 
     /// Where the children are; `None` for a leaf.
     #[inline(always)]
     pub fn pair(&self) -> Option<usize> {
-        let link = self.link();
+        let link = self.0.first();
         (link & LEAF == 0).then_some(link as usize)
     }
 
@@ -87,20 +71,20 @@ impl Node {
     #[inline(always)]
     pub fn run(&self) -> Range<usize> {
         debug_assert!(self.pair().is_none());
-        let first = (self.link() & !LEAF) as usize;
+        let first = (self.0.first() & !LEAF) as usize;
         first..first + self.count() as usize
     }
 
     /// Triangles of a leaf.
     #[inline(always)]
     pub fn count(&self) -> u32 {
-        self.upper.w.to_bits() >> COUNT_SHIFT
+        self.0.second() >> COUNT_SHIFT
     }
 }
 
 impl Pair {
     /// A place without nodes.
-    pub const UNUSED: Self = Self([Node { lower: Vec4::ZERO, upper: Vec4::ZERO }; 2]);
+    pub const UNUSED: Self = Self([Node(TaggedBox::ZERO); 2]);
 }
 
 /// A binary tree over leaves of up to four triangles. Node `i` is half `i % 2` of pair `i / 2`; the root is node 0,

@@ -1,11 +1,12 @@
-//! The initial cut (paper 4.1): the nodes larger than a threshold are opened, the largest first, until none is left or
-//! the cut is long enough.
+//! Paper 4.1: the initial cut. Nodes larger than a threshold are opened, the largest first, until none is left or the cut
+//! is long enough.
 //!
-//! A node is no larger than its parent, so that opening the largest first opens those above some area. That is halved
-//! until too many would be; then the last that may be is looked for among them. No queue is needed, and much of a cut
-//! is opened at a time, in parallel.
+//! The paper keeps a priority queue. But a node is no larger than its parent, so that opening the largest first opens all
+//! nodes above some area. That area is halved until too many nodes would be opened; then the last one that may be is
+//! selected among them. No queue is needed, and much of a cut is opened at a time, in parallel.
 
-use crate::builders::binary::{BinaryTree, Node};
+use crate::builders::binary::node::Node;
+use crate::builders::binary::tree::BinaryTree;
 use rayon::prelude::*;
 
 /// Nodes opened by one task.
@@ -38,8 +39,8 @@ pub(crate) fn initial_cut(tree: &BinaryTree, root: Node, threshold: f32, max_len
     cut
 }
 
-/// Opens the nodes of half areas of more than `least`, and of those equal to it the first `equal`; `areas` are those of
-/// more and of as much, among others.
+/// Opens the nodes whose half area exceeds `least`, and the first `equal` of those whose half area equals it; `areas`
+/// holds the half areas of all of them, among others.
 fn up_to(tree: &BinaryTree, cut: &[Node], least: f32, equal: usize, areas: &[f32]) -> Vec<Node> {
     if areas.iter().filter(|&&area| area == least).count() == equal {
         return Opened::of(tree, cut, |area| area >= least).nodes;
@@ -54,7 +55,7 @@ fn up_to(tree: &BinaryTree, cut: &[Node], least: f32, equal: usize, areas: &[f32
     opened.nodes
 }
 
-/// What comes of opening the nodes of a cut.
+/// The result of opening nodes of a cut.
 #[derive(Default)]
 struct Opened {
     /// The nodes, in the order of the tree.
@@ -66,7 +67,7 @@ struct Opened {
 }
 
 impl Opened {
-    /// Opens nodes again and again as long as `is_opened` says so of their half areas.
+    /// Opens nodes, and nodes below them, as long as `is_opened` says so of their half areas.
     fn of(tree: &BinaryTree, cut: &[Node], is_opened: impl Fn(f32) -> bool + Sync) -> Self {
         let chunks = cut.par_chunks(CHUNK).map(|chunk| {
             let mut opened = Self::default();

@@ -2,7 +2,7 @@
 
 use crate::builders::prims::refs::Fragment;
 use crate::geometry::Aabb;
-use crate::geometry::triangle_split::split_reference;
+use crate::geometry::triangle_split::split_triangle;
 use glam::Vec3A;
 
 /// Most times a triangle is halved.
@@ -19,8 +19,8 @@ pub(crate) struct Needle {
 }
 
 impl Needle {
-    /// The triangle as a needle, if it is one with a box larger than `min_area`: one of which its projections cover less
-    /// than the part `filled` of half the area.
+    /// The triangle as a needle, if its box is larger than `min_area` (half area) and its projections cover less than the
+    /// share `filled` of it.
     #[inline]
     pub fn of(corners: [Vec3A; 3], prim: u32, min_area: f32, filled: f32) -> Option<Self> {
         let area = Aabb::of_triangle(corners).half_area();
@@ -75,7 +75,7 @@ impl Splitter {
             let projected = needle.projected / (1 << level) as f32;
             let is_needle = level < needle.levels && area > self.min_area && projected < self.filled * area;
             if is_needle && let Some((axis, plane)) = self.grid.central_plane(bounds) {
-                let halves = split_reference(&corners, bounds, axis, plane);
+                let halves = split_triangle(&corners, bounds, axis, plane);
                 if halves.iter().any(|half| !half.is_empty()) {
                     let [left, right] = halves;
                     stack.extend([right, left].into_iter().filter(|b| !b.is_empty()).map(|b| (b, level + 1)));

@@ -1,16 +1,16 @@
 //! Presplitting (Karras & Aila 2013, section 4; suggested in the paper's 5.3): triangles whose boxes are mostly
 //! empty are replaced by pieces of them before the Morton sort.
 //!
-//! Which triangles deserve it? Not all with a large box: a right triangle in a wall fills half of its box, its
-//! neighbour fills the other half, and its pieces need leaves and nodes while no box above them shrinks.
-//! Only *needles* do: of a thin diagonal triangle each half has a quarter of the box's area, so that k pieces
-//! have a k-th in all. As a needle's piece gets shorter it fills more of its box, twice as much with each
-//! halving, and stops being one. There is no budget to spend: a scene without needles is left as it is.
+//! Which triangles? Not all with a large box: a right triangle in a wall fills half of its box, its neighbour the other
+//! half, and its pieces need leaves and nodes while no box above them shrinks. Only *needles*, thin diagonal triangles:
+//! halving a needle quarters the box area of each half, so that k pieces total 1/k. Each halving doubles how much of its
+//! box a piece fills, until it is no needle. There is no budget: a scene without needles is left as it is.
 
 use crate::builders::prims::needle::{Needle, Splitter};
-use crate::builders::prims::refs::{Extent, Fragment, GRAIN};
+use crate::builders::prims::refs::{Fragment, GRAIN, PrimInfo};
 use crate::geometry::{Aabb, Mesh};
-use crate::parallel::ordered_append::{self, Batch, Place, Spare};
+use crate::memory::pool::Pool;
+use crate::parallel::ordered_append::{self, Chunk, Offset};
 use rayon::prelude::*;
 
 /// Which triangles are presplit.
@@ -37,19 +37,19 @@ pub(crate) struct Presplit {
     /// The pieces of all needles: in the order of the triangles, those of each in a row.
     pub fragments: Vec<Fragment>,
     /// By [`GRAIN`] triangles; none where none is split.
-    pub chunks: Vec<Chunk>,
-    spare: Spare<Pieces>,
+    pub chunks: Vec<ChunkInfo>,
+    pool: Pool<Pieces>,
 }
 
-/// What was split of [`GRAIN`] triangles.
+/// The needles among [`GRAIN`] triangles.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Chunk {
+pub(crate) struct ChunkInfo {
     /// The triangles that are split.
     pub needles: usize,
     /// Their pieces.
     pub pieces: usize,
-    /// What bounds the pieces.
-    pub extent: Extent,
+    /// Bounds of the pieces.
+    pub info: PrimInfo,
 }
 
 impl Presplit {
@@ -76,8 +76,8 @@ impl Presplit {
             return;
         }
         let splitter = Splitter::new(scene, min_area, config.filled);
-        let Self { fragments, chunks, spare } = self;
-        ordered_append::append(needles.len(), spare, fragments, chunks, |i, pieces: &mut Pieces| {
+        let Self { fragments, chunks, pool } = self;
+        ordered_append::append(needles.len(), pool, fragments, chunks, |i, pieces: &mut Pieces| {
             for needle in &needles[i] {
                 let corners = mesh.corners(needle.prim);
                 splitter.split(corners, Aabb::of_triangle(corners), needle, &mut pieces.fragments);
@@ -86,7 +86,7 @@ impl Presplit {
         });
     }
 
-    /// Splits none.
+    /// Removes all pieces.
     pub fn clear(&mut self) {
         self.fragments.clear();
         self.chunks.clear();
@@ -94,9 +94,8 @@ impl Presplit {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let mut fragments = self.fragments.capacity();
-        self.spare.for_each(|pieces| fragments += pieces.fragments.capacity());
-        fragments * size_of::<Fragment>() + self.chunks.capacity() * size_of::<Chunk>()
+        let fragments = self.fragments.capacity() + self.pool.sum(|pieces| pieces.fragments.capacity());
+        fragments * size_of::<Fragment>() + self.chunks.capacity() * size_of::<ChunkInfo>()
     }
 }
 
@@ -104,26 +103,26 @@ impl Presplit {
 #[derive(Default)]
 struct Pieces {
     fragments: Vec<Fragment>,
-    chunk: Option<Chunk>,
+    chunk: Option<ChunkInfo>,
 }
 
 impl Pieces {
-    /// All pieces of so many triangles are there.
+    /// Completes the chunk: its pieces are those of `needles` triangles.
     fn count(&mut self, needles: usize) {
-        let extent = self.fragments.iter().fold(Extent::EMPTY, |all, fragment| all.grow(fragment.bounds));
-        self.chunk = Some(Chunk { needles, pieces: self.fragments.len(), extent });
+        let info = self.fragments.iter().fold(PrimInfo::EMPTY, |all, fragment| all.grow(fragment.bounds));
+        self.chunk = Some(ChunkInfo { needles, pieces: self.fragments.len(), info });
     }
 }
 
-impl Batch for Pieces {
+impl Chunk for Pieces {
     type A = Fragment;
-    type B = Chunk;
+    type B = ChunkInfo;
 
-    fn elements(&self) -> (&[Fragment], &[Chunk]) {
+    fn elements(&self) -> (&[Fragment], &[ChunkInfo]) {
         (&self.fragments, self.chunk.as_slice())
     }
 
-    fn moved(fragment: &Fragment, _: Place) -> Fragment {
+    fn moved(fragment: &Fragment, _: Offset) -> Fragment {
         *fragment
     }
 

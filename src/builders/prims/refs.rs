@@ -4,7 +4,7 @@
 use crate::geometry::{Aabb, Mesh};
 use rayon::prelude::*;
 
-/// References per task of a parallel pass over all of them.
+/// PrimRefs per task of a parallel pass over all of them.
 pub(crate) const GRAIN: usize = 1 << 13;
 
 /// A part of a triangle.
@@ -16,17 +16,17 @@ pub(crate) struct Fragment {
     pub prim: u32,
 }
 
-/// The references of a build. Boxes are computed from the mesh whenever they are asked for: that costs hardly
-/// more than reading them back, and no memory.
+/// The references of a build. Boxes are computed from the mesh each time: that costs hardly more than reading them back,
+/// and no memory.
 #[derive(Clone, Copy)]
-pub(crate) struct References<'a> {
+pub(crate) struct PrimRefs<'a> {
     /// The triangles; reference i < `mesh.len()` is triangle i.
     pub mesh: &'a Mesh,
     /// The references from `mesh.len()` on.
     pub fragments: &'a [Fragment],
 }
 
-impl References<'_> {
+impl PrimRefs<'_> {
     /// The box of a reference.
     #[inline]
     pub fn bounds(&self, reference: u32) -> Aabb {
@@ -49,20 +49,20 @@ impl References<'_> {
     }
 }
 
-/// What bounds the triangles of a mesh.
+/// Bounds of references (Embree's PrimInfo).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Extent {
-    /// Box of the triangles.
+pub(crate) struct PrimInfo {
+    /// Their box.
     pub bounds: Aabb,
-    /// Box of their doubled centroids ([`Aabb::center2`]).
+    /// The box of their doubled centroids ([`Aabb::center2`]).
     pub centers: Aabb,
 }
 
-impl Extent {
+impl PrimInfo {
     /// Of nothing.
     pub const EMPTY: Self = Self { bounds: Aabb::EMPTY, centers: Aabb::EMPTY };
 
-    /// Looks at all triangles of `mesh`.
+    /// Of all triangles of `mesh`.
     pub fn of(mesh: &Mesh) -> Self {
         mesh.triangles()
             .par_chunks(GRAIN)
@@ -78,12 +78,12 @@ impl Extent {
             .reduce(|| Self::EMPTY, Self::union)
     }
 
-    /// The extent of both.
+    /// Bounds of both.
     pub fn union(self, other: Self) -> Self {
         Self { bounds: self.bounds.union(other.bounds), centers: self.centers.union(other.centers) }
     }
 
-    /// The extent with another reference.
+    /// Bounds with another reference.
     pub fn grow(self, bounds: Aabb) -> Self {
         Self { bounds: self.bounds.union(bounds), centers: self.centers.grow(bounds.center2()) }
     }

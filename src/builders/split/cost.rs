@@ -1,13 +1,18 @@
-//! What a side of a split is taken to cost beside its area (paper 4.2, equation 1).
+//! What a side of a split costs (paper 4.2, equation 1; 4.4, equation 3): its half area times its weight. One side at a
+//! time, and as many as a vector has lanes.
+
+use crate::bvh::limits::BLOCK;
+use crate::geometry::Aabb;
+use crate::simd::vector::Lanes;
 
 /// How the nodes of a side are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub(crate) enum Weight {
-    /// Every node of the cut is one, as in equation 1.
+    /// Every node of the cut counts one, as in equation 1.
     Nodes,
-    /// Every four are one: what leaves cost, where the nodes are single triangles.
-    Quartets,
+    /// Every block of four counts one: what leaves cost, where the nodes are single triangles.
+    Blocks,
 }
 
 /// A split must cost less than this part of no split (`S n`) to count as a gain: among boxes all alike every
@@ -20,17 +25,91 @@ impl Weight {
     pub fn of(self, n: usize) -> f32 {
         match self {
             Self::Nodes => n as f32,
-            Self::Quartets => n.div_ceil(4) as f32,
+            Self::Blocks => n.div_ceil(BLOCK as usize) as f32,
         }
     }
 
-    /// Splits of `n` nodes in a box of half `area` must cost less than this.
+    /// As [`Weight::of`], of the number in each lane.
+    #[inline(always)]
+    pub fn of_lanes<L: Lanes>(self, v: L, n: L::F) -> L::F {
+        match self {
+            Self::Nodes => n,
+            Self::Blocks => v.floor(v.mul(v.add(n, v.splat(3.0)), v.splat(0.25))),
+        }
+    }
+
+    /// Splits of `n` nodes in a box of half area `area` must cost less than this.
     #[inline]
     pub fn limit(self, area: f32, n: usize) -> f32 {
         match self {
             Self::Nodes => area * n as f32 * GAIN,
-            // Of a few triangles the best split is taken, whatever it costs.
-            Self::Quartets => f32::INFINITY,
+            // The best split of a few triangles is taken whatever it costs.
+            Self::Blocks => f32::INFINITY,
         }
+    }
+}
+
+/// [`Aabb::half_area`] of the box in each lane.
+#[inline(always)]
+pub(crate) fn half_areas<L: Lanes>(v: L, min: [L::F; 3], max: [L::F; 3]) -> L::F {
+    let edge = |axis: usize| v.max(v.sub(max[axis], min[axis]), v.splat(0.0));
+    let (x, y, z) = (edge(0), edge(1), edge(2));
+    v.add(v.mul(x, v.add(y, z)), v.mul(y, z))
+}
+
+/// Some nodes of a cut: their union and their number.
+#[derive(Clone, Copy)]
+pub(crate) struct CountedBox {
+    /// Their union.
+    pub bounds: Aabb,
+    /// Their number.
+    pub count: u32,
+}
+
+impl CountedBox {
+    /// No nodes.
+    pub const EMPTY: Self = Self { bounds: Aabb::EMPTY, count: 0 };
+
+    /// The nodes of both.
+    #[inline]
+    pub fn union(self, other: Self) -> Self {
+        Self { bounds: self.bounds.union(other.bounds), count: self.count + other.count }
+    }
+
+    /// Adds a node.
+    #[inline]
+    pub fn add(&mut self, bounds: Aabb) {
+        self.bounds = self.bounds.union(bounds);
+        self.count += 1;
+    }
+
+    /// The cost of a side of these nodes and `more`.
+    #[inline]
+    pub fn cost(&self, more: usize, weight: Weight) -> f32 {
+        self.bounds.half_area() * weight.of(self.count as usize + more)
+    }
+
+    /// The unions of all before each of `boxes`, and of all after each.
+    pub fn before_and_after<const N: usize>(boxes: &[Self; N], len: usize) -> [[Self; N]; 2] {
+        let (mut before, mut after) = ([Self::EMPTY; N], [Self::EMPTY; N]);
+        for i in 1..len {
+            before[i] = before[i - 1].union(boxes[i - 1]);
+        }
+        for i in (1..len).rev() {
+            after[i - 1] = after[i].union(boxes[i]);
+        }
+        [before, after]
+    }
+}
+
+/// Most bins along an axis.
+pub(crate) const BINS: usize = 32;
+
+/// Bins for `n` nodes: few nodes do not pay for many.
+pub(crate) fn bins_for(n: usize) -> usize {
+    match n {
+        ..=24 => BINS / 4,
+        25..=96 => BINS / 2,
+        _ => BINS,
     }
 }

@@ -1,8 +1,11 @@
-//! Splitting a cut (paper 4.2, 4.4).
+//! Splits of a cut in two: object splits (paper 4.2) and spatial splits (4.4), and sweeps down to the leaves.
+//!
+//! * [`cost`]: what the sides of a split cost (equation 1 and 3);
+//! * [`object`], [`spatial`]: one file each defines the split, the others find the same one faster;
+//! * [`three_axes`]: sweeps along all axes at once, for cuts of middling length and for
+//! * [`sweep_sah`]: subtrees of a few references, split down to leaves in one go.
 
 pub(crate) mod cost;
-#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-pub(crate) mod lane_cost;
 pub(crate) mod object;
 pub(crate) mod spatial;
 pub(crate) mod sweep_sah;

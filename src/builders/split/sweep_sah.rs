@@ -1,41 +1,32 @@
-//! The binary tree over a few references at once, by sweeps of the SAH along all three axes down to quartets.
+//! The binary tree over a few references at once, by SAH sweeps along all three axes down to blocks.
 //!
-//! Near the leaves refining cuts costs more than it saves: cuts are short, and each is gathered, sorted and
-//! measured anew. Here references are put in order of their centroids once per axis, and splits keep the order;
-//! all of it stays in the first-level cache.
+//! Near the leaves refining cuts costs more than it saves: cuts are short, and each is gathered, sorted and measured
+//! anew. Here references are ordered by centroid once per axis, and splits keep the order; all of it stays in the
+//! first-level cache.
 //!
-//! A cut of leaves alone, of which there is nothing to refine, is split so too, to the very tree that splitting cut
-//! after cut makes.
+//! A cut of leaves alone, where nothing is left to refine, is split so too, to the same tree that splitting cut after cut
+//! makes.
 
-#![allow(unsafe_code)]
-
-use crate::builders::binary::Node;
+use super::cost::Weight;
+use super::three_axes::{AxisCosts, order, sweep_axes};
+use crate::builders::binary::node::Node;
 use crate::builders::binary::subtrees::Subtrees;
-use crate::builders::split::cost::Weight;
-use crate::builders::split::object::lanes::Isa;
-use crate::builders::split::three_axes::{Costs, order, sweep_axes};
-use crate::builders::wide::top_down::QUARTET;
+use crate::bvh::limits::{BLOCK, SUBTREE_DEPTH, SUBTREE_MOST as MOST};
 use crate::geometry::Aabb;
+use crate::simd::Isa;
 use arrayvec::ArrayVec;
 use glam::Vec3A;
 
-/// Most references of a subtree: they are numbered by bytes.
-pub(crate) const MOST: usize = 256;
-
-/// Centroids are put in order by so many steps along each axis of their bounds; within a step they keep the order
-/// in which they came, that of the Morton codes.
+/// Centroids are ordered by steps along each axis of their bounds; within a step they keep their given order, that of the
+/// Morton codes.
 pub(crate) const STEPS: usize = 64;
 
-/// From this depth on references are halved by count, which bounds the depth of a subtree by it and another 6
-/// levels.
-pub(crate) const HALVE: u32 = 12;
-
-/// The leaf blocks that so many references fill.
+/// `BLOCKS[n]`: the leaf blocks that n references fill.
 const BLOCKS: [f32; MOST + 1] = {
     let mut blocks = [0.0; MOST + 1];
     let mut n = 0;
     while n <= MOST {
-        blocks[n] = n.div_ceil(QUARTET as usize) as f32;
+        blocks[n] = n.div_ceil(BLOCK as usize) as f32;
         n += 1;
     }
     blocks
@@ -46,11 +37,11 @@ pub(crate) struct SubtreeSweep {
     len: usize,
     boxes: [Aabb; MOST],
     prims: [u32; MOST],
-    /// The references in order of their centroids along each axis; splits reorder ranges of all three.
+    /// The references in the order of their centroids along each axis; splits reorder ranges of all three.
     order: [[u8; MOST]; 3],
     /// By reference: whether it goes to the right.
     is_right: [u8; MOST],
-    /// By place in the orders: half areas of the boxes of what follows, by axis.
+    /// By place in the orders: half areas of the right sides, by axis.
     areas: [Vec3A; MOST],
 }
 
@@ -72,7 +63,7 @@ impl Default for SubtreeSweep {
 struct Range {
     first: usize,
     end: usize,
-    /// Splits that may still be looked for below one another.
+    /// Levels of splits that may still be found by cost.
     levels: u32,
     /// Place of its pair.
     pair: usize,
@@ -80,7 +71,7 @@ struct Range {
     area: f32,
 }
 
-/// A split: how many references go to the left of those in order along an axis; 0 if none gains anything.
+/// A split: the number of references on the left, of those in order along an axis; 0 if none gains anything.
 #[derive(Clone, Copy)]
 struct Split {
     axis: usize,
@@ -88,7 +79,7 @@ struct Split {
 }
 
 impl SubtreeSweep {
-    /// Forgets the references.
+    /// Removes the references.
     pub fn clear(&mut self) {
         self.len = 0;
     }
@@ -106,53 +97,46 @@ impl SubtreeSweep {
         if self.len == 0 {
             return None;
         }
-        if self.len > QUARTET as usize {
-            self.put_in_steps();
+        if self.len > BLOCK as usize {
+            self.order_by_steps();
         }
-        #[cfg(target_arch = "x86_64")]
-        if isa != Isa::Scalar {
-            // SAFETY: `Isa::best` has found the feature.
-            return Some(unsafe { self.tree_avx2::<false>(HALVE, done) });
-        }
-        let _ = isa;
-        Some(self.tree::<false>(HALVE, done))
+        Some(self.compiled::<false>(isa, SUBTREE_DEPTH, done))
     }
 
-    /// The tree that splitting the references as a cut of leaves makes, of which there are some, to `levels` of splits;
-    /// below, references are halved as they came. It is appended to `done`.
+    /// The tree that splitting the references as a cut of leaves makes, of which there are some, to `levels` levels of
+    /// splits; below, references are halved in their given order. It is appended to `done`.
     pub fn build_as_cut(&mut self, isa: Isa, levels: u32, done: &mut Subtrees) -> Node {
-        if self.len > QUARTET as usize {
-            self.put_in_order(isa);
+        if self.len > BLOCK as usize {
+            self.order_by_centroid(isa);
         }
-        #[cfg(target_arch = "x86_64")]
-        if isa != Isa::Scalar {
-            // SAFETY: `Isa::best` has found the feature.
-            return unsafe { self.tree_avx2::<true>(levels, done) };
-        }
-        self.tree::<true>(levels, done)
+        self.compiled::<true>(isa, levels, done)
     }
 
-    /// As [`Self::tree`], compiled for newer processors; it does the same operations.
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,bmi1,bmi2")]
-    unsafe fn tree_avx2<const AS_CUT: bool>(&mut self, levels: u32, done: &mut Subtrees) -> Node {
-        self.tree::<AS_CUT>(levels, done)
+    /// As [`Self::tree`], compiled for the instruction set; the operations are the same.
+    fn compiled<const AS_CUT: bool>(&mut self, isa: Isa, levels: u32, done: &mut Subtrees) -> Node {
+        match isa.avx2() {
+            None => self.tree::<AS_CUT>(levels, done),
+            Some(token) => token.run(
+                #[inline(always)]
+                || self.tree::<AS_CUT>(levels, done),
+            ),
+        }
     }
 
-    /// The tree over the references, which are in order, if they are more than a quartet.
+    /// The tree over the references, which are in order if they are more than a block.
     #[inline(always)]
     fn tree<const AS_CUT: bool>(&mut self, levels: u32, done: &mut Subtrees) -> Node {
         let n = self.len;
         let place = done.prims.len();
         let bounds: Aabb = self.boxes[..n].iter().copied().collect();
-        if n <= QUARTET as usize {
+        if n <= BLOCK as usize {
             done.prims.extend(&self.prims[..n]);
             return Node::leaf(bounds, place, n as u32);
         }
         let mut ranges = ArrayVec::<Range, MOST>::new();
         let node = |bounds, range: Range, done: &mut Subtrees, ranges: &mut ArrayVec<Range, MOST>| {
             let count = (range.end - range.first) as u32;
-            if count <= QUARTET {
+            if count <= BLOCK {
                 return Node::leaf(bounds, place + range.first, count);
             }
             let pair = done.pairs.len();
@@ -169,7 +153,7 @@ impl SubtreeSweep {
             let [left, right] = if AS_CUT && (levels == 0 || split.left == 0) {
                 self.halve(first, end)
             } else {
-                self.part(first, end, split)
+                self.partition(first, end, split)
             };
             let middle = first + if split.left > 0 { split.left } else { n / 2 };
             let levels = levels.saturating_sub(1);
@@ -181,8 +165,8 @@ impl SubtreeSweep {
         root
     }
 
-    /// Puts the references in order of their centroids along each axis, those that came first first.
-    fn put_in_order(&mut self, isa: Isa) {
+    /// Orders the references by centroid along each axis, of equal ones the first first.
+    fn order_by_centroid(&mut self, isa: Isa) {
         let mut centers = [Vec3A::ZERO; MOST];
         for (center, bounds) in centers.iter_mut().zip(&self.boxes[..self.len]) {
             *center = bounds.center2();
@@ -190,9 +174,9 @@ impl SubtreeSweep {
         order(isa, &centers[..self.len], &mut self.order);
     }
 
-    /// Counting sorts by the steps in which centroids lie.
+    /// Orders the references by the steps in which centroids lie, by counting sorts.
     #[inline(always)]
-    fn put_in_steps(&mut self) {
+    fn order_by_steps(&mut self) {
         let boxes = &self.boxes[..self.len];
         let centers = boxes.iter().fold(Aabb::EMPTY, |all, b| all.grow(b.center2()));
         let scale = Vec3A::splat(STEPS as f32 * 0.999) / centers.extent();
@@ -222,12 +206,12 @@ impl SubtreeSweep {
         }
     }
 
-    /// The split of least cost (paper 4.2, equation 1), of equal ones the first by axis, then by position. As of a cut,
-    /// one that gains something, if there is any; else leaves cost their blocks, and there always is one.
+    /// The split of least cost (paper 4.2, equation 1), of equal ones the first by axis, then by position. For a cut, one
+    /// that gains something, if there is any; else leaves cost their blocks, and there always is a split.
     #[inline(always)]
     fn best<const AS_CUT: bool>(&mut self, Range { first, end, area, .. }: Range) -> Split {
         let order = self.order.each_ref().map(|order| &order[first..end]);
-        let Costs { least, left } = if AS_CUT {
+        let AxisCosts { least, left } = if AS_CUT {
             let limit = Weight::Nodes.limit(area, end - first);
             sweep_axes(&self.boxes, order, &mut self.areas, limit, |n| Weight::Nodes.of(n))
         } else {
@@ -237,7 +221,7 @@ impl SubtreeSweep {
         Split { axis, left: (left[axis] as usize).max(usize::from(!AS_CUT)) }
     }
 
-    /// Parts references by the middle as they came; returns the boxes of both halves.
+    /// Halves references in their given order; returns the boxes of both halves.
     fn halve(&mut self, first: usize, end: usize) -> [Aabb; 2] {
         let mut came: ArrayVec<u8, MOST> = self.order[0][first..end].iter().copied().collect();
         came.sort_unstable();
@@ -245,24 +229,24 @@ impl SubtreeSweep {
         let bounds = [left, right].map(|side| side.iter().map(|&i| self.boxes[usize::from(i)]).collect());
         left.iter().for_each(|&i| self.is_right[usize::from(i)] = 0);
         right.iter().for_each(|&i| self.is_right[usize::from(i)] = 1);
-        (0..3).for_each(|axis| self.part_order(axis, first, end));
+        (0..3).for_each(|axis| self.partition_order(axis, first, end));
         bounds
     }
 
-    /// Brings to the front of each order what is on the left, both sides otherwise in order; returns their boxes.
+    /// Moves the left side to the front of each order, both sides otherwise in order; returns their boxes.
     #[inline(always)]
-    fn part(&mut self, first: usize, end: usize, split: Split) -> [Aabb; 2] {
+    fn partition(&mut self, first: usize, end: usize, split: Split) -> [Aabb; 2] {
         let (left, right) = self.order[split.axis][first..end].split_at(split.left);
         let bounds = [left, right].map(|side| side.iter().map(|&i| self.boxes[usize::from(i)]).collect());
         left.iter().for_each(|&i| self.is_right[usize::from(i)] = 0);
         right.iter().for_each(|&i| self.is_right[usize::from(i)] = 1);
-        (0..3).filter(|&axis| axis != split.axis).for_each(|axis| self.part_order(axis, first, end));
+        (0..3).filter(|&axis| axis != split.axis).for_each(|axis| self.partition_order(axis, first, end));
         bounds
     }
 
-    /// Brings to the front of an order what is on the left.
+    /// Moves the left side to the front of an order.
     #[inline(always)]
-    fn part_order(&mut self, axis: usize, first: usize, end: usize) {
+    fn partition_order(&mut self, axis: usize, first: usize, end: usize) {
         let order = &mut self.order[axis][first..end];
         let mut on_right = [0; MOST];
         let (mut left, mut right) = (0, 0);

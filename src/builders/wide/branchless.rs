@@ -1,49 +1,31 @@
-//! A binary tree made wide by opening the largest child first (paper 4.5). What [`crate::builders::wide::top_down`] does for any
-//! builder, for one that knows all areas and leaves before.
+//! Paper 4.5 without a branch that depends on the tree, for builders that know all areas and leaves before; the nodes
+//! are those of [`super::open_largest`].
 //!
-//! No branch depends on the tree, as none could be foreseen: a child that cannot be opened is replaced by itself, and
-//! unused slots are children like others. Which nodes there are is found level by level, so that the processor has
-//! many in hand at once; as nodes lie in the order of the pairs they are over, their places follow by counting.
+//! A child that cannot be opened is replaced by itself, and unused slots are children like others. Nodes are found level
+//! by level, so that the processor has many in flight; as nodes lie in the order of the pairs they are over, their
+//! indices follow by counting.
 
-use crate::builders::wide::top_down::WIDTH;
+use crate::builders::binary::tagged::TaggedBox;
+use crate::bvh::limits::WIDTH;
 use crate::bvh::{Link, WideNode};
 use crate::geometry::Aabb;
-use glam::{Vec3A, Vec4, Vec4Swizzles};
 
-/// A binary subtree on its way to a slot of a wide node.
+/// A binary subtree that may become a child of a wide node. Tags: the index of the pair of children or the [`Link`] of a
+/// leaf, and an order, which grows with the area of an inner node and is negative for leaves.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
-pub(crate) struct Slot {
-    /// Lower corner; the fourth lane holds the number of the pair of children, or the [`Link`] of a leaf.
-    lower: Vec4,
-    /// Upper corner; the fourth lane grows with the area of an inner node and is negative for leaves.
-    upper: Vec4,
-}
+pub(crate) struct Slot(TaggedBox);
 
 impl Slot {
-    const LEAF: i32 = i32::MIN;
+    const LEAF: u32 = 1 << 31;
 
     /// An unused slot.
-    pub const NONE: Self = Self {
-        lower: Vec4::new(f32::INFINITY, f32::INFINITY, f32::INFINITY, f32::from_bits(u32::MAX)),
-        upper: Vec4::new(
-            f32::NEG_INFINITY,
-            f32::NEG_INFINITY,
-            f32::NEG_INFINITY,
-            f32::from_bits(Self::LEAF as u32),
-        ),
-    };
-
-    #[inline]
-    fn new(bounds: Aabb, link: u32, order: u32) -> Self {
-        let with = |corner: Vec3A, number| corner.extend(f32::from_bits(number));
-        Self { lower: with(bounds.min, link), upper: with(bounds.max, order) }
-    }
+    pub const NONE: Self = Self(TaggedBox::empty([u32::MAX, Self::LEAF]));
 
     /// The leaf of the given block.
     #[inline]
     pub fn leaf(bounds: Aabb, block: usize) -> Self {
-        Self::new(bounds, Link::leaf(block, 1).bits(), Self::LEAF as u32)
+        Self(TaggedBox::new(bounds, [Link::leaf(block, 1).bits(), Self::LEAF]))
     }
 
     /// The parent of a pair of children.
@@ -51,44 +33,36 @@ impl Slot {
     pub fn inner(children: &[Self; 2], pair: usize) -> Self {
         let bounds = children[0].bounds().union(children[1].bounds());
         // Positive floats are ordered as their bits are.
-        Self::new(bounds, pair as u32, bounds.half_area().to_bits())
+        Self(TaggedBox::new(bounds, [pair as u32, bounds.half_area().to_bits()]))
     }
 
     /// The box.
     #[inline]
     pub fn bounds(&self) -> Aabb {
-        // Numbers in the fourth lanes would be denormal floats, which are slow.
-        let corner = |corner: Vec4| Vec3A::from_vec4(corner.xyzz());
-        Aabb::new(corner(self.lower), corner(self.upper))
-    }
-
-    /// The box, to be copied.
-    #[inline]
-    fn bounds_to_copy(&self) -> Aabb {
-        Aabb::new(Vec3A::from_vec4(self.lower), Vec3A::from_vec4(self.upper))
+        self.0.bounds()
     }
 
     #[inline]
     fn link(&self) -> u32 {
-        self.lower.w.to_bits()
+        self.0.first()
     }
 
     #[inline]
     fn order(&self) -> i32 {
-        self.upper.w.to_bits() as i32
+        self.0.second() as i32
     }
 }
 
-/// Memory to make a tree wide in.
+/// Memory to widen a tree in.
 #[derive(Default)]
 pub(crate) struct Widen {
     /// Siblings, children before parents.
     pub pairs: Vec<[Slot; 2]>,
-    /// Of pairs over which a wide node lies: which slots are its children.
+    /// The children of the wide node over a pair, as indices of slots.
     children: Vec<[u32; WIDTH]>,
-    /// Whether one lies over a pair.
+    /// Whether a wide node lies over a pair.
     is_node: Vec<bool>,
-    /// The number of the node over a pair.
+    /// The index of the node over a pair.
     numbers: Vec<u32>,
     /// Pairs with a node: first level by level, then in order.
     nodes: Vec<u32>,
@@ -116,7 +90,7 @@ impl Widen {
         let link = |slot: &Slot| {
             let link = slot.link();
             let is_inner = slot.order() >= 0;
-            // What is looked up for others does not matter.
+            // Others look up any.
             let number = numbers[if is_inner { link as usize } else { 0 }];
             Link::from_bits(if is_inner { first + number } else { link })
         };
@@ -125,14 +99,14 @@ impl Widen {
             let [a, b, c, d] =
                 [&slots[a as usize], &slots[b as usize], &slots[c as usize], &slots[d as usize]];
             let links = [link(a), link(b), link(c), link(d)];
-            let boxes = [a.bounds_to_copy(), b.bounds_to_copy(), c.bounds_to_copy(), d.bounds_to_copy()];
+            let boxes = [a.0.bounds_with_tags(), b.0.bounds_with_tags(), c.0.bounds_with_tags(), d.0.bounds_with_tags()];
             WideNode::of_slots(boxes, links)
         }));
         self.pairs.pop();
         Link::inner(nodes.len() - 1)
     }
 
-    /// Finds over which pairs nodes lie, and their children.
+    /// Finds the pairs over which nodes lie, and their children.
     fn find_nodes(&mut self) {
         let Self { pairs, children, is_node, numbers, nodes } = self;
         let count = pairs.len();

@@ -1,6 +1,18 @@
-//! Wide trees (paper 4.5, 4.6).
+//! The wide tree (paper 4.5) and its parallel construction (4.6).
+//!
+//! * [`open_largest`]: the rule of 4.5, by its definition;
+//! * [`top_down`]: what a builder supplies to be built top-down, and the recursion over wide nodes;
+//! * [`parallel`]: 4.6, the recursion divided into tasks;
+//! * [`treelet`]: the nodes and leaf blocks that one task makes;
+//! * [`binary_source`]: subtrees all of whose binary splits are known, widened at once;
+//! * [`branchless`]: the same for whole LBVH treelets, without a branch that depends on the tree;
+//! * [`optimal`]: the cheapest wide tree over a binary one, by dynamic programming.
 
+pub(crate) mod binary_source;
 pub(crate) mod branchless;
-pub(crate) mod largest_first;
+pub(crate) mod memory;
+pub(crate) mod open_largest;
+pub(crate) mod optimal;
+pub(crate) mod parallel;
 pub(crate) mod top_down;
 pub(crate) mod treelet;

@@ -1,46 +1,27 @@
-//! A part of the wide tree under construction: nodes and leaf blocks whose links are relative to its own arrays.
+//! The nodes and leaf blocks that one task makes of the wide tree: links are relative to its own arrays.
 
 #![allow(unsafe_code)]
 
-use crate::builders::wide::top_down::{QUARTET, WIDTH};
-use crate::bvh::{Link, MAX_LEAF_BLOCKS, TriangleBlock, WideNode};
+use crate::bvh::limits::{BLOCK, MAX_LEAF, WIDTH};
+use crate::bvh::{Link, TriangleBlock, WideNode};
 use crate::geometry::{Aabb, Mesh};
 use crate::memory::stream::{self, Vectors};
-use crate::parallel::ordered_append::{self, Batch, Place, Spare};
+use crate::parallel::ordered_append::{Chunk, Offset};
 use glam::Vec4;
 use std::mem::MaybeUninit;
-use std::sync::OnceLock;
 
 /// A subtree: its box and link, or nothing if clipping left nothing of it.
 pub(crate) type Subtree = Option<(Aabb, Link)>;
 
-/// Builds `tasks` pieces by `make` and appends them in order to `nodes` and `blocks`; returns their subtrees, as
-/// they lie there.
-pub(crate) fn append(
-    tasks: usize,
-    spare: &Spare<Piece>,
-    nodes: &mut Vec<WideNode<WIDTH>>,
-    blocks: &mut Vec<TriangleBlock>,
-    make: impl Fn(usize, &mut Piece) -> Subtree + Sync,
-) -> Vec<Subtree> {
-    let built: Vec<OnceLock<(Subtree, Place)>> = (0..tasks).map(|_| OnceLock::new()).collect();
-    let mut at = [nodes.len(), blocks.len()];
-    ordered_append::append(tasks, spare, nodes, blocks, |i, piece: &mut Piece| {
-        let subtree = make(i, piece);
-        built[i].set((subtree, [piece.nodes.len(), piece.blocks.len()])).expect("each task runs once");
-    });
-    built
-        .into_iter()
-        .map(|built| {
-            let (subtree, len) = built.into_inner().expect("all tasks have run");
-            let moved = subtree.map(|(bounds, link)| (bounds, link.moved(at[0], at[1])));
-            at = [at[0] + len[0], at[1] + len[1]];
-            moved
-        })
-        .collect()
+/// The subtrees of treelets as they lie in the tree.
+pub(crate) fn moved(built: Vec<(Subtree, Offset)>) -> Vec<Subtree> {
+    let moved = |(subtree, [nodes, blocks]): (Subtree, Offset)| {
+        subtree.map(|(bounds, link)| (bounds, link.moved(nodes, blocks)))
+    };
+    built.into_iter().map(moved).collect()
 }
 
-/// Appends a node over finished subtrees: nodes come after those below them. Of a lone subtree none is made.
+/// Appends a node over finished subtrees: nodes come after those below them. A lone subtree takes its place.
 pub(crate) fn append_node(children: &[(Aabb, Link)], nodes: &mut Vec<WideNode<WIDTH>>) -> Subtree {
     match children {
         [] => None,
@@ -53,29 +34,24 @@ pub(crate) fn append_node(children: &[(Aabb, Link)], nodes: &mut Vec<WideNode<WI
     }
 }
 
-/// Built by one task.
+/// Nodes and leaf blocks of one task.
 #[derive(Default)]
-pub(crate) struct Piece {
+pub(crate) struct WideTreelet {
     /// Children before parents.
     pub nodes: Vec<WideNode<WIDTH>>,
     /// Those of a leaf in a row.
     pub blocks: Vec<TriangleBlock>,
 }
 
-impl Piece {
+impl WideTreelet {
     /// Bytes of its memory.
     pub fn bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<WideNode<WIDTH>>()
             + self.blocks.capacity() * size_of::<TriangleBlock>()
     }
 
-    /// How many nodes and blocks there are.
-    pub fn mark(&self) -> [usize; 2] {
-        [self.nodes.len(), self.blocks.len()]
-    }
-
-    /// Forgets what was appended since `mark`.
-    pub fn release(&mut self, [nodes, blocks]: [usize; 2]) {
+    /// Removes what was appended since the lengths were as given.
+    pub fn rollback(&mut self, [nodes, blocks]: Offset) {
         self.nodes.truncate(nodes);
         self.blocks.truncate(blocks);
     }
@@ -87,7 +63,7 @@ impl Piece {
 
     /// Appends the block of a leaf of the first `count` triangles, one to four, of `prims`.
     #[inline]
-    pub fn quartet(&mut self, mesh: &Mesh, count: usize, prims: [u32; 4]) -> Link {
+    pub fn block(&mut self, mesh: &Mesh, count: usize, prims: [u32; 4]) -> Link {
         self.blocks.push(TriangleBlock::of_first(count, prims, mesh));
         Link::leaf(self.blocks.len() - 1, 1)
     }
@@ -98,13 +74,13 @@ impl Piece {
             return None;
         }
         let first = self.blocks.len();
-        debug_assert!(prims.len() <= QUARTET as usize * MAX_LEAF_BLOCKS);
-        self.blocks.extend(prims.chunks(QUARTET as usize).map(|prims| TriangleBlock::of(mesh, prims)));
+        assert!(prims.len() <= MAX_LEAF as usize, "a leaf of {} triangles", prims.len());
+        self.blocks.extend(prims.chunks(BLOCK as usize).map(|prims| TriangleBlock::of(mesh, prims)));
         Some(Link::leaf(first, self.blocks.len() - first))
     }
 }
 
-impl Batch for Piece {
+impl Chunk for WideTreelet {
     type A = WideNode<WIDTH>;
     type B = TriangleBlock;
 
@@ -113,7 +89,7 @@ impl Batch for Piece {
     }
 
     #[inline]
-    fn moved(node: &Self::A, [nodes, blocks]: Place) -> Self::A {
+    fn moved(node: &Self::A, [nodes, blocks]: Offset) -> Self::A {
         let mut node = *node;
         let [a, b, c, d] = &mut node.links;
         for link in [a, b, c, d] {
@@ -122,7 +98,7 @@ impl Batch for Piece {
         node
     }
 
-    fn put(&self, at: Place, nodes: &mut [MaybeUninit<Self::A>], blocks: &mut [MaybeUninit<Self::B>]) {
+    fn write(&self, at: Offset, nodes: &mut [MaybeUninit<Self::A>], blocks: &mut [MaybeUninit<Self::B>]) {
         // Nobody reads the tree before it is whole.
         for (to, node) in nodes.iter_mut().zip(&self.nodes) {
             stream::write(to, &Self::moved(node, at));

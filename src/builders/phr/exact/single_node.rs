@@ -1,106 +1,113 @@
-//! Cuts of a single node: what is below is settled. To be split the node is opened into its two children, whatever
-//! the threshold (paper 4.2), and either side of that split is a single node again: the binary splits are those that
-//! the auxiliary BVH has. In scenes of much detail that is most of them, and nothing has to be refined for them.
+//! Below a cut of a single node the splits are known: to be split the node is opened into its two children, whatever the
+//! threshold (paper 4.2), and either side is a single node again. The binary splits are those of the auxiliary BVH. In
+//! scenes of much detail that is most of them, and nothing has to be refined.
 
-use crate::builders::binary::{BinaryTree, Node};
+use crate::builders::binary::kind::Kind;
+use crate::builders::binary::node::{Node, NodeRun};
+use crate::builders::binary::tree::BinaryTree;
 use crate::builders::builder::Counts;
-use crate::builders::phr::cut::{Cut, Order, Stage, is_whole};
-use crate::builders::phr::policy::{Refine, Rules};
-use crate::builders::phr::recursion::{CutRecursion, MAX_DEPTH, Scratch};
+use crate::builders::phr::clip::{RefOrder, is_whole};
+use crate::builders::phr::cut::{Cut, CutLevel};
+use crate::builders::phr::memory::CutScratch;
+use crate::builders::phr::policy::CutPolicy;
+use crate::builders::phr::recursion::CutRecursion;
 use crate::builders::split::cost::Weight;
-use crate::builders::split::object::two;
-use crate::builders::wide::largest_first::{At, KnownSplits, Leaves};
-use crate::builders::wide::top_down::{Kind, QUARTET};
-use crate::builders::wide::treelet::{Piece, Subtree};
+use crate::builders::split::object::split::ObjectSplit;
+use crate::builders::wide::binary_source::{BinarySource, Leaves};
+use crate::builders::wide::treelet::{Subtree, WideTreelet};
+use crate::bvh::limits::{BLOCK, CUT_DEPTH};
 
 /// The splits of an auxiliary BVH over single references.
-pub(crate) struct Settled<'a> {
+struct SingleNodes<'a> {
     tree: &'a BinaryTree,
-    order: &'a Order<'a>,
+    order: &'a RefOrder<'a>,
 }
 
-impl KnownSplits for Settled<'_> {
+impl BinarySource for SingleNodes<'_> {
     #[inline(always)]
-    fn children(&self, at: &At) -> [At; 2] {
-        let [a, b] = self.tree.children(&at.node);
-        let children = [At { node: *a, first: at.first }, At { node: *b, first: at.first + a.count() }];
-        let split = two(a, b, Weight::Nodes.limit(at.node.bounds().half_area(), 2));
+    fn children(&self, run: &NodeRun) -> [NodeRun; 2] {
+        let [a, b] = self.tree.children(&run.node);
+        let children =
+            [NodeRun { node: *a, first: run.first }, NodeRun { node: *b, first: run.first + a.count() }];
+        let split = ObjectSplit::of_two(a, b, Weight::Nodes.limit(run.node.bounds().half_area(), 2));
         // Without a gain they are halved in the order of the Morton codes.
         let is_swapped = split.left == 1 && split.last == 1;
         if is_swapped { [children[1], children[0]] } else { children }
     }
 
     #[inline(always)]
-    fn prim(&self, place: usize) -> u32 {
-        self.order.prim(place)
+    fn prim(&self, position: usize) -> u32 {
+        self.order.prim(position)
     }
 }
 
-impl<R: Refine> CutRecursion<'_, R> {
-    fn known(&self) -> Settled<'_> {
-        Settled { tree: self.tree, order: &self.order }
+impl<P: CutPolicy> CutRecursion<'_, P> {
+    fn single_nodes(&self) -> SingleNodes<'_> {
+        SingleNodes { tree: self.tree, order: &self.order }
     }
 
-    /// The single node of a cut that needs no refining, is not split spatially, and is not clipped.
+    /// The node of a cut of a single node that is not split spatially and not clipped.
     #[inline]
-    pub(crate) fn settled(&self, cut: &Cut, arena: &[Node]) -> Option<Node> {
-        if !(self.rules.opens_once && cut.len == 1 && cut.stage == Stage::Nodes && cut.kind != Kind::Leaf) {
+    pub(in crate::builders::phr) fn single_node(&self, cut: &Cut, arena: &[Node]) -> Option<Node> {
+        if !(P::KEEPS_SINGLE_NODES
+            && cut.len == 1
+            && cut.level == CutLevel::Subtrees
+            && cut.kind != Kind::Leaf)
+        {
             return None;
         }
-        let node = arena[cut.places().start];
-        let is_settled = !node.is_leaf()
-            && cut.count > self.rules.leaf_sweep
-            && cut.depth < MAX_DEPTH
+        let node = arena[cut.range().start];
+        let is_known = !node.is_leaf()
+            && !self.is_near_leaves(cut)
+            && cut.depth < CUT_DEPTH
             && !self.splits_in_space(cut)
             && is_whole(&node, &cut.clip);
-        is_settled.then_some(node)
+        is_known.then_some(node)
     }
 
-    /// The children of such a cut.
-    pub(crate) fn split_settled(&self, cut: &Cut, node: &Node, scratch: &mut Scratch) -> [Option<Cut>; 2] {
-        let (known, at) = (self.known(), At { node: *node, first: 0 });
-        if cut.kind == Kind::Inner && known.kind(&at, self.rules.max_leaf) == Kind::SoftLeaf {
+    /// The sides of such a cut.
+    pub(in crate::builders::phr) fn split_single_node(
+        &self,
+        cut: &Cut,
+        node: &Node,
+        scratch: &mut CutScratch,
+    ) -> [Option<Cut>; 2] {
+        let (source, run) = (self.single_nodes(), NodeRun { node: *node, first: 0 });
+        if cut.kind == Kind::Inner && source.kind(&run, self.config.leaf_size()) == Kind::SoftLeaf {
             return [Some(Cut { kind: Kind::SoftLeaf, ..*cut }), None];
         }
         scratch.counts.splits += 1;
         scratch.counts.swept += 2;
-        known.children(&at).map(|At { node: child, .. }| {
+        source.children(&run).map(|NodeRun { node: child, .. }| {
             scratch.arena.push(child);
             self.tree.prefetch(&child);
-            Some(Cut {
-                first: scratch.arena.len() as u32 - 1,
-                bounds: child.bounds(),
-                area: child.bounds().half_area(),
-                count: child.count(),
-                capacity: child.count(),
-                depth: cut.depth + 1,
-                kind: if child.count() <= QUARTET { Kind::Leaf } else { Kind::Inner },
-                ..*cut
-            })
+            let kind = if child.count() <= BLOCK { Kind::Leaf } else { Kind::Inner };
+            let side = cut.of_last(&scratch.arena, CutLevel::Subtrees, kind);
+            Some(Cut { capacity: child.count(), depth: cut.depth + 1, ..side })
         })
     }
 
-    /// The wide nodes below such a cut, if nothing else is to be done for the parts of it either; `None`, and nothing
+    /// Appends the wide nodes below such a cut, if no extension applies to the parts of it either; `None`, and nothing
     /// appended, if that makes the tree too deep.
-    pub(crate) fn finish_settled(
+    pub(in crate::builders::phr) fn emit_single_node(
         &self,
         cut: &Cut,
         node: &Node,
-        piece: &mut Piece,
+        treelet: &mut WideTreelet,
         counts: &mut Counts,
     ) -> Option<Subtree> {
-        let Rules { leaf_sweep, subtree_sweep, auxiliary_leaf, max_leaf, .. } = self.rules;
-        if leaf_sweep.max(subtree_sweep).max(auxiliary_leaf) > QUARTET {
+        let max_leaf = self.config.leaf_size();
+        if self.extends_small_cuts() || self.config.extensions.auxiliary.max_leaf() > BLOCK {
             return None;
         }
-        let leaves = Leaves::of(&self.order.references, max_leaf);
-        let (mark, known) = (piece.mark(), self.known());
-        let at = At { node: *node, first: self.tree.run(node).start as u32 };
-        let kind = if cut.kind == Kind::Inner { known.kind(&at, max_leaf) } else { cut.kind };
+        let leaves = Leaves::of(&self.order.refs, max_leaf);
+        let (checkpoint, source) = ([treelet.nodes.len(), treelet.blocks.len()], self.single_nodes());
+        let run = NodeRun { node: *node, first: self.tree.run(node).start as u32 };
+        let kind = if cut.kind == Kind::Inner { source.kind(&run, max_leaf) } else { cut.kind };
         let mut splits = 0;
-        let subtree = known.wide(&at, kind, MAX_DEPTH - cut.depth, &leaves, piece, &mut splits);
+        let subtree = source.emit((&run, kind), CUT_DEPTH - cut.depth, &leaves, treelet, &mut splits);
         if subtree.is_none() {
-            piece.release(mark);
+            treelet.rollback(checkpoint);
             return None;
         }
         counts.splits += splits;

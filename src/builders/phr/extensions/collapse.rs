@@ -1,118 +1,95 @@
-//! Parts of the tree that fit a cache, made wide as it is cheapest: they are split down to quartets first, and dynamic
-//! programming then chooses nodes and leaves ([`crate::builders::optimise`]).
+//! Parts of the tree that fit a cache, as the cheapest wide tree: they are split down to blocks first, and dynamic
+//! programming then chooses nodes and leaves ([`crate::builders::wide::optimal`]).
 
-use crate::builders::binary::Node;
+use crate::builders::binary::kind::Kind;
+use crate::builders::binary::node::{Node, NodeRun};
 use crate::builders::binary::subtrees::Subtrees;
-use crate::builders::optimise::Costs;
-use crate::builders::optimise::choices::{Choice, Solved};
-use crate::builders::phr::cut::{Cut, Stage};
-use crate::builders::phr::policy::Refine;
-use crate::builders::phr::recursion::{CutRecursion, Scratch};
-use crate::builders::wide::largest_first::{At, KnownSplits, Leaves};
-use crate::builders::wide::top_down::{Kind, TopDown, WIDTH};
-use crate::builders::wide::treelet::{Piece, Subtree};
+use crate::builders::phr::cut::{Cut, CutLevel};
+use crate::builders::phr::memory::CutScratch;
+use crate::builders::phr::policy::CutPolicy;
+use crate::builders::phr::recursion::CutRecursion;
+use crate::builders::wide::binary_source::{BinarySource, Leaves};
+use crate::builders::wide::optimal::{Choices, CollapseCosts, CollapseSource};
+use crate::builders::wide::top_down::{BinarySplits, TopDown};
+use crate::builders::wide::treelet::{Subtree, WideTreelet};
 use crate::bvh::Link;
+use crate::bvh::limits::WIDTH;
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
-/// Memory for one part at a time.
-#[derive(Default)]
-pub(crate) struct Cheapest {
-    /// What was chosen for the parent of each pair.
-    choices: Vec<Choice>,
-    /// Triangles of a leaf.
-    prims: Vec<u32>,
-}
-
-impl<R: Refine> CutRecursion<'_, R> {
+impl<P: CutPolicy> CutRecursion<'_, P> {
     /// Appends the cheapest wide nodes and blocks of a part.
-    pub(crate) fn collapse(
+    pub(in crate::builders::phr) fn collapse(
         &self,
         part: &Cut,
-        costs: &Costs,
-        piece: &mut Piece,
-        scratch: &mut Scratch,
+        costs: &CollapseCosts,
+        treelet: &mut WideTreelet,
+        scratch: &mut CutScratch,
     ) -> Subtree {
-        let root = self.drawn(part, scratch)?;
-        let Scratch { subtrees, cheapest, .. } = scratch;
-        cheapest.choices.resize(subtrees.pairs.len(), Choice::NONE);
-        solve(&root, subtrees, costs, &mut cheapest.choices);
-        let mut leaves = Leaves::of(&self.order.references, costs.max_leaf);
-        // Spatial splits may have parted what comes together again.
+        let root = self.split_to_blocks(part, scratch)?;
+        let CutScratch { subtrees, choices, .. } = scratch;
+        let root = subtrees.run_of(&root);
+        choices.solve(subtrees, root, subtrees.pairs.len(), costs, false);
+        let mut leaves = Leaves::of(&self.order.refs, costs.max_leaf);
+        // Spatial splits may have separated parts of a triangle that meet again.
         leaves.may_repeat |= self.splits_in_space(part);
-        wide(&subtrees.at(&root), &cheapest.choices, subtrees, &leaves, piece)
+        emit(&root, choices, subtrees, &leaves, treelet)
     }
 
     /// The binary tree over a part; `None` if clipping left nothing of it.
-    fn drawn(&self, part: &Cut, scratch: &mut Scratch) -> Option<Node> {
-        if part.stage == Stage::Swept {
-            return Some(scratch.arena[part.places().start]);
+    fn split_to_blocks(&self, part: &Cut, scratch: &mut CutScratch) -> Option<Node> {
+        if part.level == CutLevel::Swept {
+            return Some(scratch.arena[part.range().start]);
         }
         if part.kind != Kind::Inner {
-            return self.drawn_leaf(part, scratch);
+            let mut prims = std::mem::take(&mut scratch.prims);
+            prims.clear();
+            let bounds = self.leaf(part, &mut prims, scratch);
+            let leaf = scratch.subtrees.push_leaf(bounds, &prims);
+            scratch.prims = prims;
+            return leaf;
         }
-        if let Some(subtree) = self.sweep_subtree(part, scratch) {
+        if let Some(subtree) = self.sweep(part, scratch) {
             return subtree;
         }
-        let mark = scratch.arena.len();
+        let arena = scratch.arena.len();
         let sides = self.split(part, scratch);
-        let halves = sides.map(|side| side.and_then(|side| self.drawn(&side, scratch)));
-        scratch.arena.truncate(mark);
-        match halves {
-            [Some(left), Some(right)] => {
-                let pair = [left, right];
-                scratch.subtrees.pairs.push(pair);
-                Some(Node::inner(&pair, scratch.subtrees.pairs.len() - 1))
-            }
-            [only, None] | [None, only] => only,
-        }
-    }
-
-    fn drawn_leaf(&self, part: &Cut, scratch: &mut Scratch) -> Option<Node> {
-        let mut prims = std::mem::take(&mut scratch.cheapest.prims);
-        prims.clear();
-        let bounds = self.leaf(part, &mut prims, scratch);
-        let first = scratch.subtrees.prims.len();
-        scratch.subtrees.prims.extend_from_slice(&prims);
-        let leaf = (!prims.is_empty()).then(|| Node::leaf(bounds, first, prims.len() as u32));
-        scratch.cheapest.prims = prims;
-        leaf
+        let halves = sides.map(|side| side.and_then(|side| self.split_to_blocks(&side, scratch)));
+        scratch.arena.truncate(arena);
+        scratch.subtrees.merge(halves)
     }
 }
 
-fn solve(node: &Node, subtrees: &Subtrees, costs: &Costs, choices: &mut [Choice]) -> Solved {
-    let area = node.bounds().half_area();
-    let Some(pair) = node.pair() else { return costs.block(area, node.count()) };
-    let [left, right] = &subtrees.pairs[pair];
-    let (left, right) = (solve(left, subtrees, costs, choices), solve(right, subtrees, costs, choices));
-    let (solved, choice) = costs.over(area, &left, &right);
-    choices[pair] = choice;
-    solved
+impl CollapseSource for Subtrees {
+    type At = NodeRun;
+
+    fn half_area(&self, run: NodeRun) -> f32 {
+        run.node.bounds().half_area()
+    }
+
+    fn count(&self, run: NodeRun) -> u32 {
+        run.node.count()
+    }
+
+    fn pair(&self, run: NodeRun) -> Option<(usize, [NodeRun; 2])> {
+        run.node.pair().map(|pair| (pair, BinarySource::children(self, &run)))
+    }
 }
 
-/// Appends the nodes and blocks that were chosen for a subtree.
-fn wide(at: &At, choices: &[Choice], subtrees: &Subtrees, leaves: &Leaves<'_>, piece: &mut Piece) -> Subtree {
-    if at.node.pair().is_none_or(|pair| choices[pair].is_leaf()) {
-        return subtrees.leaf(at, leaves, piece).map(|link| (at.node.bounds(), link));
+/// Appends the nodes and blocks chosen for a subtree.
+fn emit(
+    run: &NodeRun,
+    choices: &Choices,
+    subtrees: &Subtrees,
+    leaves: &Leaves<'_>,
+    treelet: &mut WideTreelet,
+) -> Subtree {
+    if run.node.pair().is_none_or(|pair| choices.of(pair).is_leaf()) {
+        return leaves.emit(subtrees, run, treelet);
     }
-    let mut children = ArrayVec::<At, WIDTH>::new();
-    open(at, WIDTH, choices, subtrees, &mut children);
+    let mut children = ArrayVec::<NodeRun, WIDTH>::new();
+    choices.open(subtrees, *run, WIDTH, &mut children);
     let built: ArrayVec<(Aabb, Link), WIDTH> =
-        children.iter().filter_map(|child| wide(child, choices, subtrees, leaves, piece)).collect();
-    piece.node(&built)
-}
-
-/// Opens a subtree into up to `slots` children.
-fn open(at: &At, slots: usize, choices: &[Choice], subtrees: &Subtrees, children: &mut ArrayVec<At, WIDTH>) {
-    match at.node.pair() {
-        Some(pair) if slots > 1 => match choices[pair].left(slots) {
-            0 => open(at, slots - 1, choices, subtrees, children),
-            of_left => {
-                let [left, right] = KnownSplits::children(subtrees, at);
-                open(&left, of_left, choices, subtrees, children);
-                open(&right, slots - of_left, choices, subtrees, children);
-            }
-        },
-        _ => children.push(*at),
-    }
+        children.iter().filter_map(|child| emit(child, choices, subtrees, leaves, treelet)).collect();
+    treelet.node(&built)
 }

@@ -1,3 +1,13 @@
-//! Extensions: they change the tree.
+//! Where [`super::config::Extensions`] change the tree, and the presets that use them.
+//!
+//! * [`presets`]: `phr-speed` and `phr-quality`;
+//! * [`small_cuts`]: `leaf_sweep` and `subtree_sweep`;
+//! * [`collapse`]: `collapse`.
+//!
+//! The rest is a line where the paper's rule stands: `cut_share` in [`super::Phr`], `local_threshold` in [`super::refine`],
+//! `overlap_threshold`, `spatial_bias` and `clip_triangles` in [`super::split`], those of the auxiliary BVH in
+//! [`crate::builders::lbvh`].
 
 pub(crate) mod collapse;
+mod presets;
+pub(crate) mod small_cuts;

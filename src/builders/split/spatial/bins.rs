@@ -1,62 +1,27 @@
-//! What spatial splits must cost at least: the boundaries of nodes are put into bins, and only planes in the few
-//! bins that may hold one cheaper than a limit are looked at one by one.
+//! The spatial split of a long cut: the boundaries of nodes are put into bins, which bound the cost of their planes from
+//! below, and only bins that may hold a cheaper plane are swept.
 
-use crate::builders::binary::Node;
-use crate::builders::split::cost::Weight;
+use super::plane_sweep::{Boxes, PlaneSweep};
+use super::split::SpatialSplit;
+use crate::builders::binary::node::Node;
+use crate::builders::split::cost::{BINS, CountedBox, bins_for};
 use crate::geometry::Aabb;
-use glam::{BVec3A, Vec3A};
-
-/// Most bins along each axis.
-pub(crate) const BINS: usize = 32;
-
-/// Bins for `n` nodes: few nodes do not pay for many.
-fn bins_for(n: usize) -> usize {
-    match n {
-        ..=24 => BINS / 4,
-        25..=96 => BINS / 2,
-        _ => BINS,
-    }
-}
-
-/// Nodes that lie on one side of all planes of a bin.
-#[derive(Clone, Copy)]
-pub(crate) struct Side {
-    /// Their union.
-    pub bounds: Aabb,
-    /// Their number.
-    pub count: u32,
-}
-
-impl Side {
-    /// Nothing.
-    pub const EMPTY: Self = Self { bounds: Aabb::EMPTY, count: 0 };
-
-    fn union(self, other: &Self) -> Self {
-        Self { bounds: self.bounds.union(other.bounds), count: self.count + other.count }
-    }
-
-    /// Takes one more.
-    #[inline]
-    pub fn add(&mut self, bounds: Aabb) {
-        self.bounds = self.bounds.union(bounds);
-        self.count += 1;
-    }
-}
+use glam::Vec3A;
 
 /// The node boundaries within one bin.
 #[derive(Clone, Copy)]
 struct Bin {
     /// Nodes that begin here.
-    begin: Side,
+    begin: CountedBox,
     /// Nodes that end here.
-    end: Side,
-    /// The greatest boundary of those that begin, and the least of those that end.
+    end: CountedBox,
+    /// The greatest boundary of nodes that begin, and the least of nodes that end.
     inner: [f32; 2],
 }
 
 impl Bin {
     const EMPTY: Self =
-        Self { begin: Side::EMPTY, end: Side::EMPTY, inner: [f32::NEG_INFINITY, f32::INFINITY] };
+        Self { begin: CountedBox::EMPTY, end: CountedBox::EMPTY, inner: [f32::NEG_INFINITY, f32::INFINITY] };
 
     /// The least and the greatest boundary.
     #[inline]
@@ -81,8 +46,40 @@ impl Default for SpatialBins {
 }
 
 impl SpatialBins {
-    /// Takes the boundaries of `nodes`, whose union is `bounds`.
-    pub fn fill(&mut self, nodes: &[Node], bounds: Aabb) {
+    /// As [`PlaneSweep::improve`].
+    pub fn improve(&mut self, planes: &mut PlaneSweep, boxes: Boxes<'_>, best: &mut SpatialSplit) {
+        self.fill(boxes.nodes, boxes.bounds);
+        for axis in 0..3 {
+            self.improve_along(axis, planes, boxes, best);
+        }
+    }
+
+    /// A plane within a bin has on its left all nodes that begin in bins before, and on its right all that end in bins
+    /// after; their boxes, cut at the bin's outermost planes, and their numbers bound the cost from below.
+    fn improve_along(
+        &self,
+        axis: usize,
+        planes: &mut PlaneSweep,
+        boxes: Boxes<'_>,
+        best: &mut SpatialSplit,
+    ) {
+        let bins = &self.bins[axis];
+        let [before, _] = CountedBox::before_and_after(&bins.map(|bin| bin.begin), self.used);
+        let [_, after] = CountedBox::before_and_after(&bins.map(|bin| bin.end), self.used);
+        // Both sides of a split hold a node.
+        let cost = |side: Aabb, count: u32| side.half_area() * boxes.weight.of(count.max(1) as usize);
+        for (b, (before, after)) in before.iter().zip(&after).enumerate().take(self.used) {
+            let [first, last] = bins[b].planes(axis);
+            let bound = cost(before.bounds.below(axis, first), before.count)
+                + cost(after.bounds.above(axis, last), after.count);
+            if first <= last && bound < best.cost {
+                planes.improve_among(axis, boxes, self.members(axis, b as u8), [before, after], best);
+            }
+        }
+    }
+
+    /// Puts the boundaries of `nodes`, whose union is `bounds`, into bins.
+    fn fill(&mut self, nodes: &[Node], bounds: Aabb) {
         self.used = bins_for(nodes.len());
         for of_axis in &mut self.bins {
             of_axis[..self.used].fill(Bin::EMPTY);
@@ -112,63 +109,11 @@ impl SpatialBins {
         }));
     }
 
-    /// Looks for planes normal to `axis` that may cost less than `limit`: gives `sweep` each bin that may hold
-    /// some, in order, with the nodes that lie on the left and on the right of all its planes (or reach across
-    /// them), and goes on with the limit it returns.
-    ///
-    /// A plane within a bin has on its left all nodes that begin in bins before, and on its right all that end in
-    /// bins after; their boxes, cut at the bin's outermost planes, and their numbers bound the cost from below.
-    pub fn each_below(
-        &self,
-        axis: usize,
-        mut limit: f32,
-        weight: Weight,
-        mut sweep: impl FnMut(u8, [&Side; 2]) -> f32,
-    ) {
-        let bins = &self.bins[axis][..self.used];
-        let mut after = [Side::EMPTY; BINS];
-        for b in (1..bins.len()).rev() {
-            after[b - 1] = after[b].union(&bins[b].end);
-        }
-        let mut before = Side::EMPTY;
-        for (b, (bin, after)) in bins.iter().zip(&after).enumerate() {
-            let planes = bin.planes(axis);
-            // Both sides of a split hold a node.
-            let cost = below(before.bounds, axis, planes[0]).half_area()
-                * weight.of(before.count.max(1) as usize)
-                + above(after.bounds, axis, planes[1]).half_area() * weight.of(after.count.max(1) as usize);
-            if planes[0] <= planes[1] && cost < limit {
-                limit = sweep(b as u8, [&before, after]);
-            }
-            before = before.union(&bin.begin);
-        }
-    }
-
-    /// The positions of the nodes, each with whether it begins and whether it ends in a bin, if it does either.
-    pub fn members(&self, axis: usize, bin: u8) -> impl Iterator<Item = (usize, [bool; 2])> {
+    /// The positions of the nodes that begin or end in a bin, with whether they do either.
+    fn members(&self, axis: usize, bin: u8) -> impl Iterator<Item = (usize, [bool; 2])> {
         let places = self.places.iter().map(move |place| place.map(|at| at[axis] == bin)).enumerate();
         places.filter(|(_, [begins, ends])| begins | ends)
     }
-}
-
-/// The part of a box below `plane` along an axis. Vectors are never written in parts: what reads them would wait.
-#[inline(always)]
-pub(crate) fn below(mut bounds: Aabb, axis: usize, plane: f32) -> Aabb {
-    bounds.max = bounds.max.min(Vec3A::select(along(axis), Vec3A::splat(plane), Vec3A::INFINITY));
-    bounds
-}
-
-/// The part of a box above `plane` along an axis.
-#[inline(always)]
-pub(crate) fn above(mut bounds: Aabb, axis: usize, plane: f32) -> Aabb {
-    bounds.min = bounds.min.max(Vec3A::select(along(axis), Vec3A::splat(plane), Vec3A::NEG_INFINITY));
-    bounds
-}
-
-/// True for one axis.
-#[inline(always)]
-fn along(axis: usize) -> BVec3A {
-    BVec3A::new(axis == 0, axis == 1, axis == 2)
 }
 
 /// Added to a float it leaves the nearest integer in the lowest bits.

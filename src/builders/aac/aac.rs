@@ -1,0 +1,70 @@
+//! The builder `aac`.
+
+use super::clustering::cluster;
+use super::collapse::ClusterTree;
+use super::config::AacConfig;
+use crate::builders::binary::node::Node;
+use crate::builders::binary::tree::BinaryTree;
+use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
+use crate::builders::config_error::ConfigError;
+use crate::builders::lbvh::sort::MortonOrder;
+use crate::builders::wide::memory::Memory;
+use crate::builders::wide::top_down;
+use crate::bvh::Bvh4;
+use crate::geometry::Mesh;
+use crate::memory::huge_pages;
+
+/// Builds by AAC; memory is kept between builds.
+pub struct Aac {
+    config: AacConfig,
+    order: MortonOrder,
+    tree: BinaryTree,
+    memory: Memory<Vec<u32>>,
+}
+
+impl Aac {
+    /// A builder with the given parameters.
+    ///
+    /// # Errors
+    /// A parameter out of range.
+    pub fn new(config: AacConfig) -> Result<Self, ConfigError> {
+        config.check()?;
+        Ok(Self {
+            config,
+            order: MortonOrder::default(),
+            tree: BinaryTree::default(),
+            memory: Memory::default(),
+        })
+    }
+}
+
+impl Builder for Aac {
+    fn name(&self) -> &'static str {
+        "aac"
+    }
+
+    fn config(&self) -> serde_json::Value {
+        serde_json::json!(self.config)
+    }
+
+    fn build(&mut self, mesh: &Mesh) -> Build {
+        let mut watch = Stopwatch::start();
+        self.order.sort(mesh, None, self.memory.blocks(mesh.len()), &mut watch);
+        let mut keys = std::mem::take(&mut self.order.keys);
+        huge_pages::resize(&mut self.tree.pairs, mesh.len().saturating_sub(1), [Node::ZERO; 2]);
+        self.tree.root = cluster(&self.config, self.order.refs(mesh), &mut keys, &mut self.tree.pairs);
+        self.order.keys = keys;
+        watch.lap("clusters");
+        let refs = self.order.refs(mesh);
+        let clusters = ClusterTree { tree: &self.tree, keys: &self.order.keys, refs };
+        let tree = top_down::build(&clusters, clusters.root(), mesh, &mut self.memory);
+        watch.lap("nodes");
+        let held = self.order.bytes() + self.tree.bytes() + self.memory.bytes();
+        let counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };
+        Build::finish(tree, watch.phases, counts, held)
+    }
+
+    fn recycle(&mut self, tree: Bvh4) {
+        self.memory.recycle(tree);
+    }
+}

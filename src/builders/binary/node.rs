@@ -1,0 +1,132 @@
+//! The node of a binary tree.
+
+use super::tagged::TaggedBox;
+use crate::geometry::Aabb;
+
+/// A subtree: its box, the number of references below, and where they are. Two nodes fill a cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(crate) struct Node(
+    /// Tags: the link, and the number of references below, >= 1. The link of a leaf is [`Node::LEAF`] and the position
+    /// of its first reference in the order; any other is the index of the pair of children.
+    TaggedBox,
+);
+
+impl Node {
+    const LEAF: u32 = 1 << 31;
+
+    /// A node without meaning, to size arrays with.
+    pub const ZERO: Self = Self(TaggedBox::ZERO);
+
+    /// The leaf of the `count` references from position `first` on.
+    #[inline]
+    pub fn leaf(bounds: Aabb, first: usize, count: u32) -> Self {
+        Self(TaggedBox::new(bounds, [Self::LEAF | first as u32, count]))
+    }
+
+    /// The parent of `children`, the pair at `index`.
+    #[inline]
+    pub fn inner(children: &[Self; 2], index: usize) -> Self {
+        let bounds = children[0].bounds().union(children[1].bounds());
+        Self::of_pair(bounds, index, children[0].count() + children[1].count())
+    }
+
+    /// The inner node of the pair at `index` with the given box and count.
+    #[inline]
+    pub fn of_pair(bounds: Aabb, index: usize, count: u32) -> Self {
+        Self(TaggedBox::new(bounds, [index as u32, count]))
+    }
+
+    /// The box.
+    #[inline]
+    pub fn bounds(&self) -> Aabb {
+        self.0.bounds()
+    }
+
+    /// References below, >= 1.
+    #[inline]
+    pub fn count(&self) -> u32 {
+        self.0.second()
+    }
+
+    #[inline]
+    fn link(&self) -> u32 {
+        self.0.first()
+    }
+
+    /// The lower face along an axis.
+    #[inline]
+    pub fn lower(&self, axis: usize) -> f32 {
+        self.0.corners()[0][axis]
+    }
+
+    /// The upper face along an axis.
+    #[inline]
+    pub fn upper(&self, axis: usize) -> f32 {
+        self.0.corners()[1][axis]
+    }
+
+    /// Twice the centroid's coordinate along an axis.
+    #[inline]
+    pub fn center2(&self, axis: usize) -> f32 {
+        self.lower(axis) + self.upper(axis)
+    }
+
+    /// The lower corner and the upper one, each followed by a number of another meaning: to be loaded lane by lane.
+    #[inline]
+    pub fn corners(&self) -> [&[f32; 4]; 2] {
+        self.0.corners()
+    }
+
+    /// The same subtree with another box: the part of it inside a clip box.
+    #[inline]
+    pub fn with_bounds(self, bounds: Aabb) -> Self {
+        Self(TaggedBox::new(bounds, [self.link(), self.count()]))
+    }
+
+    /// The same subtree in a tree whose pairs have moved up.
+    #[inline]
+    pub fn moved(self, pairs: u32) -> Self {
+        if self.is_leaf() {
+            self
+        } else {
+            Self(TaggedBox::new(self.bounds(), [self.link() + pairs, self.count()]))
+        }
+    }
+
+    /// True for a leaf: a run of references that the tree does not partition.
+    #[inline]
+    pub fn is_leaf(&self) -> bool {
+        self.link() & Self::LEAF != 0
+    }
+
+    /// The positions of a leaf's references.
+    #[inline]
+    pub fn run(&self) -> std::ops::Range<usize> {
+        debug_assert!(self.is_leaf());
+        let first = (self.link() & !Self::LEAF) as usize;
+        first..first + self.count() as usize
+    }
+
+    /// The index of the pair of children of a node that is known to be an inner one.
+    #[inline]
+    pub fn pair_of_inner(&self) -> usize {
+        debug_assert!(!self.is_leaf());
+        self.link() as usize
+    }
+
+    /// The index of an inner node's pair of children; `None` for a leaf.
+    #[inline]
+    pub fn pair(&self) -> Option<usize> {
+        (!self.is_leaf()).then_some(self.link() as usize)
+    }
+}
+
+/// A subtree whose triangles are a run, with the position of the first.
+#[derive(Clone, Copy)]
+pub(crate) struct NodeRun {
+    /// Its root.
+    pub node: Node,
+    /// The position of its first triangle.
+    pub first: u32,
+}

@@ -1,0 +1,40 @@
+//! What is wrong with a builder's configuration.
+
+use std::fmt::{Debug, Display};
+use std::ops::RangeInclusive;
+
+/// A parameter out of its range.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{field} = {value} is out of range; give {least} to {most}")]
+pub struct ConfigError {
+    /// The parameter.
+    pub field: &'static str,
+    /// Its value.
+    pub value: String,
+    /// The least value that it may have.
+    pub least: String,
+    /// The greatest.
+    pub most: String,
+}
+
+/// Refuses a value outside of `range`; NaN is outside of every range.
+pub(crate) fn check<T: PartialOrd + Display + Debug>(
+    field: &'static str,
+    value: T,
+    range: RangeInclusive<T>,
+) -> Result<(), ConfigError> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    let text = |value: &T| format!("{value:?}");
+    Err(ConfigError { field, value: text(&value), least: text(range.start()), most: text(range.end()) })
+}
+
+/// As [`check`], of a parameter that may be absent.
+pub(crate) fn check_option<T: PartialOrd + Display + Debug>(
+    field: &'static str,
+    value: Option<T>,
+    range: RangeInclusive<T>,
+) -> Result<(), ConfigError> {
+    value.map_or(Ok(()), |value| check(field, value, range))
+}

@@ -1,0 +1,87 @@
+//! The builder `phr-best`: a tree of PHR, optimised before it is widened.
+
+use super::OptimiseConfig;
+use super::optimiser::Optimiser;
+use crate::builders::builder::{Build, Builder, Stopwatch};
+use crate::builders::config_error::ConfigError;
+use crate::builders::phr::memory::CutMemory;
+use crate::builders::phr::{Extensions, PhrConfig, begin};
+use crate::bvh::Bvh4;
+use crate::bvh::limits::BLOCK;
+use crate::geometry::Mesh;
+use crate::simd::Isa;
+
+/// Parameters of [`OptimisedPhr`].
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct OptimisedPhrConfig {
+    /// Of the tree.
+    pub phr: PhrConfig,
+    /// Of its optimisation.
+    pub optimise: OptimiseConfig,
+}
+
+/// Builds by PHR and optimises; memory is kept between builds.
+pub struct OptimisedPhr {
+    name: &'static str,
+    config: OptimisedPhrConfig,
+    /// Leaves of one block: which are worth more is decided in the end.
+    phr: PhrConfig,
+    memory: CutMemory,
+    optimiser: Optimiser,
+    isa: Isa,
+}
+
+impl OptimisedPhr {
+    /// A builder called `name` in records.
+    ///
+    /// # Errors
+    /// A parameter out of range.
+    pub fn new(name: &'static str, config: OptimisedPhrConfig) -> Result<Self, ConfigError> {
+        Self::with_isa(name, config, Isa::best())
+    }
+
+    /// A builder with the given instructions.
+    pub(crate) fn with_isa(
+        name: &'static str,
+        config: OptimisedPhrConfig,
+        isa: Isa,
+    ) -> Result<Self, ConfigError> {
+        config.phr.check()?;
+        config.optimise.check()?;
+        let extensions = Extensions { collapse: None, ..config.phr.extensions };
+        let phr = PhrConfig { max_leaf: BLOCK, extensions, ..config.phr };
+        Ok(Self { name, config, phr, memory: CutMemory::default(), optimiser: Optimiser::default(), isa })
+    }
+}
+
+impl Builder for OptimisedPhr {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn config(&self) -> serde_json::Value {
+        serde_json::json!(self.config)
+    }
+
+    fn build(&mut self, mesh: &Mesh) -> Build {
+        let CutMemory { auxiliary, recursion: memory } = &mut self.memory;
+        let mut phases = auxiliary.build(mesh, &self.phr.extensions.auxiliary);
+        let mut watch = Stopwatch::start();
+        let (recursion, cut) = begin(auxiliary, mesh, &self.phr, self.isa);
+        let has_root = self.optimiser.record(&recursion, cut, mesh, memory);
+        watch.lap("cuts and nodes");
+        let tree = if has_root {
+            self.optimiser.improve(mesh, &self.config.optimise, &mut watch)
+        } else {
+            Bvh4::default()
+        };
+        phases.extend(watch.phases);
+        let mut build = self.memory.finish(tree, phases);
+        build.counts.peak_bytes += self.optimiser.bytes() as u64;
+        build
+    }
+
+    fn recycle(&mut self, tree: Bvh4) {
+        self.optimiser.recycle(tree);
+    }
+}

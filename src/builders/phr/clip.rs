@@ -1,0 +1,100 @@
+//! Clipping of cuts by the planes of spatial splits (paper 4.4): which child belongs to which side of a plane.
+
+use crate::builders::binary::node::Node;
+use crate::builders::binary::tree::BinaryTree;
+use crate::builders::lbvh::key::{MortonKey, reference};
+use crate::builders::prims::refs::PrimRefs;
+use crate::geometry::Aabb;
+
+/// Which boxes of a node's children reach into a clip box.
+///
+/// A box that merely touches a split plane from one side belongs to that side alone, and one that lies in the
+/// plane belongs to the left, unless its parent began at the plane and so never was there: else an
+/// axis-aligned wall in the plane would be on both sides, or on neither.
+struct Clipper<'a> {
+    clip: &'a Aabb,
+    parent: Aabb,
+}
+
+impl Clipper<'_> {
+    #[inline]
+    fn clip(&self, b: Aabb) -> Option<Aabb> {
+        let clip = self.clip;
+        // Right of a split plane (clip.min): a box that ends there is on the left, if the parent was there at all.
+        let left_of = b.max.cmple(clip.min) & self.parent.min.cmplt(clip.min);
+        // Left of a split plane (clip.max): a box that begins there and goes on is on the right.
+        let right_of = b.min.cmpge(clip.max) & b.max.cmpgt(clip.max);
+        (!(left_of | right_of).any()).then(|| b.intersection(*clip))
+    }
+}
+
+/// Whether a node of a cut lies wholly within the clip box, so that nothing below it is clipped: strictly, as
+/// a box cut by a face ends there.
+#[inline]
+pub(crate) fn is_whole(node: &Node, clip: &Aabb) -> bool {
+    is_inside(node.bounds(), clip)
+}
+
+/// Whether a box lies strictly within the clip box.
+#[inline]
+pub(crate) fn is_inside(bounds: Aabb, clip: &Aabb) -> bool {
+    (bounds.min.cmpgt(clip.min) & bounds.max.cmplt(clip.max)).all()
+}
+
+/// Opens an inner node: gives `take` the children that reach into `clip`, their boxes clipped.
+#[inline]
+pub(crate) fn open(tree: &BinaryTree, node: &Node, clip: &Aabb, mut take: impl FnMut(Node)) {
+    let children = tree.children(node);
+    if is_whole(node, clip) {
+        take(children[0]);
+        take(children[1]);
+        return;
+    }
+    let clipper = Clipper { clip, parent: children[0].bounds().union(children[1].bounds()) };
+    for child in children {
+        if let Some(bounds) = clipper.clip(child.bounds()) {
+            take(child.with_bounds(bounds));
+        }
+    }
+}
+
+/// The references in Morton order, to which the leaves of the auxiliary BVH are opened.
+#[derive(Clone, Copy)]
+pub(crate) struct RefOrder<'a> {
+    /// Sorted keys.
+    pub keys: &'a [MortonKey],
+    /// What they refer to.
+    pub refs: PrimRefs<'a>,
+}
+
+impl RefOrder<'_> {
+    /// Gives `take` the references below `node`, a node of a cut clipped to `clip`: leaves of one
+    /// reference, their boxes clipped.
+    pub fn open_all(&self, tree: &BinaryTree, node: &Node, clip: &Aabb, take: &mut impl FnMut(Node)) {
+        if !node.is_leaf() {
+            open(tree, node, clip, |child| self.open_all(tree, &child, clip, take));
+            return;
+        }
+        if node.count() == 1 {
+            take(*node);
+            return;
+        }
+        let bounds = |position: usize| self.refs.bounds(reference(self.keys[position]));
+        if is_whole(node, clip) {
+            node.run().for_each(|position| take(Node::leaf(bounds(position), position, 1)));
+            return;
+        }
+        let clipper = Clipper { clip, parent: node.run().map(bounds).collect() };
+        for position in node.run() {
+            if let Some(bounds) = clipper.clip(bounds(position)) {
+                take(Node::leaf(bounds, position, 1));
+            }
+        }
+    }
+
+    /// The triangle at a position.
+    #[inline]
+    pub fn prim(&self, position: usize) -> u32 {
+        self.refs.prim(reference(self.keys[position]))
+    }
+}

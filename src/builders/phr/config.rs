@@ -1,0 +1,159 @@
+//! The parameters of PHR: the paper's, and our extensions.
+
+use crate::builders::config_error::{ConfigError, check, check_option};
+use crate::builders::lbvh::auxiliary::{AuxiliaryConfig, Clusters};
+use crate::builders::prims::presplit::PresplitConfig;
+use crate::builders::wide::optimal::CollapseCosts;
+use crate::bvh::limits::{BLOCK, MAX_LEAF, MAX_REFERENCES_PER_TRIANGLE, SUBTREE_MOST};
+
+/// Parameters of PHR, by the paper's symbols.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct PhrConfig {
+    /// alpha of equation 2: how fast cuts shrink with depth.
+    pub alpha: f32,
+    /// delta of equation 2: how fine the initial cut is.
+    pub delta: f32,
+    /// Most nodes of the initial cut (paper 4.1: "e.g. 2048").
+    pub max_cut: usize,
+    /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3").
+    pub spatial_threshold: f32,
+    /// Most triangles of a leaf, 4 to 28. Up to four always are a leaf; more are one where the cost model has a leaf of
+    /// several blocks cheaper than a node (the paper leaves leaves open).
+    pub max_leaf: u32,
+    /// Most references per reference that spatial splits may make, 1 to 4: bounds memory (the paper has no bound).
+    pub max_references: f32,
+    /// What goes beyond the paper; none in [`PhrConfig::FAST`] and [`PhrConfig::HQ`].
+    #[serde(flatten)]
+    pub extensions: Extensions,
+}
+
+/// What goes beyond the paper. Each changes the tree.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Extensions {
+    /// Of the auxiliary BVH.
+    #[serde(flatten)]
+    pub auxiliary: AuxiliaryConfig,
+    /// The initial cut has this share of the triangles as nodes, at least 2048 and at most `max_cut`, however small they
+    /// are: in a scene of a few huge triangles all else is smaller than a threshold taken from the scene's area.
+    pub cut_share: Option<f32>,
+    /// Large parts of the scene are opened by their own area too.
+    #[serde(rename = "own_threshold")]
+    pub local_threshold: Option<LocalThreshold>,
+    /// Spatial splits are tried only where the sides of the best object split overlap in a box whose area relative
+    /// to the scene's exceeds this (cf. Stich et al. 2009, 4.5).
+    pub overlap_threshold: Option<f32>,
+    /// A spatial split is taken if it costs less than the best object split, as in the paper, or if its cost times the
+    /// growth in references is less than this multiple of the object split's.
+    pub spatial_bias: Option<f32>,
+    /// Where a spatial split cuts a node of a single triangle, the triangle is clipped and not only its box.
+    pub clip_triangles: bool,
+    /// Cuts of at most as many references are opened down to single ones, and their splits count the blocks of leaves.
+    pub leaf_sweep: Option<u32>,
+    /// Cuts of at most as many references, whose boxes are too small for spatial splits, are split down to leaves
+    /// in one go by sweeps over all of them.
+    pub subtree_sweep: Option<u32>,
+    /// Parts of the tree that fit a cache are split down to blocks and collapsed to the wide tree that is cheapest by these
+    /// costs; `max_leaf` does not count then.
+    pub collapse: Option<CollapseCosts>,
+}
+
+/// A threshold beside that of equation 2, taken from the part that is split and not from the scene: a part that is small
+/// in the scene has few nodes large enough for equation 2, however much there is in it.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct LocalThreshold {
+    /// It holds for sides of splits with at least as many references;
+    pub references: u32,
+    /// nodes of a larger area, relative to the side's, are opened too.
+    pub area: f32,
+}
+
+impl Extensions {
+    /// None: the paper.
+    pub const NONE: Self = Self {
+        auxiliary: AuxiliaryConfig::PAPER,
+        cut_share: None,
+        local_threshold: None,
+        overlap_threshold: None,
+        spatial_bias: None,
+        clip_triangles: false,
+        leaf_sweep: None,
+        subtree_sweep: None,
+        collapse: None,
+    };
+}
+
+impl PhrConfig {
+    /// PHR-Fast (paper 4.3).
+    pub const FAST: Self = Self {
+        alpha: 0.5,
+        delta: 6.0,
+        max_cut: 2048,
+        spatial_threshold: 1e-3,
+        max_leaf: 8,
+        max_references: 2.0,
+        extensions: Extensions::NONE,
+    };
+    /// PHR-HQ (paper 4.3).
+    pub const HQ: Self = Self { alpha: 0.55, delta: 9.0, ..Self::FAST };
+
+    /// Refuses parameters out of range.
+    ///
+    /// # Errors
+    /// The first of them, with its range.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        let Self { alpha, delta, max_cut, spatial_threshold, max_leaf, max_references, extensions } = *self;
+        check("alpha", alpha, 0.0..=16.0)?;
+        check("delta", delta, 0.0..=64.0)?;
+        check("max_cut", max_cut, 1..=1 << 24)?;
+        check("spatial_threshold", spatial_threshold, 0.0..=f32::INFINITY)?;
+        check("max_leaf", max_leaf, BLOCK..=MAX_LEAF)?;
+        check("max_references", max_references, 1.0..=MAX_REFERENCES_PER_TRIANGLE as f32)?;
+        extensions.check()
+    }
+
+    /// Most triangles of a leaf of a cut.
+    pub(crate) fn leaf_size(&self) -> u32 {
+        if self.extensions.collapse.is_some() { BLOCK } else { self.max_leaf }
+    }
+}
+
+impl Extensions {
+    fn check(&self) -> Result<(), ConfigError> {
+        let Self { auxiliary, local_threshold, collapse, .. } = self;
+        auxiliary.check()?;
+        check_option("cut_share", self.cut_share, 0.0..=1.0)?;
+        check_option("own_threshold.area", local_threshold.map(|local| local.area), 0.0..=f32::MAX)?;
+        check_option("overlap_threshold", self.overlap_threshold, 0.0..=f32::MAX)?;
+        check_option("spatial_bias", self.spatial_bias, 0.0..=16.0)?;
+        check_option("leaf_sweep", self.leaf_sweep, 0..=4096)?;
+        check_option("subtree_sweep", self.subtree_sweep, 0..=SUBTREE_MOST as u32)?;
+        collapse.map_or(Ok(()), |costs| costs.check())
+    }
+}
+
+impl AuxiliaryConfig {
+    fn check(&self) -> Result<(), ConfigError> {
+        check_option("auxiliary_leaf", self.auxiliary_leaf, 1..=BLOCK)?;
+        if let Some(Clusters { most, area }) = self.clusters {
+            check("clusters.most", most, 1..=4096)?;
+            check("clusters.area", area, 0.0..=f32::MAX)?;
+        }
+        check_option("calibration", self.calibration, 0.0..=f32::MAX)?;
+        if let Some(PresplitConfig { filled, min_area, max_extra }) = self.presplit {
+            check("presplit.filled", filled, 0.0..=0.5)?;
+            check("presplit.min_area", min_area, 1e-12..=1.0)?;
+            check("presplit.max_extra", max_extra, 0.0..=(MAX_REFERENCES_PER_TRIANGLE - 1) as f32)?;
+        }
+        Ok(())
+    }
+}
+
+impl CollapseCosts {
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
+        let Self { node, leaf, block, max_leaf } = *self;
+        for (field, cost) in [("collapse.node", node), ("collapse.leaf", leaf), ("collapse.block", block)] {
+            check(field, cost, 0.0..=1e6)?;
+        }
+        check("collapse.max_leaf", max_leaf, BLOCK..=MAX_LEAF)
+    }
+}

@@ -1,0 +1,57 @@
+//! Configurations that go beyond the paper.
+
+use crate::builders::lbvh::auxiliary::{AuxiliaryConfig, Clusters};
+use crate::builders::phr::config::{Extensions, LocalThreshold, PhrConfig};
+use crate::builders::prims::presplit::PresplitConfig;
+use crate::builders::wide::optimal::CollapseCosts;
+
+impl PhrConfig {
+    /// For speed: PHR-Fast from an initial cut of 2048 nodes in any scene, over an auxiliary BVH whose leaves are
+    /// blocks or small clusters. Subtrees near the leaves are swept in one go, parts that fit a cache are collapsed to the
+    /// cheapest wide tree, and spatial splits are tried only in large parts that overlap. Needles are presplit and
+    /// triangles clipped, which costs little and saves scenes of rods and pipes.
+    pub const SPEED: Self = Self {
+        spatial_threshold: 1e-2,
+        extensions: Extensions {
+            auxiliary: AuxiliaryConfig {
+                presplit: Some(PresplitConfig::NEEDLES),
+                auxiliary_leaf: Some(4),
+                clusters: Some(Clusters { most: 32, area: 1e-3 }),
+                calibration: Some(1e3),
+            },
+            cut_share: Some(1.0 / 256.0),
+            local_threshold: Some(LocalThreshold { references: 1 << 15, area: 1.0 / 256.0 }),
+            overlap_threshold: Some(1e-3),
+            spatial_bias: Some(1.07),
+            clip_triangles: true,
+            leaf_sweep: None,
+            subtree_sweep: Some(32),
+            collapse: Some(CollapseCosts::EMBREE),
+        },
+        ..Self::FAST
+    };
+
+    /// For quality: larger initial cuts, spatial splits tried in smaller parts, only the smallest clusters kept together
+    /// in the auxiliary BVH, which else has single triangles, all of which spatial splits can clip, and larger subtrees
+    /// swept in one go. Equation 2 has little effect then: large parts are opened by their own area.
+    pub const QUALITY: Self = Self {
+        delta: 5.0,
+        max_cut: 1 << 14,
+        spatial_threshold: 3e-4,
+        extensions: Extensions {
+            auxiliary: AuxiliaryConfig {
+                auxiliary_leaf: None,
+                clusters: Some(Clusters { most: 32, area: 1e-4 }),
+                ..Self::SPEED.extensions.auxiliary
+            },
+            cut_share: Some(1.0 / 32.0),
+            local_threshold: Some(LocalThreshold { references: 1 << 16, area: 1.0 / 256.0 }),
+            overlap_threshold: Some(3e-5),
+            spatial_bias: Some(1.08),
+            leaf_sweep: Some(16),
+            subtree_sweep: Some(64),
+            ..Self::SPEED.extensions
+        },
+        ..Self::SPEED
+    };
+}

@@ -1,0 +1,45 @@
+//! Small cuts: `leaf_sweep` opens them down to single references, `subtree_sweep` splits them down to leaves in one go.
+
+use crate::builders::binary::node::Node;
+use crate::builders::phr::cut::Cut;
+use crate::builders::phr::memory::CutScratch;
+use crate::builders::phr::policy::CutPolicy;
+use crate::builders::phr::recursion::CutRecursion;
+use crate::bvh::limits::BLOCK;
+
+impl<P: CutPolicy> CutRecursion<'_, P> {
+    /// Whether a cut is opened down to single references.
+    #[inline]
+    pub(in crate::builders::phr) fn is_near_leaves(&self, cut: &Cut) -> bool {
+        cut.count <= self.config.extensions.leaf_sweep.unwrap_or(0)
+    }
+
+    /// Whether a cut that is not split spatially is split down to its leaves in one go.
+    #[inline]
+    pub(in crate::builders::phr) fn is_small(&self, cut: &Cut) -> bool {
+        cut.count <= self.config.extensions.subtree_sweep.unwrap_or(0)
+    }
+
+    /// Whether either extension applies to any cut of more than a block.
+    #[inline]
+    pub(in crate::builders::phr) fn extends_small_cuts(&self) -> bool {
+        let extensions = &self.config.extensions;
+        extensions.leaf_sweep.max(extensions.subtree_sweep).is_some_and(|most| most > BLOCK)
+    }
+
+    /// Splits a small cut down to its leaves; `None` if clipping left nothing of it.
+    pub(in crate::builders::phr) fn sweep_small_cut(
+        &self,
+        cut: &Cut,
+        scratch: &mut CutScratch,
+    ) -> Option<Node> {
+        let CutScratch { arena, subtree_sweep, subtrees, .. } = scratch;
+        subtree_sweep.clear();
+        for node in &arena[cut.range()] {
+            self.order.open_all(self.tree, node, &cut.clip, &mut |reference| {
+                subtree_sweep.push(reference.bounds(), self.order.prim(reference.run().start));
+            });
+        }
+        subtree_sweep.build(self.isa, subtrees)
+    }
+}

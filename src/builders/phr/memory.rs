@@ -1,0 +1,75 @@
+//! The memory of builders over cuts, kept from build to build, and what they count.
+
+use super::cut::Side;
+use crate::builders::binary::node::Node;
+use crate::builders::binary::subtrees::Subtrees;
+use crate::builders::builder::{Build, Counts, Phase};
+use crate::builders::lbvh::auxiliary::Auxiliary;
+use crate::builders::split::object::ObjectSweep;
+use crate::builders::split::spatial::SpatialSweep;
+use crate::builders::split::sweep_sah::SubtreeSweep;
+use crate::builders::wide::memory::{Memory, Scratch};
+use crate::builders::wide::optimal::Choices;
+use crate::bvh::Bvh4;
+
+/// A thread's memory.
+#[derive(Default)]
+pub(crate) struct CutScratch {
+    /// What was counted since it was last taken.
+    pub counts: Counts,
+    /// The nodes of all cuts in use.
+    pub arena: Vec<Node>,
+    /// For object splits.
+    pub object: ObjectSweep,
+    /// For spatial splits.
+    pub spatial: SpatialSweep,
+    /// The sides of the split that is made.
+    pub sides: [Side; 2],
+    /// For cuts split down to their leaves in one go.
+    pub subtree_sweep: SubtreeSweep,
+    /// Those cuts, split.
+    pub subtrees: Subtrees,
+    /// For subtrees that are collapsed to the cheapest wide tree.
+    pub choices: Choices,
+    /// Triangles of one of their leaves.
+    pub prims: Vec<u32>,
+}
+
+impl Scratch for CutScratch {
+    type Checkpoint = (usize, [usize; 2]);
+
+    fn checkpoint(&self) -> Self::Checkpoint {
+        (self.arena.len(), self.subtrees.checkpoint())
+    }
+
+    fn rollback(&mut self, (arena, subtrees): Self::Checkpoint) {
+        self.arena.truncate(arena);
+        self.subtrees.rollback(subtrees);
+    }
+}
+
+/// The memory of a builder over cuts.
+#[derive(Default)]
+pub(crate) struct CutMemory {
+    /// The auxiliary BVH.
+    pub auxiliary: Auxiliary,
+    /// Of the recursion.
+    pub recursion: Memory<CutScratch>,
+}
+
+impl CutMemory {
+    /// Puts a build together.
+    pub fn finish(&mut self, tree: Bvh4, phases: Vec<Phase>) -> Build {
+        let mut counts = Counts {
+            auxiliary_nodes: 2 * self.auxiliary.tree.pairs.len() as u64 + 1,
+            ..Counts::default()
+        };
+        self.recursion.workers.for_each(|worker| {
+            let of_thread = std::mem::take(&mut worker.scratch.counts);
+            counts.splits += of_thread.splits;
+            counts.spatial_splits += of_thread.spatial_splits;
+            counts.swept += of_thread.swept;
+        });
+        Build::finish(tree, phases, counts, self.auxiliary.bytes() + self.recursion.bytes())
+    }
+}

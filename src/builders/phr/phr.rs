@@ -1,0 +1,96 @@
+//! The builders `phr-*`: the pipeline from a mesh to a wide tree.
+
+use super::config::PhrConfig;
+use super::cut::{Cut, OwnedCut};
+use super::initial_cut::initial_cut;
+use super::memory::CutMemory;
+use super::recursion::CutRecursion;
+use super::refine::Threshold;
+use crate::builders::binary::subtrees::Subtrees;
+use crate::builders::builder::{Build, Builder, Stopwatch};
+use crate::builders::config_error::ConfigError;
+use crate::builders::lbvh::auxiliary::Auxiliary;
+use crate::builders::wide::top_down;
+use crate::bvh::Bvh4;
+use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
+use crate::geometry::Mesh;
+use crate::simd::Isa;
+
+/// Builds by PHR; memory is kept between builds.
+pub struct Phr {
+    name: &'static str,
+    config: PhrConfig,
+    memory: CutMemory,
+    isa: Isa,
+}
+
+impl Phr {
+    /// A builder called `name` in records.
+    ///
+    /// # Errors
+    /// A parameter out of range.
+    pub fn new(name: &'static str, config: PhrConfig) -> Result<Self, ConfigError> {
+        Self::with_isa(name, config, Isa::best())
+    }
+
+    /// A builder with the given instructions.
+    pub(crate) fn with_isa(name: &'static str, config: PhrConfig, isa: Isa) -> Result<Self, ConfigError> {
+        config.check()?;
+        Ok(Self { name, config, memory: CutMemory::default(), isa })
+    }
+}
+
+impl Builder for Phr {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn config(&self) -> serde_json::Value {
+        serde_json::json!(self.config)
+    }
+
+    fn build(&mut self, mesh: &Mesh) -> Build {
+        let Self { config, memory: CutMemory { auxiliary, recursion: memory }, isa, .. } = self;
+        // Presplit, Morton codes, sort, auxiliary BVH (4.7).
+        let mut phases = auxiliary.build(mesh, &config.extensions.auxiliary);
+        let mut watch = Stopwatch::start();
+        // Initial cut (4.1).
+        let (recursion, cut) = begin(auxiliary, mesh, config, *isa);
+        // Split, refine, recurse (4.2 to 4.4), to a wide tree (4.5) in parallel (4.6).
+        let tree = top_down::build(&recursion, cut, mesh, memory);
+        watch.lap("cuts and nodes");
+        phases.extend(watch.phases);
+        self.memory.finish(tree, phases)
+    }
+
+    fn recycle(&mut self, tree: Bvh4) {
+        self.memory.recursion.recycle(tree);
+    }
+}
+
+/// The recursion over a scene, refined by the thresholds of equation 2, and the initial cut that it begins with.
+pub(crate) fn begin<'a>(
+    auxiliary: &'a Auxiliary,
+    mesh: &'a Mesh,
+    config: &'a PhrConfig,
+    isa: Isa,
+) -> (CutRecursion<'a, Threshold>, Option<(OwnedCut, Subtrees)>) {
+    let threshold = Threshold::new(auxiliary.scale.scene, config);
+    let (area, len) = config.initial_cut(mesh.len(), &threshold);
+    let cut = auxiliary.tree.root.map(|root| {
+        let nodes = initial_cut(&auxiliary.tree, root, area, len);
+        let most = mesh.len() * MAX_REFERENCES_PER_TRIANGLE;
+        (Cut::whole(nodes, config.max_references, most), Subtrees::default())
+    });
+    (CutRecursion::new(auxiliary, mesh, config, threshold, isa), cut)
+}
+
+impl PhrConfig {
+    /// The threshold of half area and the length of the initial cut of a scene.
+    pub(crate) fn initial_cut(&self, triangles: usize, threshold: &Threshold) -> (f32, usize) {
+        match self.extensions.cut_share {
+            None => (threshold.at(0), self.max_cut),
+            Some(share) => (0.0, ((triangles as f32 * share) as usize).max(2048).min(self.max_cut)),
+        }
+    }
+}

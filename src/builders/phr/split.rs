@@ -1,0 +1,178 @@
+//! One split of a cut: find the cheapest object or spatial split (paper 4.2, 4.4), partition the nodes, refine both sides
+//! (4.3).
+
+use super::clip::open;
+use super::cut::{Cut, CutBuilder, CutLevel, Side};
+use super::memory::CutScratch;
+use super::policy::CutPolicy;
+use super::recursion::CutRecursion;
+use crate::builders::binary::kind::{Kind, leaf_is_cheaper};
+use crate::builders::binary::node::Node;
+use crate::builders::split::cost::Weight;
+use crate::builders::split::object::PlaneHint;
+use crate::builders::split::object::split::ObjectSplit;
+use crate::builders::split::spatial::SpatialSweep;
+use crate::builders::split::spatial::split::SpatialSplit;
+use crate::bvh::limits::CUT_DEPTH;
+use crate::geometry::Aabb;
+use crate::geometry::triangle_split::split_triangle;
+
+impl<P: CutPolicy> CutRecursion<'_, P> {
+    /// Splits a cut in two and refines both sides, either of which may be clipped away.
+    pub(super) fn split_cut(&self, part: &Cut, scratch: &mut CutScratch) -> [Option<Cut>; 2] {
+        let CutScratch { counts, arena, object: object_sweep, spatial: spatial_sweep, sides, .. } = scratch;
+        let cut = self.open_for_split(part, arena);
+        if cut.len == 0 {
+            return [None, None];
+        }
+        if cut.kind == Kind::Leaf {
+            return [Some(cut), None];
+        }
+        counts.splits += 1;
+        counts.swept += cut.len as u64;
+        let nodes = &arena[cut.range()];
+
+        // Find: the cheapest object split, and a spatial one where it is cheaper still.
+        let weight = if cut.level == CutLevel::References { Weight::Blocks } else { Weight::Nodes };
+        let (object, spatial) = if cut.depth >= CUT_DEPTH {
+            (ObjectSplit::NONE, None)
+        } else {
+            let (object, hint) = object_sweep.find(self.isa, nodes, cut.bounds, weight);
+            (object, self.find_spatial(&cut, nodes, &object, weight, hint, spatial_sweep))
+        };
+
+        // Partition: the nodes to the left and to the right, clipped by the plane of a spatial split.
+        sides.iter_mut().for_each(Side::clear);
+        let mut clips = [cut.clip; 2];
+        if let Some(split) = spatial {
+            counts.spatial_splits += 1;
+            for node in nodes {
+                for (side, part) in sides.iter_mut().zip(self.parts(node, &split)) {
+                    part.into_iter().for_each(|part| side.push(part));
+                }
+            }
+            clips = [split.left_of(cut.clip), split.right_of(cut.clip)];
+        } else if object.left > 0 {
+            Side::partition(sides, nodes, object.members(nodes));
+        } else {
+            // No split gains anything: halve in the order of the Morton codes.
+            Side::partition(sides, nodes, |i, _| i < nodes.len() / 2);
+        }
+
+        // A leaf, where it costs no more than a node with the two sides as leaves.
+        if part.kind != Kind::SoftLeaf
+            && cut.count <= self.config.leaf_size()
+            && leaf_is_cheaper((cut.area, cut.count), sides.each_ref().map(Side::measure))
+        {
+            return [Some(Cut { kind: Kind::SoftLeaf, ..cut }), None];
+        }
+
+        // Refine.
+        let references = sides[0].count + sides[1].count;
+        [0, 1].map(|i| self.refine(&cut, clips[i], references, &sides[i], arena))
+    }
+
+    /// Opens what must be opened before a cut can be split: a lone node, whatever the threshold; all nodes, near the
+    /// leaves or where the tree gets too deep.
+    fn open_for_split(&self, cut: &Cut, arena: &mut Vec<Node>) -> Cut {
+        let mut cut = *cut;
+        while cut.len == 1 {
+            let node = arena[cut.range().start];
+            if node.is_leaf() {
+                break;
+            }
+            let mut opened = CutBuilder::new(arena);
+            open(self.tree, &node, &cut.clip, |child| {
+                self.tree.prefetch(&child);
+                opened.push(child);
+            });
+            cut = opened.finish(&cut);
+        }
+        let is_lone_leaf = cut.len == 1 && arena[cut.range().start].is_leaf();
+        let opens_all = self.is_near_leaves(&cut) || is_lone_leaf || cut.depth >= CUT_DEPTH;
+        if cut.level == CutLevel::Subtrees && opens_all {
+            let mut opened = CutBuilder::new(arena);
+            for i in cut.range() {
+                let node = opened.arena[i];
+                self.order.open_all(self.tree, &node, &cut.clip, &mut |child| opened.push(child));
+            }
+            return opened.finish(&Cut { level: CutLevel::References, ..cut });
+        }
+        cut
+    }
+
+    /// A spatial split, if the thresholds allow one and it is preferred to `object`.
+    fn find_spatial(
+        &self,
+        cut: &Cut,
+        nodes: &[Node],
+        object: &ObjectSplit,
+        weight: Weight,
+        hint: PlaneHint<'_>,
+        sweep: &mut SpatialSweep,
+    ) -> Option<SpatialSplit> {
+        if !self.splits_in_space(cut)
+            || self.overlap_above.is_some_and(|least| object.overlap(nodes).half_area() <= least)
+        {
+            return None;
+        }
+        let bias = self.config.extensions.spatial_bias.unwrap_or(1.0);
+        let limit = (object.cost * bias).min(cut.area * weight.of(nodes.len()));
+        let split = sweep.find(self.isa, limit, (nodes, cut.bounds), weight, hint);
+        if split == SpatialSplit::NONE {
+            return None;
+        }
+        let count = |node: &Node| {
+            let sides = u64::from(split.on_left(node.bounds())) + u64::from(split.on_right(node.bounds()));
+            u64::from(node.count()) * sides
+        };
+        let references: u64 = nodes.iter().map(count).sum();
+        // A split that costs more than the object split has to pay for the references that it makes.
+        let growth = references as f32 / cut.count as f32;
+        let is_preferred = split.cost < object.cost || split.cost * growth < object.cost * bias;
+        (is_preferred && references <= u64::from(cut.capacity)).then_some(split)
+    }
+
+    /// The parts of a node on both sides of a spatial split.
+    fn parts(&self, node: &Node, split: &SpatialSplit) -> [Option<Node>; 2] {
+        let bounds = node.bounds();
+        let sides = [split.on_left(bounds), split.on_right(bounds)];
+        let clips_triangle = self.config.extensions.clip_triangles && node.is_leaf() && node.count() == 1;
+        let parts = if clips_triangle && sides == [true; 2] {
+            let prim = self.order.prim(node.run().start);
+            let corners = self.order.refs.mesh.corners(prim);
+            split_triangle(&corners, bounds, split.axis, split.plane)
+        } else {
+            [split.left_of(bounds), split.right_of(bounds)]
+        };
+        // The triangle may be on one side only of a plane through its box.
+        [0, 1].map(|side| (sides[side] && !parts[side].is_empty()).then(|| node.with_bounds(parts[side])))
+    }
+
+    /// Refines one side of a split into a cut of its own; both sides hold `references` in all.
+    #[inline]
+    fn refine(
+        &self,
+        parent: &Cut,
+        clip: Aabb,
+        references: u32,
+        side: &Side,
+        arena: &mut Vec<Node>,
+    ) -> Option<Cut> {
+        let depth = parent.depth + 1;
+        // Room for duplicates is handed down in proportion to the references of each side.
+        let capacity = if self.splits_in_space(parent) {
+            (f64::from(parent.capacity) * f64::from(side.count) / f64::from(references)) as u32
+        } else {
+            0
+        };
+        let mut cut = CutBuilder::new(arena);
+        if parent.level == CutLevel::References {
+            side.nodes.iter().for_each(|node| cut.push(*node));
+        } else {
+            self.policy.refine(self.tree, &clip, depth, side, &mut cut);
+        }
+        let cut = cut.finish(&Cut { clip, capacity: capacity.max(side.count), depth, ..*parent });
+        (cut.len > 0).then_some(cut)
+    }
+}

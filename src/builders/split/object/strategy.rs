@@ -1,0 +1,71 @@
+//! Which way finds the object split of a cut: by its length and the instruction set.
+
+use super::bins::Bins;
+use super::full_sweep::FullSweep;
+use super::lanes;
+use super::ranks::{self, RankSweep};
+use super::split::ObjectSplit;
+use crate::builders::binary::node::Node;
+use crate::builders::split::cost::Weight;
+use crate::geometry::Aabb;
+use crate::simd::Isa;
+
+/// From this length on bins are faster than sorting, where ranks are not counted.
+const LONG: usize = 24;
+
+/// Memory of sweeps.
+#[derive(Default)]
+pub(crate) struct ObjectSweep {
+    full: FullSweep,
+    ranks: RankSweep,
+    bins: Bins,
+}
+
+/// Where spatial splits of a cut may be cheap, as far as the search for its object split has told.
+#[derive(Clone, Copy)]
+pub(crate) enum PlaneHint<'a> {
+    /// Anywhere.
+    Anywhere,
+    /// Where these bins of the cut's nodes allow it.
+    Bins(&'a Bins),
+}
+
+impl PlaneHint<'_> {
+    /// Bounds of the planes normal to `axis`, the second exclusive, at which a spatial split may cost less than `limit`;
+    /// `None` if no plane can.
+    pub fn planes_below(self, axis: usize, limit: f32, weight: Weight) -> Option<[f32; 2]> {
+        match self {
+            Self::Anywhere => Some([f32::NEG_INFINITY, f32::INFINITY]),
+            Self::Bins(bins) => bins.planes_below(axis, limit, weight),
+        }
+    }
+}
+
+impl ObjectSweep {
+    /// The object split of `nodes` (two or more, with union `bounds`), as [`FullSweep::best`] defines it, and what was
+    /// learnt about spatial splits.
+    pub fn find(
+        &mut self,
+        isa: Isa,
+        nodes: &[Node],
+        bounds: Aabb,
+        weight: Weight,
+    ) -> (ObjectSplit, PlaneHint<'_>) {
+        let n = nodes.len();
+        let limit = weight.limit(bounds.half_area(), n);
+        if let [a, b] = nodes {
+            return (ObjectSplit::of_two(a, b, limit), PlaneHint::Anywhere);
+        }
+        let split = match isa {
+            Isa::Avx512(token) if n <= lanes::MOST => lanes::avx512(token, nodes, limit, weight),
+            Isa::Avx2(token) if n <= lanes::MOST => lanes::avx2(token, nodes, limit, weight),
+            Isa::Avx512(token) if n <= ranks::MOST => self.ranks.best(token, nodes, limit, weight),
+            Isa::Avx2(token) if n <= ranks::MOST_AVX2 => self.ranks.best(token, nodes, limit, weight),
+            _ if n >= LONG => {
+                return (self.bins.best(&mut self.full, nodes, limit, weight), PlaneHint::Bins(&self.bins));
+            }
+            _ => self.full.best(nodes, limit, weight),
+        };
+        (split, PlaneHint::Anywhere)
+    }
+}

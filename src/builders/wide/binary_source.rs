@@ -1,0 +1,131 @@
+//! Subtrees all of whose binary splits are known, widened at once.
+
+use super::open_largest::{Priority, open_largest};
+use super::treelet::{Subtree, WideTreelet};
+use crate::builders::binary::kind::Kind;
+use crate::builders::binary::node::NodeRun;
+use crate::builders::binary::subtrees::Subtrees;
+use crate::builders::prims::refs::PrimRefs;
+use crate::bvh::Link;
+use crate::bvh::limits::{BLOCK, MAX_LEAF, WIDTH};
+use crate::geometry::{Aabb, Mesh};
+use arrayvec::ArrayVec;
+
+/// A source of binary splits.
+pub(crate) trait BinarySource {
+    /// The children of a subtree that is no [`Kind::Leaf`].
+    fn children(&self, run: &NodeRun) -> [NodeRun; 2];
+
+    /// The triangle at a position.
+    fn prim(&self, position: usize) -> u32;
+
+    /// What becomes of a subtree.
+    #[inline(always)]
+    fn kind(&self, run: &NodeRun, max_leaf: u32) -> Kind {
+        Kind::of(&run.node, max_leaf, || self.children(run).map(|child| child.node))
+    }
+
+    /// Appends the wide nodes and leaf blocks of a subtree, as [`open_largest`] forms them. `None` if there are splits
+    /// below `levels` others: the treelet is then to be rolled back. Counts binary splits.
+    fn emit(
+        &self,
+        (run, kind): (&NodeRun, Kind),
+        levels: u32,
+        leaves: &Leaves<'_>,
+        treelet: &mut WideTreelet,
+        splits: &mut u64,
+    ) -> Option<Subtree> {
+        if kind != Kind::Inner {
+            return Some(leaves.emit(self, run, treelet));
+        }
+        let open = |run: &NodeRun, levels: u32| {
+            let levels = levels.checked_sub(1)?;
+            let child = |run: NodeRun| Child::new(run, self.kind(&run, leaves.max_leaf), levels);
+            Some(self.children(run).map(child))
+        };
+        let mut children = ArrayVec::<Child, WIDTH>::new();
+        children.extend(open(run, levels)?);
+        open_largest(
+            &mut children,
+            |child| child.priority,
+            |child| open(&child.run, child.levels).map(|children| children.map(Some)),
+        )?;
+        let mut built = ArrayVec::<(Aabb, Link), WIDTH>::new();
+        for Child { run, kind, levels, .. } in &children {
+            built.extend(self.emit((run, *kind), *levels, leaves, treelet, splits)?);
+        }
+        *splits += children.len() as u64 - 1;
+        Some(treelet.node(&built))
+    }
+}
+
+impl BinarySource for Subtrees {
+    #[inline(always)]
+    fn children(&self, run: &NodeRun) -> [NodeRun; 2] {
+        let [left, right] = self.children(&run.node);
+        [NodeRun { node: left, first: run.first }, NodeRun { node: right, first: run.first + left.count() }]
+    }
+
+    #[inline(always)]
+    fn prim(&self, position: usize) -> u32 {
+        self.prims[position]
+    }
+}
+
+/// How leaves are made.
+pub(crate) struct Leaves<'a> {
+    /// The triangles.
+    pub mesh: &'a Mesh,
+    /// Most triangles of a leaf of several blocks.
+    pub max_leaf: u32,
+    /// Whether parts of one triangle may meet in a leaf.
+    pub may_repeat: bool,
+}
+
+impl<'a> Leaves<'a> {
+    /// Of references each of which is in one leaf.
+    pub fn of(refs: &PrimRefs<'a>, max_leaf: u32) -> Self {
+        Self { mesh: refs.mesh, max_leaf, may_repeat: !refs.fragments.is_empty() }
+    }
+
+    /// Appends the leaf of a subtree's triangles.
+    #[inline]
+    pub fn emit(
+        &self,
+        source: &(impl BinarySource + ?Sized),
+        run: &NodeRun,
+        treelet: &mut WideTreelet,
+    ) -> Subtree {
+        let positions = run.first as usize..(run.first + run.node.count()) as usize;
+        let bounds = run.node.bounds();
+        if !self.may_repeat && positions.len() <= BLOCK as usize {
+            let prim = |lane: usize| source.prim((positions.start + lane).min(positions.end - 1));
+            return Some((bounds, treelet.block(self.mesh, positions.len(), std::array::from_fn(prim))));
+        }
+        let mut prims: ArrayVec<u32, { MAX_LEAF as usize }> =
+            positions.map(|position| source.prim(position)).collect();
+        if self.may_repeat {
+            // Parts of one triangle may meet in a leaf.
+            prims.sort_unstable();
+            let mut last = None;
+            prims.retain(|prim| last.replace(*prim) != Some(*prim));
+        }
+        treelet.leaf(self.mesh, &prims).map(|link| (bounds, link))
+    }
+}
+
+/// A child of a wide node in the making.
+struct Child {
+    run: NodeRun,
+    kind: Kind,
+    priority: Priority,
+    /// Splits that there may be below, one below the other.
+    levels: u32,
+}
+
+impl Child {
+    #[inline(always)]
+    fn new(run: NodeRun, kind: Kind, levels: u32) -> Self {
+        Self { run, kind, priority: Priority::new(kind, run.node.bounds().half_area()), levels }
+    }
+}

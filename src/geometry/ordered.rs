@@ -1,0 +1,20 @@
+//! Floats as integers of the same order, for sort keys.
+
+/// Maps a float to an integer of the same order; both zeros to the same.
+#[inline]
+pub(crate) fn ordered_bits(x: f32) -> u32 {
+    let bits = (x + 0.0).to_bits();
+    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_in_the_order_of_the_floats() {
+        let values = [f32::NEG_INFINITY, -2.0, -1e-40, 0.0, 1e-40, 3.0, f32::INFINITY];
+        assert!(values.windows(2).all(|w| ordered_bits(w[0]) < ordered_bits(w[1])));
+        assert_eq!(ordered_bits(-0.0), ordered_bits(0.0));
+    }
+}

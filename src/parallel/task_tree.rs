@@ -1,0 +1,79 @@
+//! The upper part of a recursion, divided in parallel down to tasks that one thread each completes.
+
+use rayon::prelude::*;
+use std::sync::Mutex;
+
+/// A tree over tasks of type `T`.
+pub(crate) enum TaskTree<T> {
+    /// What one thread does.
+    Task(T),
+    /// The parts of a division, in order; there may be none.
+    Node(Vec<Self>),
+}
+
+/// What becomes of a part of the work.
+pub(crate) enum Division<T> {
+    /// It is small enough for one thread.
+    Task(T),
+    /// It is divided into these.
+    Parts(Vec<T>),
+}
+
+/// The tasks of a tree, each to be taken once.
+pub(crate) struct Tasks<T>(Vec<Mutex<Option<T>>>);
+
+impl<T: Send> TaskTree<T> {
+    /// Divides `root` by `divide` until only tasks are left, parts in parallel.
+    pub fn grow(root: T, divide: &(impl Fn(T) -> Division<T> + Sync)) -> Self {
+        match divide(root) {
+            Division::Task(task) => Self::Task(task),
+            Division::Parts(parts) => {
+                Self::Node(parts.into_par_iter().map(|part| Self::grow(part, divide)).collect())
+            }
+        }
+    }
+
+    /// Moves the tasks to an array, depth first, and leaves their indices.
+    pub fn number(self) -> (TaskTree<usize>, Tasks<T>) {
+        let mut tasks = Vec::new();
+        let tree = self.number_into(&mut tasks);
+        (tree, Tasks(tasks))
+    }
+
+    fn number_into(self, tasks: &mut Vec<Mutex<Option<T>>>) -> TaskTree<usize> {
+        match self {
+            Self::Task(task) => {
+                tasks.push(Mutex::new(Some(task)));
+                TaskTree::Task(tasks.len() - 1)
+            }
+            Self::Node(parts) => {
+                TaskTree::Node(parts.into_iter().map(|part| part.number_into(tasks)).collect())
+            }
+        }
+    }
+}
+
+impl<T> Tasks<T> {
+    /// Number of tasks.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Task `index`, which nobody has taken yet.
+    pub fn take(&self, index: usize) -> T {
+        self.0[index].lock().expect("no task panics").take().expect("each task is taken once")
+    }
+}
+
+impl TaskTree<usize> {
+    /// Joins the results of the tasks bottom-up, parts before what they are part of.
+    pub fn fold<R: Copy>(&self, results: &[R], join: &mut impl FnMut(&[R]) -> R) -> R {
+        match self {
+            Self::Task(index) => results[*index],
+            Self::Node(parts) => {
+                let parts: Vec<R> = parts.iter().map(|part| part.fold(results, join)).collect();
+                join(&parts)
+            }
+        }
+    }
+}
