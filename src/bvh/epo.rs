@@ -4,9 +4,8 @@
 //! `EPO = sum over nodes n of C(n) * area(surface outside n's subtree, but inside n's box) / area(surface)`,
 //! with C = 1 for an inner node and the number of quartets for a leaf. Large meshes are sampled by area.
 
-use super::clip::Polygon;
 use super::{Child, Link, WideBvh};
-use crate::geometry::Mesh;
+use crate::geometry::{Mesh, Polygon};
 use rayon::prelude::*;
 
 /// Triangles looked at, at most: evenly spaced along the cumulative area. A fixed number keeps the cost of

@@ -1,8 +1,7 @@
 //! The proof that a tree is whole: every triangle is reachable, inside its boxes, and covered.
 
-use super::clip::Polygon;
 use super::{Child, Link, MAX_DEPTH, TriangleBlock, WideBvh};
-use crate::geometry::{Aabb, Mesh};
+use crate::geometry::{Aabb, Mesh, Polygon};
 use glam::Vec3A;
 
 /// What is wrong with a tree.

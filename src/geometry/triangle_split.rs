@@ -1,8 +1,7 @@
 //! Splitting a reference to a triangle by a plane (Stich et al. 2009, reference splitting): each side gets the
 //! box of the triangle's own part there, not half of the reference's box.
 
-use crate::bvh::Polygon;
-use crate::geometry::{Aabb, Mesh};
+use crate::geometry::{Aabb, Mesh, Polygon};
 use glam::{DVec3, Vec3A};
 
 /// The boxes of what lies left and right of `plane` of a triangle's part inside `bounds`, either of which may

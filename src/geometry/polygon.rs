@@ -1,6 +1,6 @@
 //! Triangles clipped to boxes (Sutherland-Hodgman), in double precision: for EPO and for proofs of coverage.
 
-use crate::geometry::Aabb;
+use super::Aabb;
 use glam::{DVec3, Vec3A};
 
 /// A convex planar polygon: a triangle after up to six cuts.
