@@ -184,7 +184,7 @@ fn number<T: std::str::FromStr>(what: &'static str, text: Option<&str>) -> Resul
 mod tests {
     use super::*;
     use crate::embree::Width;
-    use crate::embree::samples::soup;
+    use crate::embree::test_meshes::soup;
     use embree_sys as sys;
 
     #[test]

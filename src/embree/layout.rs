@@ -147,18 +147,21 @@ impl RootSlot {
     }
 
     /// The root reference.
-    pub fn get(&self) -> u64 {
-        // SAFETY: `find` proved the place to be the root of a live scene's tree: the head around it names the
-        // scene, its device and its bounds. The slot lives no longer than that scene (both owners keep them
-        // together), and nobody writes to it during `&self`.
+    ///
+    /// # Safety
+    /// The scene whose root this is lives.
+    pub unsafe fn get(&self) -> u64 {
+        // SAFETY: `find` proved the place to be the root of the scene's tree: the head around it names the scene,
+        // its device and its bounds. The scene lives, and nobody writes to the slot during `&self`.
         unsafe { self.place.read() }
     }
 
     /// Sets the root reference.
     ///
     /// # Safety
-    /// `root` refers to a tree in this layout that outlives its stay here, no thread traces the scene now, and
-    /// the original root is set again before the scene is committed again or released.
+    /// The scene whose root this is lives, and no thread traces it now; `root` refers to a tree in this layout
+    /// that outlives its stay here; the original root is set again before the scene is committed again or
+    /// released.
     pub unsafe fn set(&mut self, root: u64) {
         // SAFETY: the place is valid as in `get`, and the caller has it alone.
         unsafe { self.place.write(root) }

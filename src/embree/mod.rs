@@ -17,21 +17,21 @@ mod device;
 mod error;
 #[cfg(feature = "graft")]
 pub mod graft;
-#[cfg(feature = "graft")]
-mod image;
 mod inspect;
 #[cfg(feature = "graft")]
 mod layout;
 #[cfg(feature = "graft")]
 pub mod native;
+#[cfg(feature = "graft")]
+mod node_image;
 mod packets;
 #[cfg(feature = "graft")]
 mod pages;
 mod query;
 pub mod rtcbuild;
-#[cfg(test)]
-mod samples;
 mod scene;
+#[cfg(test)]
+mod test_meshes;
 
 pub use config::{Config, EmbreeBuilder, Width};
 pub use device::{Device, Memory, version};

@@ -3,7 +3,7 @@
 
 use super::layout::reference::{self, Target};
 use super::layout::{Node, RootSlot, Triangle4, Unavailable};
-use super::{EmbreeScene, query};
+use super::scene::{EmbreeScene, GEOMETRY};
 use crate::bvh::{Bvh4, Bvh8, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::{Aabb, Mesh};
 use glam::Vec3A;
@@ -30,8 +30,8 @@ fn read<const N: usize>(scene: &EmbreeScene<'_>) -> Result<WideBvh<N>, Unavailab
         return Ok(WideBvh::default());
     }
     let slot = RootSlot::find::<N>(scene)?;
-    // SAFETY: the guards of `find` hold, so the root belongs to Embree's tree of this live scene, or to the one
-    // that replaces it, and nothing changes it while the scene is borrowed.
+    // SAFETY: the scene is live. The guards of `find` hold, so the root belongs to its tree, or to the one that
+    // replaces it, and nothing changes it while the scene is borrowed.
     unsafe { walk(slot.get(), scene.bounds(), scene.mesh()) }
 }
 
@@ -118,7 +118,7 @@ fn check_block(block: &Triangle4, mesh: &Mesh, seen: &mut [bool]) -> Result<Tria
         if (geometry, prim) == (u32::MAX, u32::MAX) {
             continue;
         }
-        if geometry != query::GEOMETRY || prim as usize >= mesh.len() {
+        if geometry != GEOMETRY || prim as usize >= mesh.len() {
             return Unavailable::because(format_args!("a leaf names triangle {prim} of geometry {geometry}"));
         }
         ours.set(lane, mesh.corners(prim), prim);
@@ -134,7 +134,7 @@ fn check_block(block: &Triangle4, mesh: &Mesh, seen: &mut [bool]) -> Result<Tria
 mod tests {
     use super::*;
     use crate::bvh::Statistics;
-    use crate::embree::samples::soup;
+    use crate::embree::test_meshes::soup;
     use crate::embree::{Config, Device, EmbreeBuilder, Width, inspect};
 
     /// Reads the tree of every builder and compares what it costs with what Embree prints.
@@ -173,7 +173,8 @@ mod tests {
             Device::new(&Config { builder: EmbreeBuilder::Sah, width: Width::Four, threads: 1 }).unwrap();
         let scene = device.prepare(&mesh).unwrap().commit().unwrap();
         assert!(read8(&scene).unwrap_err().why.contains("type 3"));
-        let root = RootSlot::find::<4>(&scene).unwrap().get();
+        // SAFETY: the scene lives.
+        let root = unsafe { RootSlot::find::<4>(&scene).unwrap().get() };
         // SAFETY: the root of a 4-wide tree, checked as in `read`.
         let with = |mesh: &Mesh| unsafe { walk::<4>(root, scene.bounds(), mesh) };
         assert!(with(&mesh).is_ok());

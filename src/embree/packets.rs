@@ -99,7 +99,7 @@ impl Tracer for Packets<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::embree::samples::{rays, soup};
+    use crate::embree::test_meshes::{rays, soup};
     use crate::embree::{Config, Device, EmbreeBuilder, Width};
 
     #[test]

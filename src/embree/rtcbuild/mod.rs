@@ -140,7 +140,7 @@ unsafe fn collect<const N: usize>(root: *const Raw, mesh: &Mesh) -> Option<WideB
 mod tests {
     use super::*;
     use crate::bvh::sah_cost;
-    use crate::embree::samples::soup;
+    use crate::embree::test_meshes::soup;
     use crate::embree::{Config, Width, inspect};
 
     fn compare<const N: usize>(mesh: &Mesh, width: Width) {
