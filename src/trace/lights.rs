@@ -1,7 +1,7 @@
 //! What lights any scene: a sun and a sky for what is outdoors, a lamp near the camera for what is not.
 //! Each vertex of a path sends one shadow ray, to the sun or to the lamp, whichever its random number says.
 
-use super::Camera;
+use super::camera::Camera;
 use crate::geometry::{Hit, Ray, Tracer};
 use crate::scene::View;
 use glam::Vec3;

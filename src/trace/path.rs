@@ -4,7 +4,7 @@
 //! segment, so that a tracer gets whole batches.
 
 use super::lights::Lights;
-use super::rng::PixelRandom;
+use super::pixel_random::PixelRandom;
 use super::{Camera, Image, RayBatches, RayKind};
 use crate::geometry::{Hit, Mesh, Ray, Tracer};
 use crate::scene::View;
