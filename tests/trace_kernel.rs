@@ -7,11 +7,11 @@ use phr::bvh::WideBvh;
 use phr::geometry::{Hit, Mesh, Ray};
 use phr::random::SplitMix64;
 use phr::trace::verify::{compare_any, compare_closest, witness};
-use phr::trace::{BruteForce, BvhTracer, Isa};
+use phr::trace::{BruteForce, BvhTracer, Isa, kernel_isa};
 use trace_support::*;
 
 fn isas() -> impl Iterator<Item = Isa> {
-    Isa::available()
+    Isa::available().filter(|&isa| isa <= kernel_isa())
 }
 
 /// Traces `rays` through trees of `N` children by every instruction set and compares with brute force.
