@@ -1,5 +1,7 @@
 //! The structures as bindgen lays them out are those that the C compiler sees.
 
+#![allow(unsafe_code)]
+
 use embree_sys::*;
 use std::collections::BTreeMap;
 use std::ffi::CStr;

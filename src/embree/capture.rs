@@ -1,5 +1,7 @@
 //! Reads back what C code prints to standard output.
 
+#![allow(unsafe_code)]
+
 use std::io::{self, Read, Write};
 use std::os::fd::{AsFd, AsRawFd, OwnedFd};
 use std::thread;

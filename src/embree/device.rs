@@ -1,5 +1,7 @@
 //! An Embree device: configuration, errors and the memory it holds.
 
+#![allow(unsafe_code)]
+
 use super::config::Config;
 use super::error::{EmbreeError, describe};
 use embree_sys as sys;

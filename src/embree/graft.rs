@@ -5,6 +5,8 @@
 //! traversal several per cent, so every tree, Embree's own included (see [`super::native`]), goes through one
 //! routine: inner nodes and leaves in two arrays, both depth first.
 
+#![allow(unsafe_code)]
+
 use super::EmbreeScene;
 use super::layout::{RootSlot, Unavailable};
 use super::node_image::NodeImage;

@@ -5,6 +5,8 @@
 //! instrument [`Unavailable`]. The head of Embree's object is read through `/proc/self/mem`, where a wrong
 //! address is an error and not a crash; only a head that passes every check is followed by pointer.
 
+#![allow(unsafe_code)]
+
 use super::EmbreeScene;
 use crate::geometry::Aabb;
 use std::fmt;

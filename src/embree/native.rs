@@ -1,6 +1,8 @@
 //! Reads Embree's own tree of a committed scene into ours, so that costs, node visits and our kernel apply to
 //! Embree's builders too. Boxes, order of children and of leaves stay as they are.
 
+#![allow(unsafe_code)]
+
 use super::layout::reference::{self, Target};
 use super::layout::{Node, RootSlot, Triangle4, Unavailable};
 use super::scene::{EmbreeScene, GEOMETRY};

@@ -1,6 +1,8 @@
 //! Ray queries in packets of eight (`rtcIntersect8`, `rtcOccluded8`): what Embree gains where rays are
 //! coherent. Trees are ranked by single rays; this is an extra column.
 
+#![allow(unsafe_code)]
+
 use super::{EmbreeScene, query};
 use crate::geometry::{Hit, Ray, Tracer};
 use embree_sys as sys;

@@ -5,6 +5,8 @@
 //! nanoseconds per ray where tracing takes hundreds, and the traced loop itself holds nothing but the conversion
 //! and the call.
 
+#![allow(unsafe_code)]
+
 use super::EmbreeScene;
 use crate::geometry::{Hit, Ray, Tracer};
 use embree_sys as sys;

@@ -1,5 +1,7 @@
 //! A scene of one triangle mesh: made and committed, which builds the tree.
 
+#![allow(unsafe_code)]
+
 use super::{Device, EmbreeError};
 use crate::geometry::{Aabb, Mesh};
 use embree_sys as sys;

@@ -1,6 +1,8 @@
 //! What `rtcBuildBVH` calls back, from all of its threads: nodes and leaves as plain values in Embree's own
 //! memory, and triangles cut at planes.
 
+#![allow(unsafe_code)]
+
 use crate::geometry::{Aabb, Mesh};
 use embree_sys as sys;
 use glam::Vec3A;

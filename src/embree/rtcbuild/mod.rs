@@ -4,6 +4,8 @@
 //! its 4-wide tree costs more. The function calls back for every node and cut: inspect its trees, do not time
 //! them.
 
+#![allow(unsafe_code)]
+
 mod callbacks;
 
 use super::{Device, EmbreeBuilder, EmbreeError};

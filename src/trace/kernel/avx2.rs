@@ -1,6 +1,8 @@
 //! The tests with AVX2 and FMA, in the operation order of Embree's single-ray kernels for `triangle4`
 //! leaves, so that on the same processor the same tree gives the same bits.
 
+#![allow(unsafe_code)]
+
 use super::counts::Counter;
 use super::scalar::SMALLEST_DIRECTION;
 use super::sound_tree::SoundTree;

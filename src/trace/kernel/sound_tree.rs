@@ -1,6 +1,8 @@
 //! The proof that a tree's links may be followed unchecked: trees have public fields, the kernel reads them
 //! without bounds checks and with a stack of fixed size.
 
+#![allow(unsafe_code)]
+
 use crate::bvh::limits::MAX_BLOCKS;
 use crate::bvh::{Child, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 

@@ -1,5 +1,7 @@
 //! Children that wait while a nearer one is visited.
 
+#![allow(unsafe_code)]
+
 use crate::bvh::Link;
 use crate::bvh::limits::TRAVERSAL_STACK;
 use std::mem::MaybeUninit;

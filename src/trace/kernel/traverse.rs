@@ -1,6 +1,8 @@
 //! The traversal itself: depth first, nearest child first, farther ones on a stack and skipped when a closer
 //! hit was found meanwhile (after Wald et al., "Embree: a kernel framework", 2014). Generic over the tests.
 
+#![allow(unsafe_code)]
+
 use super::counts::Counter;
 use super::sound_tree::SoundTree;
 use super::stack::{Item, Stack, ordered};
