@@ -15,29 +15,21 @@ mod capture;
 mod config;
 mod device;
 mod error;
-#[cfg(feature = "graft")]
-pub mod graft;
 mod inspect;
-#[cfg(feature = "graft")]
-mod layout;
-#[cfg(feature = "graft")]
-pub mod native;
-#[cfg(feature = "graft")]
-mod node_image;
 mod packets;
-#[cfg(feature = "graft")]
-mod pages;
 mod query;
 pub mod rtcbuild;
 mod scene;
 #[cfg(test)]
 mod test_meshes;
+#[cfg(feature = "graft")]
+mod tree;
 
 pub use config::{Config, EmbreeBuilder, Width};
 pub use device::{Device, Memory, version};
 pub use error::EmbreeError;
 pub use inspect::{Inspection, inspect};
-#[cfg(feature = "graft")]
-pub use layout::Unavailable;
 pub use packets::Packets;
 pub use scene::{EmbreeScene, Prepared};
+#[cfg(feature = "graft")]
+pub use tree::{Unavailable, graft, native};

@@ -7,10 +7,10 @@
 
 #![allow(unsafe_code)]
 
-use super::EmbreeScene;
 use super::layout::{RootSlot, Unavailable};
 use super::node_image::NodeImage;
 use crate::bvh::WideBvh;
+use crate::embree::EmbreeScene;
 use crate::geometry::{Hit, Ray, Tracer};
 
 /// A committed scene whose root is another tree's, traced by Embree's kernels.
@@ -81,8 +81,8 @@ impl Tracer for Graft<'_> {
 mod tests {
     use super::*;
     use crate::bvh::{Bvh4, Bvh8, Link, MAX_DEPTH, TriangleBlock, WideNode};
-    use crate::embree::layout::Node;
     use crate::embree::test_meshes::{rays, soup};
+    use crate::embree::tree::layout::Node;
     use crate::embree::{Config, Device, EmbreeBuilder, Width, native};
     use crate::geometry::Mesh;
 

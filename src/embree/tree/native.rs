@@ -5,12 +5,12 @@
 
 use super::layout::reference::{self, Target};
 use super::layout::{Node, RootSlot, Triangle4, Unavailable};
-use super::scene::{EmbreeScene, GEOMETRY};
 use crate::bvh::{Bvh4, Bvh8, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
+use crate::embree::scene::{EmbreeScene, GEOMETRY};
 use crate::geometry::{Aabb, Mesh};
 use glam::Vec3A;
 
-/// The tree of a scene built with [`super::Width::Four`].
+/// The tree of a scene built with [`crate::embree::Width::Four`].
 ///
 /// # Errors
 /// [`Unavailable`] where Embree is another version or anything in the tree is not as it must be.
@@ -18,7 +18,7 @@ pub fn read4(scene: &EmbreeScene<'_>) -> Result<Bvh4, Unavailable> {
     read(scene)
 }
 
-/// The tree of a scene built with [`super::Width::Eight`].
+/// The tree of a scene built with [`crate::embree::Width::Eight`].
 ///
 /// # Errors
 /// As for [`read4`].

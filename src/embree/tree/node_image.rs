@@ -2,8 +2,8 @@
 
 use super::layout::{Node, Triangle4, Unavailable, reference};
 use super::pages::Pages;
-use super::scene::GEOMETRY;
 use crate::bvh::{Child, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
+use crate::embree::scene::GEOMETRY;
 use crate::geometry::Hit;
 
 /// A tree in Embree's layout. References are addresses within, so nothing may be moved or changed.

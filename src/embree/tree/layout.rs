@@ -7,7 +7,7 @@
 
 #![allow(unsafe_code)]
 
-use super::EmbreeScene;
+use crate::embree::EmbreeScene;
 use crate::geometry::Aabb;
 use std::fmt;
 use std::fs::File;
