@@ -1,4 +1,4 @@
-//! The structures as bindgen lays them out are those that the C compiler sees.
+//! bindgen lays out all structures as the C compiler does.
 
 #![allow(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! The wide tree every builder emits, what it costs, and the proof that it is whole.
+//! The wide tree that builders emit, its limits, its costs and its validation.
 
 mod block;
 mod epo;

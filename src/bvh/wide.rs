@@ -73,7 +73,7 @@ impl WideNode<4> {
     }
 }
 
-/// A wide BVH with its leaf data: all that traversal needs.
+/// A wide BVH with its leaf data, complete for traversal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WideBvh<const N: usize> {
     /// The root; [`Link::EMPTY`] for a tree without triangles, a leaf for a very small one.

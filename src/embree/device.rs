@@ -18,7 +18,7 @@ pub struct Memory {
     pub peak_bytes: usize,
 }
 
-/// What Embree's callbacks write to, from any of its threads.
+/// Counters and errors that Embree's callbacks write, from any of its threads.
 #[derive(Default)]
 struct Monitor {
     live: AtomicI64,

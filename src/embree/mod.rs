@@ -1,5 +1,5 @@
 //! The distribution's Embree 3 behind safe types: devices, scenes, its three builders at both widths, and
-//! what it says about the trees it built. None of Embree's own types leave this module.
+//! its reports of the trees it built. None of Embree's own types leave this module.
 //!
 //! ```no_run
 //! # fn main() -> Result<(), phr::embree::EmbreeError> {

@@ -1,5 +1,5 @@
-//! Ray queries in packets of eight (`rtcIntersect8`, `rtcOccluded8`): what Embree gains where rays are
-//! coherent. Trees are ranked by single rays; this is an extra column.
+//! Ray queries in packets of eight (`rtcIntersect8`, `rtcOccluded8`): Embree's gain from coherent
+//! rays. Trees are ranked by single rays; this is an extra column.
 
 #![allow(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! Embree's builders through the public `rtcBuildBVH`, into our tree: for Embrees whose own trees cannot be
+//! Embree's builders through the public `rtcBuildBVH`, into our tree: for versions whose own trees cannot be
 //! read. With these parameters SAH and Fast-Spatial give the very tree of a committed scene, but for rare
 //! nodes where the SSE2 binning of this function differs; Morton lacks the scene builder's tree rotations, so
 //! its 4-wide tree costs more. The function calls back for every node and cut: inspect its trees, do not time

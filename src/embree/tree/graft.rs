@@ -16,7 +16,7 @@ use crate::geometry::{Hit, Ray, Tracer};
 /// A committed scene whose root is another tree's, traced by Embree's kernels.
 pub struct Graft<'a> {
     scene: EmbreeScene<'a>,
-    /// Where the root is and what it was; none in a scene without triangles, where Embree has no tree.
+    /// Place of the root and its original value; none in a scene without triangles, where Embree has no tree.
     host: Option<(RootSlot, u64)>,
     bytes: usize,
     /// The nodes that the root refers to; dropped after the scene.
@@ -39,7 +39,7 @@ impl<'a> Graft<'a> {
             // SAFETY: the scene is owned here.
             let original = unsafe { slot.get() };
             // SAFETY: `NodeImage::of` made a whole tree in Embree's layout, which lives in this graft and is never
-            // changed; the scene is owned here, so nobody traces it; `drop` restores the root, and no method
+            // changed; the scene is owned here, so no other thread traces it; `drop` restores the root, and no method
             // of a committed scene commits again.
             unsafe { slot.set(image.root()) };
             host = Some((slot, original));

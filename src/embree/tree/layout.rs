@@ -1,7 +1,7 @@
 //! Where Embree 3.13.5 keeps the tree of a committed scene, and how nodes and leaves lie in memory.
 //!
 //! This is private to Embree: offsets hold for one version on one platform. Everything read is therefore
-//! checked against what the public API says about the same scene, and whatever disagrees makes the
+//! checked against what the public API says about the same scene, and any disagreement makes the
 //! instrument [`Unavailable`]. The head of Embree's object is read through `/proc/self/mem`, where a wrong
 //! address is an error and not a crash; only a head that passes every check is followed by pointer.
 
@@ -13,7 +13,7 @@ use std::fmt;
 use std::fs::File;
 use std::os::unix::fs::FileExt;
 
-/// The version whose layout this is.
+/// The version with this layout.
 const VERSION: isize = 31305;
 /// Offset of the pointer to the tree in a scene of triangles only.
 const SCENE_TREE: u64 = 88;
@@ -109,7 +109,7 @@ struct Head {
     root: u64,
 }
 
-/// What the public API says about the same things.
+/// The same values from the public API.
 struct Expected {
     lanes: usize,
     bounds: Aabb,

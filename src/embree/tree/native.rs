@@ -112,7 +112,7 @@ fn convert<const N: usize>(node: &Node<N>) -> WideNode<N> {
     wide
 }
 
-/// Our block of the same triangles, if Embree's holds what these triangles must look like.
+/// Our block of the same triangles, if Embree's holds the same data.
 fn check_block(block: &Triangle4, mesh: &Mesh, seen: &mut [bool]) -> Result<TriangleBlock, Unavailable> {
     let mut ours = TriangleBlock::EMPTY;
     for lane in 0..4 {
@@ -139,7 +139,7 @@ mod tests {
     use crate::embree::test_meshes::soup;
     use crate::embree::{Config, Device, EmbreeBuilder, Width, inspect};
 
-    /// Reads the tree of every builder and compares what it costs with what Embree prints.
+    /// Reads the tree of every builder and compares its cost with the one that Embree prints.
     fn read_and_compare<const N: usize>(mesh: &Mesh, width: Width) {
         for builder in EmbreeBuilder::ALL {
             let config = Config { builder, width, threads: 2 };

@@ -1,8 +1,8 @@
-//! What a batch of rays visits, counted at no cost to batches that are not counted.
+//! Counters of visited nodes and leaf blocks, which cost nothing where they are off.
 
 use std::ops::Add;
 
-/// What a batch of rays visited.
+/// Nodes and leaf blocks that a batch of rays visited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct TraversalCounts {
     /// Rays traced.

@@ -78,7 +78,7 @@ impl<'a, const N: usize> SoundTree<'a, N> {
         unsafe { self.tree.blocks.get_unchecked(first..first + count) }
     }
 
-    /// Where the data of `link` lies; only for prefetching.
+    /// Address of the data of `link`, for prefetching only.
     #[inline(always)]
     pub(super) fn address(self, link: Link) -> *const u8 {
         const INDEX: u32 = MAX_BLOCKS as u32 - 1;

@@ -64,7 +64,7 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
         self.isa
     }
 
-    /// Counts what closest-hit queries of `rays` visit. Untimed use: it runs on the current rayon pool.
+    /// Counts the visits of closest-hit queries of `rays`. Not for timing: it runs on the current rayon pool.
     pub fn count_closest(&self, rays: &[Ray]) -> TraversalCounts {
         self.count(rays, |chunk, counts| {
             let mut hits = vec![Hit::MISS; chunk.len()];
@@ -73,7 +73,7 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
         })
     }
 
-    /// Counts what any-hit queries of `rays` visit, likewise.
+    /// Counts the visits of any-hit queries of `rays`, likewise.
     pub fn count_any(&self, rays: &[Ray]) -> TraversalCounts {
         self.count(rays, |chunk, counts| {
             let mut occluded = vec![false; chunk.len()];
@@ -96,7 +96,7 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
             .reduce(TraversalCounts::default, TraversalCounts::add)
     }
 
-    /// Runs a batch; the instruction set is looked at once per batch.
+    /// Runs a batch; the instruction set is dispatched once per batch.
     fn run<C: Counter>(&self, query: Query<'_>, counter: &mut C) {
         match self.isa {
             #[cfg(target_arch = "x86_64")]
