@@ -1,7 +1,7 @@
 //! Finds Embree 3, checks its version, generates the bindings and compiles the shim.
 //!
 //! Looks in `EMBREE3_DIR` (a prefix with `include/embree3` and `lib`) if that is set, and nowhere else;
-//! otherwise in the places where distributions install it. Whatever is missing is told in one paragraph.
+//! otherwise in the places where distributions install it. An error names everything missing in one paragraph.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs, panic};

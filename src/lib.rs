@@ -20,6 +20,7 @@ pub mod embree;
 pub mod geometry;
 mod memory;
 mod parallel;
+pub mod random;
 pub mod scene;
 mod simd;
 pub mod trace;

@@ -1,4 +1,4 @@
-/* What bindgen reads: Embree's API, and the shim's functions for those that the headers define inline.
+/* Input of bindgen: Embree's API, and the shim's functions in place of the headers' inline ones.
    Each `embree_sys_rtcX` is called `rtcX` in Rust. */
 #pragma once
 #include <embree3/rtcore.h>

@@ -5,6 +5,8 @@
 //! names; `rtcGetRayFromRayN` and its like, which C++ alone has, too.
 //! `build.rs` finds Embree through `EMBREE3_DIR` or in the distribution's paths.
 
+#![allow(unsafe_code)]
+
 // Generated code, whose unsafe blocks only read and write bit patterns of its own plain structures.
 #[allow(
     missing_docs,

@@ -1,4 +1,6 @@
-//! The structures as bindgen lays them out are those that the C compiler sees.
+//! bindgen lays out all structures as the C compiler does.
+
+#![allow(unsafe_code)]
 
 use embree_sys::*;
 use std::collections::BTreeMap;

@@ -2,14 +2,13 @@
 //! Aila, Karras, Laine, *On Quality Metrics of Bounding Volume Hierarchies*, HPG 2013, equation 2.
 //!
 //! `EPO = sum over nodes n of C(n) * area(surface outside n's subtree, but inside n's box) / area(surface)`,
-//! with C = 1 for an inner node and the number of quartets for a leaf. Large meshes are sampled by area.
+//! with C = 1 for an inner node and the number of blocks for a leaf. Large meshes are sampled by area.
 
-use super::clip::Polygon;
 use super::{Child, Link, WideBvh};
-use crate::geometry::Mesh;
+use crate::geometry::{Mesh, Polygon};
 use rayon::prelude::*;
 
-/// Triangles looked at, at most: evenly spaced along the cumulative area. A fixed number keeps the cost of
+/// Most triangles sampled, evenly spaced along the cumulative area. A fixed number keeps the cost of
 /// measuring bounded; meshes with fewer triangles are measured whole.
 const SAMPLES: usize = 1 << 16;
 
@@ -123,7 +122,7 @@ struct Visit<'a, const N: usize> {
 
 impl<const N: usize> Visit<'_, N> {
     /// Cost-weighted area of the triangle inside the boxes of `link`'s subtree that do not hold it.
-    /// `part` is what is left of it inside the parent's box, which contains this one.
+    /// `part` is the rest of it inside the parent's box, which contains this one.
     fn below(&self, link: Link, bounds: crate::geometry::Aabb, part: &Polygon) -> f64 {
         let part = part.clipped(bounds);
         if part.is_empty() {

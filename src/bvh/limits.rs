@@ -25,9 +25,9 @@ pub(crate) const MAX_REFERENCES_PER_TRIANGLE: usize = 4;
 /// Most references of a build.
 const MAX_REFERENCES: usize = Mesh::MAX_TRIANGLES * MAX_REFERENCES_PER_TRIANGLE;
 
-/// Most inner levels a tree may have: Embree's traversal stack holds no more, and neither does ours. A level of
-/// a wide tree takes the place of at least one of the binary tree it is collapsed from, so that what bounds the
-/// levels of a binary tree bounds those of the wide one.
+/// Most inner levels a tree may have: Embree's traversal stack holds no more, and neither does ours. Each level
+/// of a wide tree replaces at least one level of the binary tree it is collapsed from, so a bound on the levels
+/// of the binary tree bounds the wide tree, too.
 pub const MAX_DEPTH: usize = 80;
 
 /// Items that wait on the stack while a tree is traversed. Each level leaves at most seven of eight children
@@ -71,7 +71,7 @@ pub(crate) const fn follows_clusters(depth: u32, references: usize) -> bool {
 const _: () = assert!(MAX_REFERENCES <= MAX_BLOCKS);
 /// Trees of refined cuts.
 const _: () = assert!(CUT_DEPTH + halvings(MAX_REFERENCES) <= MAX_DEPTH as u32);
-/// Those whose lowest levels are swept at once.
+/// Trees of refined cuts whose lowest levels are built by one sweep.
 const _: () = assert!(CUT_DEPTH + SUBTREE_DEPTH + halvings(SUBTREE_MOST) <= MAX_DEPTH as u32);
 /// Linear trees.
 const _: () = assert!(MORTON_BITS + MIDDLE_DEPTH + halvings(MAX_REFERENCES) <= MAX_DEPTH as u32);

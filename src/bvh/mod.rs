@@ -1,15 +1,17 @@
-//! The wide tree every builder emits, what it costs, and the proof that it is whole.
+//! The wide tree that builders emit, its limits, its costs and its validation.
 
-mod clip;
+mod block;
 mod epo;
 pub(crate) mod limits;
+mod link;
 mod statistics;
 mod validate;
 mod wide;
 
-pub(crate) use clip::Polygon;
+pub use block::TriangleBlock;
 pub use epo::epo;
 pub use limits::{MAX_DEPTH, MAX_LEAF_BLOCKS};
+pub use link::{Child, Link};
 pub use statistics::{Statistics, sah_cost};
 pub use validate::Invalid;
-pub use wide::{Bvh4, Bvh8, Child, Link, TriangleBlock, WideBvh, WideNode};
+pub use wide::{Bvh4, Bvh8, WideBvh, WideNode};

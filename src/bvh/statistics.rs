@@ -1,4 +1,4 @@
-//! What a tree costs: the SAH cost of Table 1's caption with Embree's formula, and counts.
+//! Costs and counts of a tree: the SAH cost of Table 1's caption by Embree's formula, and sizes.
 
 use super::limits::MAX_LEAF_BLOCKS;
 use super::{Child, Link, WideBvh};
@@ -7,7 +7,7 @@ use crate::geometry::Mesh;
 /// Counts and costs of a tree.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Statistics {
-    /// SAH cost with c_T = c_I = 1, a leaf counting its quartets: the sum over inner nodes of their area and
+    /// SAH cost with c_T = c_I = 1, a leaf counting its blocks: the sum over inner nodes of their area and
     /// over leaves of area times blocks, relative to the area of the whole. Embree prints the same.
     pub sah: f64,
     /// End-point overlap (Aila, Karras, Laine 2013), see [`super::epo`].

@@ -1,11 +1,10 @@
-//! The proof that a tree is whole: every triangle is reachable, inside its boxes, and covered.
+//! Validation of a tree: every triangle is reachable, inside its boxes, and covered.
 
-use super::clip::Polygon;
 use super::{Child, Link, MAX_DEPTH, TriangleBlock, WideBvh};
-use crate::geometry::{Aabb, Mesh};
+use crate::geometry::{Aabb, Mesh, Polygon};
 use glam::Vec3A;
 
-/// What is wrong with a tree.
+/// Why a tree is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Invalid {
     /// A link leads outside the arrays, or a place is reached twice.

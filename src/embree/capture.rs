@@ -1,10 +1,12 @@
-//! Reads back what C code prints to standard output.
+//! Captures the standard output of C code.
+
+#![allow(unsafe_code)]
 
 use std::io::{self, Read, Write};
 use std::os::fd::{AsFd, AsRawFd, OwnedFd};
 use std::thread;
 
-/// Runs `f` with the process's standard output (descriptor 1) sent to a pipe, and returns what was written.
+/// Runs `f` with the process's standard output (descriptor 1) sent to a pipe, and returns the output.
 /// Rust's own standard output is locked meanwhile, so that no other thread's lines are taken; C code of other
 /// threads would be.
 ///
@@ -54,7 +56,7 @@ fn point_stdout_at(target: &impl AsRawFd) -> io::Result<()> {
     }
 }
 
-/// Writes out what C streams hold back.
+/// Flushes the buffers of C streams.
 fn flush_c() {
     // SAFETY: a null stream means all; the C library locks each.
     unsafe { libc::fflush(std::ptr::null_mut()) };

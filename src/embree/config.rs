@@ -48,7 +48,7 @@ impl EmbreeBuilder {
 pub enum Width {
     /// BVH4, as in the paper.
     Four,
-    /// BVH8, what users get by default on CPUs with AVX: the same builder over `bvh8.triangle4`.
+    /// BVH8, the default on CPUs with AVX: the same builder over `bvh8.triangle4`.
     Eight,
 }
 
@@ -65,7 +65,7 @@ impl Width {
     }
 }
 
-/// What a [`super::Device`] builds with.
+/// Settings of a [`super::Device`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Config {
     /// The builder.

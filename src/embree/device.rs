@@ -1,8 +1,9 @@
 //! An Embree device: configuration, errors and the memory it holds.
 
-use super::error::describe;
-use super::{Config, EmbreeError, Prepared};
-use crate::geometry::Mesh;
+#![allow(unsafe_code)]
+
+use super::config::Config;
+use super::error::{EmbreeError, describe};
 use embree_sys as sys;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
@@ -17,7 +18,7 @@ pub struct Memory {
     pub peak_bytes: usize,
 }
 
-/// What Embree's callbacks write to, from any of its threads.
+/// Counters and errors that Embree's callbacks write, from any of its threads.
 #[derive(Default)]
 struct Monitor {
     live: AtomicI64,
@@ -71,15 +72,6 @@ impl Device {
             sys::rtcSetDeviceMemoryMonitorFunction(raw, Some(on_memory), user);
         }
         Ok(Self { raw, monitor, config })
-    }
-
-    /// Makes a scene of one geometry that shares the mesh's buffers; building is left to
-    /// [`Prepared::commit`].
-    ///
-    /// # Errors
-    /// [`EmbreeError::Call`] with Embree's text.
-    pub fn prepare<'a>(&'a self, mesh: &'a Mesh) -> Result<Prepared<'a>, EmbreeError> {
-        Prepared::new(self, mesh)
     }
 
     /// Bytes held now and at most.

@@ -1,8 +1,8 @@
-//! What goes wrong with Embree, in its own words.
+//! Errors of Embree, with its own texts.
 
 use embree_sys as sys;
 
-/// Why Embree, or what surrounds it here, failed.
+/// Why Embree or this wrapper failed.
 #[derive(Debug, thiserror::Error)]
 pub enum EmbreeError {
     /// No device could be made; Embree gives no text here.
@@ -16,7 +16,7 @@ pub enum EmbreeError {
     /// A call failed.
     #[error("Embree failed while {doing}: {text} (device \"{config}\")")]
     Call {
-        /// What was being done.
+        /// The call.
         doing: &'static str,
         /// Embree's own text.
         text: String,

@@ -1,7 +1,7 @@
-//! What Embree says about a build: an untimed commit with `verbose=2`, whose output is parsed and checked.
+//! Embree's report of a build: an untimed commit with `verbose=2`, whose output is parsed and checked.
 //!
 //! Unknown keys of a device string are skipped without an error and some combinations run another builder
-//! than the one named, so the harness believes only what was printed.
+//! than the one named, so the harness trusts only the printed name.
 
 use super::{Config, Device, EmbreeBuilder, EmbreeError, Prepared, capture};
 use crate::geometry::Mesh;
@@ -40,7 +40,7 @@ pub struct Inspection {
     pub targets: String,
 }
 
-/// Builds `mesh` once, with `verbose=2`, and returns what Embree says. Takes the process's standard output
+/// Builds `mesh` once, with `verbose=2`, and returns Embree's report. Takes the process's standard output
 /// for the time of the build.
 ///
 /// # Errors
@@ -184,7 +184,7 @@ fn number<T: std::str::FromStr>(what: &'static str, text: Option<&str>) -> Resul
 mod tests {
     use super::*;
     use crate::embree::Width;
-    use crate::embree::samples::soup;
+    use crate::embree::test_meshes::soup;
     use embree_sys as sys;
 
     #[test]

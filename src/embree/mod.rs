@@ -1,5 +1,5 @@
 //! The distribution's Embree 3 behind safe types: devices, scenes, its three builders at both widths, and
-//! what it says about the trees it built. None of Embree's own types leave this module.
+//! its reports of the trees it built. None of Embree's own types leave this module.
 //!
 //! ```no_run
 //! # fn main() -> Result<(), phr::embree::EmbreeError> {
@@ -15,29 +15,21 @@ mod capture;
 mod config;
 mod device;
 mod error;
-#[cfg(feature = "graft")]
-pub mod graft;
-#[cfg(feature = "graft")]
-mod image;
 mod inspect;
-#[cfg(feature = "graft")]
-mod layout;
-#[cfg(feature = "graft")]
-pub mod native;
 mod packets;
-#[cfg(feature = "graft")]
-mod pages;
 mod query;
 pub mod rtcbuild;
-#[cfg(test)]
-mod samples;
 mod scene;
+#[cfg(test)]
+mod test_meshes;
+#[cfg(feature = "graft")]
+mod tree;
 
 pub use config::{Config, EmbreeBuilder, Width};
 pub use device::{Device, Memory, version};
 pub use error::EmbreeError;
 pub use inspect::{Inspection, inspect};
-#[cfg(feature = "graft")]
-pub use layout::Unavailable;
 pub use packets::Packets;
 pub use scene::{EmbreeScene, Prepared};
+#[cfg(feature = "graft")]
+pub use tree::{Unavailable, graft, native};

@@ -1,5 +1,7 @@
-//! Ray queries in packets of eight (`rtcIntersect8`, `rtcOccluded8`): what Embree gains where rays are
-//! coherent. Trees are ranked by single rays; this is an extra column.
+//! Ray queries in packets of eight (`rtcIntersect8`, `rtcOccluded8`): Embree's gain from coherent
+//! rays. Trees are ranked by single rays; this is an extra column.
+
+#![allow(unsafe_code)]
 
 use super::{EmbreeScene, query};
 use crate::geometry::{Hit, Ray, Tracer};
@@ -99,7 +101,7 @@ impl Tracer for Packets<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::embree::samples::{rays, soup};
+    use crate::embree::test_meshes::{rays, soup};
     use crate::embree::{Config, Device, EmbreeBuilder, Width};
 
     #[test]

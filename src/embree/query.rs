@@ -5,70 +5,66 @@
 //! nanoseconds per ray where tracing takes hundreds, and the traced loop itself holds nothing but the conversion
 //! and the call.
 
-use crate::geometry::{Hit, Ray};
-use embree_sys as sys;
+#![allow(unsafe_code)]
 
-/// The id under which every scene's one geometry is attached.
-pub(super) const GEOMETRY: u32 = 0;
+use super::EmbreeScene;
+use crate::geometry::{Hit, Ray, Tracer};
+use embree_sys as sys;
 
 /// Rays checked at a time: 8 KiB.
 const RUN: usize = 256;
 
-/// Closest hits of `rays`; an invalid ray misses.
-///
-/// # Safety
-/// `scene` is live and committed, and nothing changes it during the call.
-pub(super) unsafe fn closest(scene: sys::RTCScene, rays: &[Ray], hits: &mut [Hit]) {
-    debug_assert_eq!(rays.len(), hits.len());
-    let mut context = context();
-    let mut query = sys::RTCRayHit::default();
-    let mut trace = |ray: &Ray| {
-        query.ray = embree_ray(ray);
-        query.hit.geomID = sys::RTC_INVALID_GEOMETRY_ID;
-        // SAFETY: the caller's promise for the scene; context and query are whole, aligned by their types and
-        // not shared; the ray is valid.
-        unsafe { sys::rtcIntersect1(scene, &mut context, &mut query) };
-        if query.hit.geomID == sys::RTC_INVALID_GEOMETRY_ID {
-            Hit::MISS
-        } else {
-            Hit { t: query.ray.tfar, u: query.hit.u, v: query.hit.v, prim: query.hit.primID }
-        }
-    };
-    for (rays, hits) in rays.chunks(RUN).zip(hits.chunks_mut(RUN)) {
-        if all_valid(rays) {
-            for (ray, hit) in rays.iter().zip(hits) {
-                *hit = trace(ray);
+impl Tracer for EmbreeScene<'_> {
+    /// An invalid ray misses.
+    fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+        debug_assert_eq!(rays.len(), hits.len());
+        let (scene, mut context) = (self.raw(), context());
+        let mut query = sys::RTCRayHit::default();
+        let mut trace = |ray: &Ray| {
+            query.ray = embree_ray(ray);
+            query.hit.geomID = sys::RTC_INVALID_GEOMETRY_ID;
+            // SAFETY: the scene is committed and live; context and query are whole, aligned by their types and
+            // not shared; the ray is valid.
+            unsafe { sys::rtcIntersect1(scene, &mut context, &mut query) };
+            if query.hit.geomID == sys::RTC_INVALID_GEOMETRY_ID {
+                Hit::MISS
+            } else {
+                Hit { t: query.ray.tfar, u: query.hit.u, v: query.hit.v, prim: query.hit.primID }
             }
-        } else {
-            for (ray, hit) in rays.iter().zip(hits) {
-                *hit = if ray.is_valid() { trace(ray) } else { Hit::MISS };
+        };
+        for (rays, hits) in rays.chunks(RUN).zip(hits.chunks_mut(RUN)) {
+            if all_valid(rays) {
+                for (ray, hit) in rays.iter().zip(hits) {
+                    *hit = trace(ray);
+                }
+            } else {
+                for (ray, hit) in rays.iter().zip(hits) {
+                    *hit = if ray.is_valid() { trace(ray) } else { Hit::MISS };
+                }
             }
         }
     }
-}
 
-/// Whether each of `rays` hits anything; an invalid ray does not.
-///
-/// # Safety
-/// As for [`closest`].
-pub(super) unsafe fn any(scene: sys::RTCScene, rays: &[Ray], occluded: &mut [bool]) {
-    debug_assert_eq!(rays.len(), occluded.len());
-    let mut context = context();
-    let mut trace = |ray: &Ray| {
-        let mut query = embree_ray(ray);
-        // SAFETY: as in `closest`.
-        unsafe { sys::rtcOccluded1(scene, &mut context, &mut query) };
-        // A hit sets `tfar` to minus infinity; a segment that ends before its start hits nothing.
-        query.tfar < 0.0 && ray.tfar >= 0.0
-    };
-    for (rays, occluded) in rays.chunks(RUN).zip(occluded.chunks_mut(RUN)) {
-        if all_valid(rays) {
-            for (ray, occluded) in rays.iter().zip(occluded) {
-                *occluded = trace(ray);
-            }
-        } else {
-            for (ray, occluded) in rays.iter().zip(occluded) {
-                *occluded = ray.is_valid() && trace(ray);
+    /// An invalid ray hits nothing.
+    fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
+        debug_assert_eq!(rays.len(), occluded.len());
+        let (scene, mut context) = (self.raw(), context());
+        let mut trace = |ray: &Ray| {
+            let mut query = embree_ray(ray);
+            // SAFETY: as in `closest`.
+            unsafe { sys::rtcOccluded1(scene, &mut context, &mut query) };
+            // A hit sets `tfar` to minus infinity; a segment that ends before its start hits nothing.
+            query.tfar < 0.0 && ray.tfar >= 0.0
+        };
+        for (rays, occluded) in rays.chunks(RUN).zip(occluded.chunks_mut(RUN)) {
+            if all_valid(rays) {
+                for (ray, occluded) in rays.iter().zip(occluded) {
+                    *occluded = trace(ray);
+                }
+            } else {
+                for (ray, occluded) in rays.iter().zip(occluded) {
+                    *occluded = ray.is_valid() && trace(ray);
+                }
             }
         }
     }
@@ -106,7 +102,7 @@ fn embree_ray(ray: &Ray) -> sys::RTCRay {
 
 #[cfg(test)]
 mod tests {
-    use crate::embree::samples::{rays, soup};
+    use crate::embree::test_meshes::{rays, soup};
     use crate::embree::{Config, Device, EmbreeBuilder, Width};
     use crate::geometry::{Hit, Tracer};
 

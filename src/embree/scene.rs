@@ -1,10 +1,14 @@
-//! A scene of one triangle mesh: made, committed (which builds the tree) and traced.
+//! A scene of one triangle mesh: made and committed, which builds the tree.
 
-use super::query;
+#![allow(unsafe_code)]
+
 use super::{Device, EmbreeError};
-use crate::geometry::{Aabb, Hit, Mesh, Ray, Tracer};
+use crate::geometry::{Aabb, Mesh};
 use embree_sys as sys;
 use glam::Vec3A;
+
+/// The id under which every scene's one geometry is attached.
+pub(super) const GEOMETRY: u32 = 0;
 
 /// A reference to an Embree scene, released when dropped.
 struct Handle(sys::RTCScene);
@@ -30,8 +34,14 @@ pub struct Prepared<'a> {
     mesh: &'a Mesh,
 }
 
-impl<'a> Prepared<'a> {
-    pub(super) fn new(device: &'a Device, mesh: &'a Mesh) -> Result<Self, EmbreeError> {
+impl Device {
+    /// Makes a scene of one geometry that shares the mesh's buffers; building is left to
+    /// [`Prepared::commit`].
+    ///
+    /// # Errors
+    /// [`EmbreeError::Call`] with Embree's text.
+    pub fn prepare<'a>(&'a self, mesh: &'a Mesh) -> Result<Prepared<'a>, EmbreeError> {
+        let device = self;
         // SAFETY: the device is live. The buffers live as long as `'a`, which the scene does not outlive, and
         // are not written to meanwhile (`mesh` is borrowed); their strides, formats and counts are those of
         // `[f32; 3]` and `[u32; 3]`, and 16 bytes can be read from the last vertex on because of the padding
@@ -52,14 +62,16 @@ impl<'a> Prepared<'a> {
                 mesh.len(),
             );
             sys::rtcCommitGeometry(geometry);
-            sys::rtcAttachGeometryByID(handle.0, geometry, query::GEOMETRY);
+            sys::rtcAttachGeometryByID(handle.0, geometry, GEOMETRY);
             sys::rtcReleaseGeometry(geometry);
             handle
         };
         device.check("attaching the mesh")?;
-        Ok(Self { handle, device, mesh })
+        Ok(Prepared { handle, device, mesh })
     }
+}
 
+impl<'a> Prepared<'a> {
     /// Builds the tree: `rtcCommitScene` and a look at the error code, nothing else.
     ///
     /// # Errors
@@ -110,17 +122,5 @@ impl<'a> EmbreeScene<'a> {
 
     pub(super) fn raw(&self) -> sys::RTCScene {
         self.handle.0
-    }
-}
-
-impl Tracer for EmbreeScene<'_> {
-    fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
-        // SAFETY: the scene is committed and live.
-        unsafe { query::closest(self.raw(), rays, hits) }
-    }
-
-    fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
-        // SAFETY: the scene is committed and live.
-        unsafe { query::any(self.raw(), rays, occluded) }
     }
 }

@@ -1,11 +1,13 @@
-//! Boxes, rays and indexed triangle meshes.
+//! Boxes, rays, indexed triangle meshes and clipped triangles.
 
 mod aabb;
 mod mesh;
 pub(crate) mod ordered;
+mod polygon;
 mod ray;
 pub(crate) mod triangle_split;
 
 pub use aabb::Aabb;
 pub use mesh::{Dropped, Mesh, MeshError};
+pub(crate) use polygon::Polygon;
 pub use ray::{Hit, Ray, Tracer};

@@ -1,12 +1,11 @@
 //! Splitting a reference to a triangle by a plane (Stich et al. 2009, reference splitting): each side gets the
 //! box of the triangle's own part there, not half of the reference's box.
 
-use crate::bvh::Polygon;
-use crate::geometry::{Aabb, Mesh};
+use crate::geometry::{Aabb, Mesh, Polygon};
 use glam::{DVec3, Vec3A};
 
-/// The boxes of what lies left and right of `plane` of a triangle's part inside `bounds`, either of which may
-/// be empty. Together they cover that part: crossings are rounded outwards.
+/// The boxes of a triangle's parts inside `bounds` left and right of `plane`, either of which may be
+/// empty. Together they cover that part: crossings are rounded outwards.
 ///
 /// Earlier cuts are known by `bounds` alone, so that after several cuts along different axes a box may be
 /// larger than its part; never smaller, and never larger than `bounds`.
@@ -50,7 +49,7 @@ pub(crate) fn visible(mesh: &Mesh, prim: u32, bounds: Aabb) -> Option<Aabb> {
     if bounds.contains(whole) {
         return Some(whole);
     }
-    // What touches a face from outside within rounding stays on both sides.
+    // A part that touches a face from outside, within rounding, stays on both sides.
     let slack = bounds.min.abs().max(bounds.max.abs()) * (4.0 * f32::EPSILON);
     let grown = Aabb::new(bounds.min - slack, bounds.max + slack);
     let part = Polygon::triangle(corners).clipped(grown).bounds().intersection(bounds);

@@ -2,12 +2,11 @@
 //! any number of threads. It tells meshes apart in records; it is no defence against forgery.
 
 use crate::geometry::Mesh;
+use crate::random::{GOLDEN, mix};
 use rayon::prelude::*;
 
 /// Triples hashed by one task.
 const CHUNK: usize = 1 << 16;
-/// 2^64 / golden ratio, odd.
-const MULTIPLIER: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// 16 hex digits. The vertices' bits and then the triangles, each in chunks of 2^16 triples; a chunk is
 /// hashed by rotate, xor and multiply over 64-bit words, and the chunks' hashes in turn.
@@ -16,25 +15,16 @@ pub fn of(mesh: &Mesh) -> String {
     let triangles = mesh.triangles().par_chunks(CHUNK).map(|c| chunk(c.iter().copied()));
     let hashes: Vec<u64> = vertices.chain(triangles).collect();
     let counts = [mesh.vertices().len() as u64, mesh.len() as u64];
-    format!("{:016x}", finish(counts.into_iter().chain(hashes).fold(0, step)))
+    format!("{:016x}", mix(counts.into_iter().chain(hashes).fold(0, step)))
 }
 
 fn chunk(triples: impl Iterator<Item = [u32; 3]>) -> u64 {
-    finish(
-        triples.fold(0, |hash, [a, b, c]| step(step(hash, u64::from(a) | u64::from(b) << 32), u64::from(c))),
-    )
+    mix(triples.fold(0, |hash, [a, b, c]| step(step(hash, u64::from(a) | u64::from(b) << 32), u64::from(c))))
 }
 
 #[inline]
 fn step(hash: u64, word: u64) -> u64 {
-    (hash.rotate_left(29) ^ word).wrapping_mul(MULTIPLIER)
-}
-
-/// The finaliser of SplitMix64: every bit of the state reaches every bit of the result.
-fn finish(hash: u64) -> u64 {
-    let hash = (hash ^ (hash >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let hash = (hash ^ (hash >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    hash ^ (hash >> 31)
+    (hash.rotate_left(29) ^ word).wrapping_mul(GOLDEN)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //!
 //! A value of [`Isa`] other than [`Isa::Scalar`] carries a token, [`Avx2`] or [`Avx512`], and only detection
 //! makes tokens. A function that takes one therefore runs only where the processor has the instructions, and
-//! `Avx2::run` compiles a closure for them without any `unsafe` at the caller's.
+//! `Avx2::run` runs a closure compiled for them without `unsafe` at the call.
 
 #![allow(unsafe_code)]
 
@@ -18,7 +18,7 @@ const VARIABLE: &str = "PHR_ISA";
 /// An instruction set that this processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Isa {
-    /// Portable code; the compiler vectorises what it can.
+    /// Portable code, vectorised by the compiler at best.
     Scalar,
     /// x86-64 with AVX2, FMA and BMI (Haswell, Zen and later).
     Avx2(Avx2),
@@ -133,7 +133,7 @@ fn check(name: Option<&str>) -> Result<(), String> {
 
 impl Avx2 {
     /// Calls `f` from a function compiled for AVX2. Pass `#[inline(always)] || ...`, so that the closure's body
-    /// and what is inlined into it are compiled so, too.
+    /// and all functions inlined into it are compiled for AVX2, too.
     #[inline(always)]
     pub(crate) fn run<R>(self, f: impl FnOnce() -> R) -> R {
         #[cfg_attr(target_arch = "x86_64", target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt"))]
@@ -150,7 +150,7 @@ impl Avx2 {
 }
 
 impl Avx512 {
-    /// The token of what AVX-512 includes.
+    /// AVX-512 includes AVX2.
     #[inline(always)]
     pub(crate) fn avx2(self) -> Avx2 {
         Avx2(())

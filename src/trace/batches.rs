@@ -3,7 +3,7 @@
 use crate::geometry::{Hit, Ray, Tracer};
 use rayon::prelude::*;
 
-/// What a path tracer's ray is for.
+/// The purpose of a path tracer's ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RayKind {

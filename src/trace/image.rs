@@ -49,7 +49,7 @@ pub enum ImageError {
     Write {
         /// The file.
         path: std::path::PathBuf,
-        /// What went wrong.
+        /// The cause.
         error: png::EncodingError,
     },
 }

@@ -1,7 +1,7 @@
-//! What lights any scene: a sun and a sky for what is outdoors, a lamp near the camera for what is not.
-//! Each vertex of a path sends one shadow ray, to the sun or to the lamp, whichever its random number says.
+//! Lights for any scene: a sun and a sky outdoors, a lamp near the camera indoors. Each vertex of a path
+//! sends one shadow ray, to the sun or to the lamp, chosen at random.
 
-use super::Camera;
+use super::camera::Camera;
 use crate::geometry::{Hit, Ray, Tracer};
 use crate::scene::View;
 use glam::Vec3;
@@ -26,7 +26,7 @@ const LAMP: Vec3 = Vec3::new(0.8, 0.75, 0.68);
 const HORIZON: Vec3 = Vec3::new(0.5, 0.52, 0.55);
 const ZENITH: Vec3 = Vec3::new(0.25, 0.36, 0.6);
 
-/// A light seen from a point, before anything in between is looked for.
+/// A light seen from a point, occluded or not.
 pub(super) struct LightSample {
     /// Unit direction to the light.
     pub dir: Vec3,
@@ -38,7 +38,7 @@ pub(super) struct LightSample {
 
 impl Lights {
     /// Places the lights for `view`: the sun behind the camera's right shoulder, the lamp above its left one,
-    /// below whatever ceiling there is.
+    /// below a ceiling if there is one.
     pub(super) fn new(tracer: &dyn Tracer, view: &View) -> Self {
         let [right, up, forward] = Camera::new(view, 1, 1).axes();
         let world_up = view.up.try_normalize().unwrap_or(up);
@@ -75,7 +75,7 @@ impl Lights {
     }
 }
 
-/// The median distance of what the camera sees, the distance of its target if it sees nothing.
+/// The median distance of the surfaces that the camera sees; the distance of its target if it sees none.
 fn median_distance(tracer: &dyn Tracer, view: &View) -> f32 {
     const SIDE: u32 = 16;
     let camera = Camera::new(view, SIDE, SIDE);

@@ -14,7 +14,7 @@ mod kernel;
 mod lights;
 pub mod oracle;
 mod path;
-mod rng;
+mod pixel_random;
 pub mod verify;
 
 pub use crate::simd::Isa;

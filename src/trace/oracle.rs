@@ -1,4 +1,4 @@
-//! Ray against triangle in double precision, with what single precision may get wrong: the judge of
+//! Ray against triangle in double precision, with bounds on the errors of single precision: settles
 //! disputes between tracers.
 //!
 //! The model is backward error: arithmetic in `f32` answers correctly for a triangle (or a box around it)
@@ -10,7 +10,7 @@ use crate::geometry::{Mesh, Ray};
 use glam::DVec3;
 
 /// Displacement, in units of `f32::EPSILON` times the largest coordinate difference between ray origin and
-/// triangle plus the origin's largest coordinate, plus what a needle's normal adds.
+/// triangle plus the origin's largest coordinate, plus the error of a needle's normal.
 pub const DISPLACEMENT_ULPS: f64 = 4.0;
 
 /// Relative difference of distances that counts as equal.

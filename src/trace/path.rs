@@ -4,7 +4,7 @@
 //! segment, so that a tracer gets whole batches.
 
 use super::lights::Lights;
-use super::rng::PixelRandom;
+use super::pixel_random::PixelRandom;
 use super::{Camera, Image, RayBatches, RayKind};
 use crate::geometry::{Hit, Mesh, Ray, Tracer};
 use crate::scene::View;
@@ -36,7 +36,7 @@ impl Default for PathSettings {
 pub struct Recording {
     /// All rays that were traced.
     pub batches: RayBatches,
-    /// What was seen.
+    /// The rendered image.
     pub image: Image,
     /// Rays left out because Embree does not accept them ([`Ray::is_valid`]); their paths ended there.
     pub invalid: usize,
@@ -64,7 +64,7 @@ pub fn render(tracer: &dyn Tracer, mesh: &Mesh, view: &View, settings: &PathSett
     frame::<()>(tracer, mesh, view, settings).0
 }
 
-/// Takes the rays as they are traced, or does not.
+/// Records the rays as they are traced, or ignores them.
 trait RaySink: Default + Send {
     fn take(&mut self, kind: RayKind, rays: &[Ray]);
 }

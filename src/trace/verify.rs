@@ -1,6 +1,6 @@
-//! Do two tracers see the same? Same hit or miss, distances within 1e-5, the same triangle or another one
-//! at that very distance; what only rounding decides ([`oracle`](super::oracle)) is counted apart, anything
-//! else is a [`Mismatch`].
+//! Compares the answers of two tracers: both hit or both miss, distances within 1e-5, the same triangle or
+//! another one at the same distance. Differences that rounding explains ([`oracle`](super::oracle)) are
+//! counted separately; any other is a [`Mismatch`].
 
 use super::oracle::{Crossing, T_TOLERANCE};
 use crate::geometry::{Hit, Mesh, Ray, Tracer};
@@ -11,10 +11,10 @@ use rayon::prelude::*;
 pub struct Mismatch {
     /// Index of the ray in its batch.
     pub ray: usize,
-    /// What the reference found. For any-hit queries: the hit in question if it says "occluded", else a miss;
+    /// Hit of the reference. For any-hit queries: the hit in question if it says "occluded", else a miss;
     /// a miss on both sides if one says "occluded" although nothing is there.
     pub reference: Hit,
-    /// What the tracer under test found, likewise.
+    /// Hit of the tracer under test, likewise.
     pub hit: Hit,
 }
 
@@ -180,7 +180,7 @@ pub fn compare_any(
 
 /// Whether a ray may be called occluded as well as not, and the hit that says so.
 fn settle(mesh: &Mesh, ray: &Ray, witness: impl Fn(&Ray) -> Hit) -> (Class, Hit) {
-    /// Faces in a row that a ray may graze; beyond it is nobody's rounding error.
+    /// Faces in a row that a ray may graze; more is no rounding error.
     const PATIENCE: usize = 64;
     let mut rest = *ray;
     let mut last = None;

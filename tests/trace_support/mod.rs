@@ -4,25 +4,7 @@
 use glam::{Vec3, Vec3A};
 use phr::bvh::{Link, MAX_LEAF_BLOCKS, TriangleBlock, WideBvh, WideNode};
 use phr::geometry::{Aabb, Hit, Mesh, Ray, Tracer};
-
-/// A reproducible stream of numbers.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1u64 << 24) as f32
-    }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        ((self.unit() * n as f32) as usize).min(n - 1)
-    }
-
-    /// In the cube from -1 to 1.
-    pub fn cube(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
-    }
-}
+use phr::random::SplitMix64;
 
 /// A tree over `mesh` by medians along the widest axis, cut to `N` children per node, leaves of at most
 /// `leaf` triangles.
@@ -82,12 +64,12 @@ fn emit<const N: usize>(tree: &mut WideBvh<N>, mesh: &Mesh, ids: &mut [u32], lea
 
 /// `n` small triangles in the cube from -1 to 1.
 pub fn soup(n: usize, seed: u64) -> Mesh {
-    let mut random = Random(seed);
+    let mut random = SplitMix64::new(seed);
     let size = 2.0 / (n as f32).cbrt();
     let vertices = (0..n)
         .flat_map(|_| {
-            let centre = random.cube();
-            [0; 3].map(|_| (centre + size * random.cube()).to_array())
+            let centre = random.point(-1.0, 1.0);
+            [0; 3].map(|_| (centre + size * random.point(-1.0, 1.0)).to_array())
         })
         .collect();
     mesh(vertices, (0..n as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
@@ -136,18 +118,18 @@ pub fn joined(a: &Mesh, b: &Mesh) -> Mesh {
 /// Rays of all sorts around the cube from -1 to 1: any direction, along axes and in axis planes, from
 /// outside, inside and from surfaces, with finite intervals.
 pub fn rays(mesh: &Mesh, n: usize, seed: u64) -> Vec<Ray> {
-    let mut random = Random(seed);
+    let mut random = SplitMix64::new(seed);
     (0..n)
         .map(|i| {
-            let mut org = 2.0 * random.cube();
-            let mut dir = random.cube();
+            let mut org = 2.0 * random.point(-1.0, 1.0);
+            let mut dir = random.point(-1.0, 1.0);
             match i % 6 {
-                0 => dir = random.cube() * 0.5 - org,
+                0 => dir = random.point(-1.0, 1.0) * 0.5 - org,
                 1 => {
                     let axis = random.below(3);
                     dir = Vec3::ZERO;
                     dir[axis] = if random.unit() < 0.5 { -2.0 } else { 0.5 };
-                    org = random.cube() - 3.0 * dir;
+                    org = random.point(-1.0, 1.0) - 3.0 * dir;
                 }
                 2 => dir[random.below(3)] = if random.unit() < 0.5 { 0.0 } else { -0.0 },
                 3 if !mesh.is_empty() => {
@@ -192,6 +174,6 @@ pub fn ray(org: [f32; 3], dir: [f32; 3]) -> Ray {
 }
 
 /// A point of the box.
-pub fn inside(bounds: Aabb, random: &mut Random) -> Vec3A {
-    bounds.min + bounds.extent() * Vec3A::new(random.unit(), random.unit(), random.unit())
+pub fn inside(bounds: Aabb, random: &mut SplitMix64) -> Vec3A {
+    bounds.min + bounds.extent() * Vec3A::from(random.point(0.0, 1.0))
 }

@@ -1,5 +1,7 @@
-//! What `rtcBuildBVH` calls back, from all of its threads: nodes and leaves as plain values in Embree's own
+//! Callbacks of `rtcBuildBVH`, called from all of its threads: nodes and leaves as plain values in Embree's own
 //! memory, and triangles cut at planes.
+
+#![allow(unsafe_code)]
 
 use crate::geometry::{Aabb, Mesh};
 use embree_sys as sys;
@@ -11,7 +13,7 @@ const MAX_CHILDREN: usize = 8;
 /// Most triangles of a leaf.
 pub(super) const MAX_LEAF: usize = 28;
 
-/// What the callbacks make: an inner node or a leaf, of plain values.
+/// A node that the callbacks make: an inner node or a leaf, of plain values.
 #[repr(C, align(16))]
 pub(super) struct Raw {
     pub leaf: bool,
@@ -38,7 +40,7 @@ unsafe fn allocate(allocator: sys::RTCThreadLocalAllocator) -> *mut Raw {
 }
 
 /// # Safety
-/// Called by Embree, which passes what its manual says; so are the callbacks below.
+/// Called by Embree with the arguments that its manual specifies; likewise the callbacks below.
 pub(super) unsafe extern "C" fn create_node(
     allocator: sys::RTCThreadLocalAllocator,
     _children: c_uint,

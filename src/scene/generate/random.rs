@@ -1,13 +1,11 @@
 //! Counter-based random numbers and noise: the same on every platform, whatever the order of evaluation.
 
+use crate::random::{self, GOLDEN};
 use glam::Vec3;
 
-/// The output function of SplitMix64 (Steele, Lea, Flood 2014).
+/// Draw number `value` of the generator seeded with 0.
 pub fn mix(value: u64) -> u64 {
-    let value = value.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let value = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let value = (value ^ (value >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    value ^ (value >> 31)
+    random::mix(value.wrapping_mul(GOLDEN).wrapping_add(GOLDEN))
 }
 
 /// A stream of random numbers named by its key.

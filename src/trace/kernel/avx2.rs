@@ -1,9 +1,11 @@
 //! The tests with AVX2 and FMA, in the operation order of Embree's single-ray kernels for `triangle4`
 //! leaves, so that on the same processor the same tree gives the same bits.
 
-use super::Counter;
+#![allow(unsafe_code)]
+
+use super::counts::Counter;
 use super::scalar::SMALLEST_DIRECTION;
-use super::soundness::SoundTree;
+use super::sound_tree::SoundTree;
 use super::traverse::{self, Entries, Kernel, Query};
 use crate::bvh::{TriangleBlock, WideNode};
 use crate::geometry::{Hit, Ray};

@@ -1,171 +1,19 @@
-//! Our single-ray kernel over a [`WideBvh`]: one algorithm ([`traverse`]), one implementation of its two
-//! tests per instruction set, picked once per tracer.
+//! Our single-ray kernel over a [`WideBvh`](crate::bvh::WideBvh).
+//!
+//! 1. [`tracer`]: picks the instruction set, and runs batches of rays;
+//! 2. [`sound_tree`]: proves that links may be followed unchecked;
+//! 3. [`traverse`]: the algorithm, generic over its two tests, with a [`stack`] of fixed size;
+//! 4. [`scalar`] and `avx2`: the tests of boxes and triangles per instruction set;
+//! 5. [`counts`]: nodes and leaf blocks visited.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+mod counts;
 mod scalar;
-mod soundness;
+mod sound_tree;
+mod stack;
+mod tracer;
 mod traverse;
 
-use crate::bvh::WideBvh;
-use crate::geometry::{Hit, Ray, Tracer};
-use crate::simd::Isa;
-use rayon::prelude::*;
-use scalar::ScalarKernel;
-use soundness::SoundTree;
-use std::ops::Add;
-use traverse::Query;
-
-/// Traces rays through a tree with our kernel. The interval is `tnear < t <= tfar`; among equal distances
-/// the triangle tested last wins. A ray that is not [`Ray::is_valid`] has an unspecified answer.
-///
-/// The test multiplies two edges and the direction in `f32`, as Embree's does: where such a product
-/// overflows or vanishes (scenes of 1e12 and more, or 1e-12 and less, traced with directions as long), hits
-/// are missed. Unit directions are safe over a far wider range.
-///
-/// With AVX2 the arithmetic is that of Embree's kernel on the same processor, operation by operation, so that
-/// hits on the same tree are the same bits.
-#[derive(Clone, Copy, Debug)]
-pub struct BvhTracer<'a, const N: usize> {
-    tree: SoundTree<'a, N>,
-    isa: Isa,
-}
-
-/// The instruction set that [`BvhTracer::new`] picks on this machine.
-pub fn kernel_isa() -> Isa {
-    narrowed(Isa::best())
-}
-
-/// The most able instruction set up to `isa` that a kernel is written for: AVX-512 processors run AVX2's.
-fn narrowed(isa: Isa) -> Isa {
-    isa.avx2().map_or(Isa::Scalar, Isa::Avx2)
-}
-
-impl<'a, const N: usize> BvhTracer<'a, N> {
-    /// A tracer over `tree` with the best instructions of this machine. Walks the tree once, to prove that
-    /// the kernel may follow its links unchecked.
-    ///
-    /// # Panics
-    /// If `tree` is malformed (a builder's bug): links out of range, shared or cyclic nodes, more than
-    /// [`crate::bvh::MAX_DEPTH`] inner levels.
-    pub fn new(tree: &'a WideBvh<N>) -> Self {
-        Self::with_isa(tree, Isa::best())
-    }
-
-    /// As [`BvhTracer::new`] with instructions of choice; there is no kernel for AVX-512, which runs AVX2's.
-    ///
-    /// # Panics
-    /// As [`BvhTracer::new`].
-    pub fn with_isa(tree: &'a WideBvh<N>, isa: Isa) -> Self {
-        match SoundTree::new(tree) {
-            Ok(tree) => Self { tree, isa: narrowed(isa) },
-            Err(flaw) => panic!("malformed tree: {flaw}"),
-        }
-    }
-
-    /// The instructions in use.
-    pub fn isa(&self) -> Isa {
-        self.isa
-    }
-
-    /// Counts what closest-hit queries of `rays` visit. Untimed use: it runs on the current rayon pool.
-    pub fn count_closest(&self, rays: &[Ray]) -> TraversalCounts {
-        self.count(rays, |chunk, counts| {
-            let mut hits = vec![Hit::MISS; chunk.len()];
-            self.run(Query::Closest(chunk, &mut hits), counts);
-            hits.iter().filter(|hit| hit.is_hit()).count()
-        })
-    }
-
-    /// Counts what any-hit queries of `rays` visit, likewise.
-    pub fn count_any(&self, rays: &[Ray]) -> TraversalCounts {
-        self.count(rays, |chunk, counts| {
-            let mut occluded = vec![false; chunk.len()];
-            self.run(Query::Any(chunk, &mut occluded), counts);
-            occluded.iter().filter(|&&hit| hit).count()
-        })
-    }
-
-    fn count(
-        &self,
-        rays: &[Ray],
-        trace: impl Fn(&[Ray], &mut TraversalCounts) -> usize + Sync,
-    ) -> TraversalCounts {
-        rays.par_chunks(4096)
-            .map(|chunk| {
-                let mut counts = TraversalCounts { rays: chunk.len() as u64, ..TraversalCounts::default() };
-                counts.hits = trace(chunk, &mut counts) as u64;
-                counts
-            })
-            .reduce(TraversalCounts::default, TraversalCounts::add)
-    }
-
-    /// Runs a batch; the instruction set is looked at once per batch.
-    fn run<C: Counter>(&self, query: Query<'_>, counter: &mut C) {
-        match self.isa {
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx2(token) => avx2::run(token, self.tree, query, counter),
-            _ => traverse::run::<ScalarKernel, C, N>((), self.tree, query, counter),
-        }
-    }
-}
-
-impl<const N: usize> Tracer for BvhTracer<'_, N> {
-    fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
-        self.run(Query::Closest(rays, hits), &mut ());
-    }
-
-    fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
-        self.run(Query::Any(rays, occluded), &mut ());
-    }
-}
-
-/// What a batch of rays visited.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct TraversalCounts {
-    /// Rays traced.
-    pub rays: u64,
-    /// Inner nodes whose children's boxes were tested, all rays together.
-    pub node_visits: u64,
-    /// Blocks of four triangles tested.
-    pub block_tests: u64,
-    /// Rays that hit something.
-    pub hits: u64,
-}
-
-impl Add for TraversalCounts {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            rays: self.rays + other.rays,
-            node_visits: self.node_visits + other.node_visits,
-            block_tests: self.block_tests + other.block_tests,
-            hits: self.hits + other.hits,
-        }
-    }
-}
-
-/// Counts visits, or does not: `()` leaves nothing in the compiled kernel.
-trait Counter {
-    fn node(&mut self);
-    fn block(&mut self);
-}
-
-impl Counter for () {
-    #[inline(always)]
-    fn node(&mut self) {}
-    #[inline(always)]
-    fn block(&mut self) {}
-}
-
-impl Counter for TraversalCounts {
-    #[inline(always)]
-    fn node(&mut self) {
-        self.node_visits += 1;
-    }
-    #[inline(always)]
-    fn block(&mut self) {
-        self.block_tests += 1;
-    }
-}
+pub use counts::TraversalCounts;
+pub use tracer::{BvhTracer, kernel_isa};

@@ -1,12 +1,13 @@
 //! The traversal itself: depth first, nearest child first, farther ones on a stack and skipped when a closer
 //! hit was found meanwhile (after Wald et al., "Embree: a kernel framework", 2014). Generic over the tests.
 
-use super::Counter;
-use super::soundness::SoundTree;
-use crate::bvh::limits::TRAVERSAL_STACK;
+#![allow(unsafe_code)]
+
+use super::counts::Counter;
+use super::sound_tree::SoundTree;
+use super::stack::{Item, Stack, ordered};
 use crate::bvh::{Child, Link, TriangleBlock, WideNode};
 use crate::geometry::{Hit, Ray};
-use std::mem::MaybeUninit;
 
 /// A batch and the place for its answers, equally long.
 pub(super) enum Query<'a> {
@@ -72,8 +73,8 @@ fn closest<K: Kernel, C: Counter, const N: usize>(
     counter: &mut C,
 ) -> Hit {
     let mut hit = Hit { t: tfar, ..Hit::MISS };
-    let mut items = Stack::room();
-    let mut stack = Stack { items: &mut items, len: 0 };
+    let mut room = Stack::room();
+    let mut stack = Stack::new(&mut room);
     let mut link = tree.root();
     'visit: loop {
         // Descend to the nearest leaf.
@@ -128,7 +129,7 @@ fn closest<K: Kernel, C: Counter, const N: usize>(
                     link = a.link();
                     continue;
                 }
-                let base = stack.len;
+                let base = stack.len();
                 // SAFETY: see `Stack`.
                 unsafe { stack.push_all([d, c, b, a]) };
                 loop {
@@ -170,8 +171,8 @@ fn any<K: Kernel, C: Counter, const N: usize>(
     tfar: f32,
     counter: &mut C,
 ) -> bool {
-    let mut items = Stack::room();
-    let mut stack = Stack { items: &mut items, len: 0 };
+    let mut room = Stack::room();
+    let mut stack = Stack::new(&mut room);
     let mut link = tree.root();
     loop {
         'descend: {
@@ -208,107 +209,5 @@ fn any<K: Kernel, C: Counter, const N: usize>(
             Some(item) => link = item.link(),
             None => return false,
         }
-    }
-}
-
-/// A child and where the ray enters it, in one register: the order of items is that of entries.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Item(u64);
-
-impl Item {
-    #[inline(always)]
-    fn new(entry: u32, link: Link) -> Self {
-        Self(u64::from(entry) << 32 | u64::from(link.bits()))
-    }
-
-    #[inline(always)]
-    fn entry(self) -> u32 {
-        (self.0 >> 32) as u32
-    }
-
-    #[inline(always)]
-    fn link(self) -> Link {
-        Link::from_bits(self.0 as u32)
-    }
-}
-
-#[inline(always)]
-fn ordered(a: Item, b: Item) -> (Item, Item) {
-    (a.min(b), a.max(b))
-}
-
-/// Children still to visit, nearest on top. Its room is never cleared (a ray would pay for 4 KB of zeros) and
-/// only borrowed, so that the length stays in a register.
-///
-/// It never overflows: traversal descends a [`SoundTree`] of at most eight children per node and
-/// [`MAX_DEPTH`](crate::bvh::MAX_DEPTH) inner levels, each entered from above, for which [`TRAVERSAL_STACK`]
-/// items suffice.
-struct Stack<'a> {
-    items: &'a mut [MaybeUninit<Item>; TRAVERSAL_STACK],
-    /// Items in use, all of them written.
-    len: usize,
-}
-
-impl Stack<'_> {
-    #[inline(always)]
-    fn room() -> [MaybeUninit<Item>; TRAVERSAL_STACK] {
-        [const { MaybeUninit::uninit() }; TRAVERSAL_STACK]
-    }
-
-    /// Puts `item` on top.
-    ///
-    /// # Safety
-    /// Fewer than [`TRAVERSAL_STACK`] items are on the stack.
-    #[inline(always)]
-    unsafe fn push(&mut self, item: Item) {
-        debug_assert!(self.len < TRAVERSAL_STACK);
-        // SAFETY: the caller's promise.
-        unsafe { self.items.get_unchecked_mut(self.len) }.write(item);
-        self.len += 1;
-    }
-
-    /// Puts `items` on top, the last one uppermost.
-    ///
-    /// # Safety
-    /// As [`Stack::push`], for each.
-    #[inline(always)]
-    unsafe fn push_all<const COUNT: usize>(&mut self, items: [Item; COUNT]) {
-        for item in items {
-            // SAFETY: the caller's promise.
-            unsafe { self.push(item) };
-        }
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<Item> {
-        if self.len == 0 {
-            return None;
-        }
-        self.len -= 1;
-        // SAFETY: all items below `len` were written by `push` or `insert`.
-        Some(unsafe { self.items.get_unchecked(self.len).assume_init() })
-    }
-
-    /// Puts `item` below those nearer than it, but not below `base`.
-    ///
-    /// # Safety
-    /// As [`Stack::push`].
-    #[inline(always)]
-    unsafe fn insert(&mut self, base: usize, item: Item) {
-        // SAFETY: the caller's promise.
-        unsafe { self.push(item) };
-        let mut at = self.len - 1;
-        while at > base {
-            // SAFETY: `at - 1` and `at` are below `len`: written, and within the array.
-            let below = unsafe { self.items.get_unchecked(at - 1).assume_init() };
-            if item <= below {
-                break;
-            }
-            // SAFETY: as above.
-            unsafe { self.items.get_unchecked_mut(at) }.write(below);
-            at -= 1;
-        }
-        // SAFETY: as above.
-        unsafe { self.items.get_unchecked_mut(at) }.write(item);
     }
 }

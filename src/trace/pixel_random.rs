@@ -1,6 +1,7 @@
 //! Random numbers without state: a hash of (seed, pixel, dimension), so that a pixel's numbers do not depend
-//! on the order in which pixels are done. Mixing function: Steele, Lea, Flood, "Fast splittable
-//! pseudorandom number generators", 2014 (SplitMix64).
+//! on the order in which pixels are done.
+
+use crate::random::{GOLDEN, mix};
 
 /// The numbers of one pixel.
 #[derive(Clone, Copy, Debug)]
@@ -8,21 +9,15 @@ pub(super) struct PixelRandom(u64);
 
 impl PixelRandom {
     pub(super) fn new(seed: u64, pixel: u32) -> Self {
-        Self(mix(mix(seed ^ 0x9e37_79b9_7f4a_7c15) ^ u64::from(pixel)))
+        Self(mix(mix(seed ^ GOLDEN) ^ u64::from(pixel)))
     }
 
     /// The two numbers of `dimension`, uniform in [0, 1).
     pub(super) fn pair(self, dimension: u32) -> [f32; 2] {
-        let bits = mix(self.0.wrapping_add(u64::from(dimension).wrapping_mul(0x9e37_79b9_7f4a_7c15)));
+        let bits = mix(self.0.wrapping_add(u64::from(dimension).wrapping_mul(GOLDEN)));
         const STEP: f32 = 1.0 / (1 << 24) as f32;
         [(bits >> 40) as f32 * STEP, ((bits >> 16) & 0xff_ffff) as f32 * STEP]
     }
-}
-
-fn mix(mut x: u64) -> u64 {
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ (x >> 31)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
-//! Triangles clipped to boxes (Sutherland-Hodgman), in double precision: for EPO and for proofs of coverage.
+//! Triangles clipped to boxes (Sutherland-Hodgman), in double precision: for EPO and for validation.
 
-use crate::geometry::Aabb;
+use super::Aabb;
 use glam::{DVec3, Vec3A};
 
 /// A convex planar polygon: a triangle after up to six cuts.
@@ -49,7 +49,7 @@ impl Polygon {
     }
 
     fn push(&mut self, corner: DVec3) {
-        // Rounding could ask for a tenth corner of a sliver; it adds no area.
+        // Rounding can produce a tenth corner of a sliver; it adds no area.
         if self.len < self.corners.len() {
             self.corners[self.len] = corner;
             self.len += 1;

@@ -5,16 +5,18 @@
 //! traversal several per cent, so every tree, Embree's own included (see [`super::native`]), goes through one
 //! routine: inner nodes and leaves in two arrays, both depth first.
 
-use super::EmbreeScene;
-use super::image::Image;
+#![allow(unsafe_code)]
+
 use super::layout::{RootSlot, Unavailable};
+use super::node_image::NodeImage;
 use crate::bvh::WideBvh;
+use crate::embree::EmbreeScene;
 use crate::geometry::{Hit, Ray, Tracer};
 
 /// A committed scene whose root is another tree's, traced by Embree's kernels.
 pub struct Graft<'a> {
     scene: EmbreeScene<'a>,
-    /// Where the root is and what it was; none in a scene without triangles, where Embree has no tree.
+    /// Place of the root and its original value; none in a scene without triangles, where Embree has no tree.
     host: Option<(RootSlot, u64)>,
     bytes: usize,
     /// The nodes that the root refers to; dropped after the scene.
@@ -29,14 +31,15 @@ impl<'a> Graft<'a> {
     /// [`Unavailable`] where Embree is another version, a guard does not hold, or Embree's kernels could not
     /// walk the tree.
     pub fn new<const N: usize>(scene: EmbreeScene<'a>, tree: &WideBvh<N>) -> Result<Self, Unavailable> {
-        let image = Image::of(tree, scene.mesh().len())?;
+        let image = NodeImage::of(tree, scene.mesh().len())?;
         let bytes = image.bytes();
         let mut host = None;
         if !scene.mesh().is_empty() {
             let mut slot = RootSlot::find::<N>(&scene)?;
-            let original = slot.get();
-            // SAFETY: `Image::of` made a whole tree in Embree's layout, which lives in this graft and is never
-            // changed; the scene is owned here, so nobody traces it; `drop` restores the root, and no method
+            // SAFETY: the scene is owned here.
+            let original = unsafe { slot.get() };
+            // SAFETY: `NodeImage::of` made a whole tree in Embree's layout, which lives in this graft and is never
+            // changed; the scene is owned here, so no other thread traces it; `drop` restores the root, and no method
             // of a committed scene commits again.
             unsafe { slot.set(image.root()) };
             host = Some((slot, original));
@@ -78,8 +81,8 @@ impl Tracer for Graft<'_> {
 mod tests {
     use super::*;
     use crate::bvh::{Bvh4, Bvh8, Link, MAX_DEPTH, TriangleBlock, WideNode};
-    use crate::embree::layout::Node;
-    use crate::embree::samples::{rays, soup};
+    use crate::embree::test_meshes::{rays, soup};
+    use crate::embree::tree::layout::Node;
     use crate::embree::{Config, Device, EmbreeBuilder, Width, native};
     use crate::geometry::Mesh;
 
@@ -168,9 +171,11 @@ mod tests {
         let (mesh, device) = (soup(500), device(Width::Four));
         let scene = device.prepare(&mesh).unwrap().commit().unwrap();
         let slot = RootSlot::find::<4>(&scene).unwrap();
-        let (before, tree) = (slot.get(), native::read4(&scene).unwrap());
+        // SAFETY: the scene lives until it is grafted, and then in the graft.
+        let root = || unsafe { slot.get() };
+        let (before, tree) = (root(), native::read4(&scene).unwrap());
         let mut graft = Graft::new(scene, &tree).unwrap();
-        assert_ne!(slot.get(), before);
+        assert_ne!(root(), before);
         let (kept, original) = graft.host.as_mut().unwrap();
         assert_eq!(*original, before);
         // SAFETY: as in `drop`, which does this once more.

@@ -1,14 +1,16 @@
 //! Reads Embree's own tree of a committed scene into ours, so that costs, node visits and our kernel apply to
 //! Embree's builders too. Boxes, order of children and of leaves stay as they are.
 
+#![allow(unsafe_code)]
+
 use super::layout::reference::{self, Target};
 use super::layout::{Node, RootSlot, Triangle4, Unavailable};
-use super::{EmbreeScene, query};
 use crate::bvh::{Bvh4, Bvh8, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
+use crate::embree::scene::{EmbreeScene, GEOMETRY};
 use crate::geometry::{Aabb, Mesh};
 use glam::Vec3A;
 
-/// The tree of a scene built with [`super::Width::Four`].
+/// The tree of a scene built with [`crate::embree::Width::Four`].
 ///
 /// # Errors
 /// [`Unavailable`] where Embree is another version or anything in the tree is not as it must be.
@@ -16,7 +18,7 @@ pub fn read4(scene: &EmbreeScene<'_>) -> Result<Bvh4, Unavailable> {
     read(scene)
 }
 
-/// The tree of a scene built with [`super::Width::Eight`].
+/// The tree of a scene built with [`crate::embree::Width::Eight`].
 ///
 /// # Errors
 /// As for [`read4`].
@@ -30,8 +32,8 @@ fn read<const N: usize>(scene: &EmbreeScene<'_>) -> Result<WideBvh<N>, Unavailab
         return Ok(WideBvh::default());
     }
     let slot = RootSlot::find::<N>(scene)?;
-    // SAFETY: the guards of `find` hold, so the root belongs to Embree's tree of this live scene, or to the one
-    // that replaces it, and nothing changes it while the scene is borrowed.
+    // SAFETY: the scene is live. The guards of `find` hold, so the root belongs to its tree, or to the one that
+    // replaces it, and nothing changes it while the scene is borrowed.
     unsafe { walk(slot.get(), scene.bounds(), scene.mesh()) }
 }
 
@@ -110,7 +112,7 @@ fn convert<const N: usize>(node: &Node<N>) -> WideNode<N> {
     wide
 }
 
-/// Our block of the same triangles, if Embree's holds what these triangles must look like.
+/// Our block of the same triangles, if Embree's holds the same data.
 fn check_block(block: &Triangle4, mesh: &Mesh, seen: &mut [bool]) -> Result<TriangleBlock, Unavailable> {
     let mut ours = TriangleBlock::EMPTY;
     for lane in 0..4 {
@@ -118,7 +120,7 @@ fn check_block(block: &Triangle4, mesh: &Mesh, seen: &mut [bool]) -> Result<Tria
         if (geometry, prim) == (u32::MAX, u32::MAX) {
             continue;
         }
-        if geometry != query::GEOMETRY || prim as usize >= mesh.len() {
+        if geometry != GEOMETRY || prim as usize >= mesh.len() {
             return Unavailable::because(format_args!("a leaf names triangle {prim} of geometry {geometry}"));
         }
         ours.set(lane, mesh.corners(prim), prim);
@@ -134,10 +136,10 @@ fn check_block(block: &Triangle4, mesh: &Mesh, seen: &mut [bool]) -> Result<Tria
 mod tests {
     use super::*;
     use crate::bvh::Statistics;
-    use crate::embree::samples::soup;
+    use crate::embree::test_meshes::soup;
     use crate::embree::{Config, Device, EmbreeBuilder, Width, inspect};
 
-    /// Reads the tree of every builder and compares what it costs with what Embree prints.
+    /// Reads the tree of every builder and compares its cost with the one that Embree prints.
     fn read_and_compare<const N: usize>(mesh: &Mesh, width: Width) {
         for builder in EmbreeBuilder::ALL {
             let config = Config { builder, width, threads: 2 };
@@ -173,7 +175,8 @@ mod tests {
             Device::new(&Config { builder: EmbreeBuilder::Sah, width: Width::Four, threads: 1 }).unwrap();
         let scene = device.prepare(&mesh).unwrap().commit().unwrap();
         assert!(read8(&scene).unwrap_err().why.contains("type 3"));
-        let root = RootSlot::find::<4>(&scene).unwrap().get();
+        // SAFETY: the scene lives.
+        let root = unsafe { RootSlot::find::<4>(&scene).unwrap().get() };
         // SAFETY: the root of a 4-wide tree, checked as in `read`.
         let with = |mesh: &Mesh| unsafe { walk::<4>(root, scene.bounds(), mesh) };
         assert!(with(&mesh).is_ok());

@@ -1,8 +1,7 @@
 //! Memory for a tree that is laid out once and traced: fresh from the system, on huge pages where it has them, as
 //! Embree's own memory is.
 //!
-//! An allocator would hand out what was freed before, on whatever pages that was, which may differ from tree to tree
-//! and costs traversal several per cent.
+//! An allocator would reuse freed memory, on huge pages or not; the difference costs traversal several per cent.
 
 #![allow(unsafe_code)]
 
@@ -22,7 +21,7 @@ pub(super) struct Pages<T> {
 }
 
 impl<T: Copy> Pages<T> {
-    /// Room for so many elements.
+    /// Memory for `capacity` elements.
     ///
     /// # Errors
     /// No memory.

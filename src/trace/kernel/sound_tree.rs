@@ -1,6 +1,8 @@
 //! The proof that a tree's links may be followed unchecked: trees have public fields, the kernel reads them
 //! without bounds checks and with a stack of fixed size.
 
+#![allow(unsafe_code)]
+
 use crate::bvh::limits::MAX_BLOCKS;
 use crate::bvh::{Child, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 
@@ -76,7 +78,7 @@ impl<'a, const N: usize> SoundTree<'a, N> {
         unsafe { self.tree.blocks.get_unchecked(first..first + count) }
     }
 
-    /// Where the data of `link` lies; only for prefetching.
+    /// Address of the data of `link`, for prefetching only.
     #[inline(always)]
     pub(super) fn address(self, link: Link) -> *const u8 {
         const INDEX: u32 = MAX_BLOCKS as u32 - 1;

@@ -1,17 +1,19 @@
 //! Where Embree 3.13.5 keeps the tree of a committed scene, and how nodes and leaves lie in memory.
 //!
 //! This is private to Embree: offsets hold for one version on one platform. Everything read is therefore
-//! checked against what the public API says about the same scene, and whatever disagrees makes the
+//! checked against what the public API says about the same scene, and any disagreement makes the
 //! instrument [`Unavailable`]. The head of Embree's object is read through `/proc/self/mem`, where a wrong
 //! address is an error and not a crash; only a head that passes every check is followed by pointer.
 
-use super::EmbreeScene;
+#![allow(unsafe_code)]
+
+use crate::embree::EmbreeScene;
 use crate::geometry::Aabb;
 use std::fmt;
 use std::fs::File;
 use std::os::unix::fs::FileExt;
 
-/// The version whose layout this is.
+/// The version with this layout.
 const VERSION: isize = 31305;
 /// Offset of the pointer to the tree in a scene of triangles only.
 const SCENE_TREE: u64 = 88;
@@ -107,7 +109,7 @@ struct Head {
     root: u64,
 }
 
-/// What the public API says about the same things.
+/// The same values from the public API.
 struct Expected {
     lanes: usize,
     bounds: Aabb,
@@ -147,18 +149,21 @@ impl RootSlot {
     }
 
     /// The root reference.
-    pub fn get(&self) -> u64 {
-        // SAFETY: `find` proved the place to be the root of a live scene's tree: the head around it names the
-        // scene, its device and its bounds. The slot lives no longer than that scene (both owners keep them
-        // together), and nobody writes to it during `&self`.
+    ///
+    /// # Safety
+    /// The scene whose root this is lives.
+    pub unsafe fn get(&self) -> u64 {
+        // SAFETY: `find` proved the place to be the root of the scene's tree: the head around it names the scene,
+        // its device and its bounds. The scene lives, and nobody writes to the slot during `&self`.
         unsafe { self.place.read() }
     }
 
     /// Sets the root reference.
     ///
     /// # Safety
-    /// `root` refers to a tree in this layout that outlives its stay here, no thread traces the scene now, and
-    /// the original root is set again before the scene is committed again or released.
+    /// The scene whose root this is lives, and no thread traces it now; `root` refers to a tree in this layout
+    /// that outlives its stay here; the original root is set again before the scene is committed again or
+    /// released.
     pub unsafe fn set(&mut self, root: u64) {
         // SAFETY: the place is valid as in `get`, and the caller has it alone.
         unsafe { self.place.write(root) }

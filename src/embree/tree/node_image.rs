@@ -2,18 +2,18 @@
 
 use super::layout::{Node, Triangle4, Unavailable, reference};
 use super::pages::Pages;
-use super::query;
 use crate::bvh::{Child, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
+use crate::embree::scene::GEOMETRY;
 use crate::geometry::Hit;
 
 /// A tree in Embree's layout. References are addresses within, so nothing may be moved or changed.
-pub(super) struct Image<const N: usize> {
+pub(super) struct NodeImage<const N: usize> {
     root: u64,
     nodes: Pages<Node<N>>,
     leaves: Pages<Triangle4>,
 }
 
-impl<const N: usize> Image<N> {
+impl<const N: usize> NodeImage<N> {
     /// Lays `tree` out depth first. Trees that Embree's kernels could not walk are refused: references beyond
     /// the tree, nodes or blocks used twice, more than [`MAX_DEPTH`] levels, triangles beyond `triangles`.
     pub fn of(tree: &WideBvh<N>, triangles: usize) -> Result<Self, Unavailable> {
@@ -109,6 +109,6 @@ fn embree_node<const N: usize>(node: &WideNode<N>) -> Node<N> {
 }
 
 fn embree_block(block: &TriangleBlock) -> Triangle4 {
-    let geometries = block.prims.map(|prim| if prim == Hit::NONE { u32::MAX } else { query::GEOMETRY });
+    let geometries = block.prims.map(|prim| if prim == Hit::NONE { u32::MAX } else { GEOMETRY });
     Triangle4 { v0: block.v0, e1: block.e1, e2: block.e2, geometries, prims: block.prims }
 }

@@ -1,8 +1,10 @@
-//! Embree's builders through the public `rtcBuildBVH`, into our tree: for Embrees whose own trees cannot be
+//! Embree's builders through the public `rtcBuildBVH`, into our tree: for versions whose own trees cannot be
 //! read. With these parameters SAH and Fast-Spatial give the very tree of a committed scene, but for rare
 //! nodes where the SSE2 binning of this function differs; Morton lacks the scene builder's tree rotations, so
 //! its 4-wide tree costs more. The function calls back for every node and cut: inspect its trees, do not time
 //! them.
+
+#![allow(unsafe_code)]
 
 mod callbacks;
 
@@ -140,7 +142,7 @@ unsafe fn collect<const N: usize>(root: *const Raw, mesh: &Mesh) -> Option<WideB
 mod tests {
     use super::*;
     use crate::bvh::sah_cost;
-    use crate::embree::samples::soup;
+    use crate::embree::test_meshes::soup;
     use crate::embree::{Config, Width, inspect};
 
     fn compare<const N: usize>(mesh: &Mesh, width: Width) {

@@ -1,0 +1,115 @@
+//! References to children, packed into 32 bits.
+
+use super::limits::{MAX_BLOCKS, MAX_LEAF_BLOCKS};
+
+/// A packed reference to a child: an inner node, a leaf of 1 to 7 consecutive blocks, or nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(transparent)]
+pub struct Link(u32);
+
+/// A [`Link`], unpacked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Child {
+    /// An unused slot.
+    Empty,
+    /// Index into [`super::WideBvh::nodes`].
+    Inner(usize),
+    /// Consecutive blocks of [`super::WideBvh::blocks`].
+    Leaf {
+        /// First block.
+        first: usize,
+        /// Number of blocks, 1 to [`MAX_LEAF_BLOCKS`].
+        count: usize,
+    },
+}
+
+impl Link {
+    /// Bit that tells a leaf (or nothing) from an inner node.
+    pub const LEAF_BIT: u32 = 1 << 31;
+    const COUNT_SHIFT: u32 = MAX_BLOCKS.trailing_zeros();
+    const INDEX_MASK: u32 = MAX_BLOCKS as u32 - 1;
+
+    /// The unused slot.
+    pub const EMPTY: Self = Self(u32::MAX);
+
+    /// Refers to inner node `index`.
+    #[inline]
+    pub fn inner(index: usize) -> Self {
+        debug_assert!(index < Self::LEAF_BIT as usize);
+        Self(index as u32)
+    }
+
+    /// Refers to `count` blocks from `first`.
+    #[inline]
+    pub fn leaf(first: usize, count: usize) -> Self {
+        debug_assert!((1..=MAX_LEAF_BLOCKS).contains(&count) && first < MAX_BLOCKS);
+        Self(Self::LEAF_BIT | ((count as u32 - 1) << Self::COUNT_SHIFT) | first as u32)
+    }
+
+    /// The packed bits: below [`Link::LEAF_BIT`] an inner node's index.
+    #[inline]
+    pub fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// The link packed in `bits`, as [`Link::bits`] gave them.
+    #[inline]
+    pub fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    /// True for an unused slot.
+    #[inline]
+    pub fn is_empty(self) -> bool {
+        self == Self::EMPTY
+    }
+
+    /// True for an inner node.
+    #[inline]
+    pub fn is_inner(self) -> bool {
+        self.0 & Self::LEAF_BIT == 0
+    }
+
+    /// The same reference after its node moved `nodes` or its blocks `blocks` places up.
+    #[inline]
+    #[must_use]
+    pub fn moved(self, nodes: usize, blocks: usize) -> Self {
+        match self.get() {
+            Child::Empty => self,
+            Child::Inner(index) => Self::inner(index + nodes),
+            Child::Leaf { first, count } => Self::leaf(first + blocks, count),
+        }
+    }
+
+    /// The reference, unpacked.
+    #[inline]
+    pub fn get(self) -> Child {
+        if self.is_empty() {
+            Child::Empty
+        } else if self.is_inner() {
+            Child::Inner(self.0 as usize)
+        } else {
+            Child::Leaf {
+                first: (self.0 & Self::INDEX_MASK) as usize,
+                count: ((self.0 >> Self::COUNT_SHIFT) & 7) as usize + 1,
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_round_trip() {
+        assert_eq!(Link::EMPTY.get(), Child::Empty);
+        assert_eq!(Link::inner(0).get(), Child::Inner(0));
+        assert_eq!(Link::inner((1 << 31) - 1).get(), Child::Inner((1 << 31) - 1));
+        for count in 1..=MAX_LEAF_BLOCKS {
+            for first in [0, 5, MAX_BLOCKS - 1] {
+                assert_eq!(Link::leaf(first, count).get(), Child::Leaf { first, count });
+            }
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Our kernel as a [`Tracer`]: picks the instruction set once per tracer.
+
+#[cfg(target_arch = "x86_64")]
+use super::avx2;
+use super::counts::{Counter, TraversalCounts};
+use super::scalar::ScalarKernel;
+use super::sound_tree::SoundTree;
+use super::traverse::{self, Query};
+use crate::bvh::WideBvh;
+use crate::geometry::{Hit, Ray, Tracer};
+use crate::simd::Isa;
+use rayon::prelude::*;
+use std::ops::Add as _;
+
+/// Traces rays through a tree with our kernel. The interval is `tnear < t <= tfar`; among equal distances
+/// the triangle tested last wins. A ray that is not [`Ray::is_valid`] has an unspecified answer.
+///
+/// The test multiplies two edges and the direction in `f32`, as Embree's does: where such a product
+/// overflows or vanishes (scenes of 1e12 and more, or 1e-12 and less, traced with directions as long), hits
+/// are missed. Unit directions are safe over a far wider range.
+///
+/// With AVX2 the arithmetic is that of Embree's kernel on the same processor, operation by operation, so that
+/// hits on the same tree are the same bits.
+#[derive(Clone, Copy, Debug)]
+pub struct BvhTracer<'a, const N: usize> {
+    tree: SoundTree<'a, N>,
+    isa: Isa,
+}
+
+/// The instruction set that [`BvhTracer::new`] picks on this machine.
+pub fn kernel_isa() -> Isa {
+    narrowed(Isa::best())
+}
+
+/// The most able instruction set up to `isa` that a kernel is written for: AVX-512 processors run AVX2's.
+fn narrowed(isa: Isa) -> Isa {
+    isa.avx2().map_or(Isa::Scalar, Isa::Avx2)
+}
+
+impl<'a, const N: usize> BvhTracer<'a, N> {
+    /// A tracer over `tree` with the best instructions of this machine. Walks the tree once, to prove that
+    /// the kernel may follow its links unchecked.
+    ///
+    /// # Panics
+    /// If `tree` is malformed (a builder's bug): links out of range, shared or cyclic nodes, more than
+    /// [`crate::bvh::MAX_DEPTH`] inner levels.
+    pub fn new(tree: &'a WideBvh<N>) -> Self {
+        Self::with_isa(tree, Isa::best())
+    }
+
+    /// As [`BvhTracer::new`] with instructions of choice; there is no kernel for AVX-512, which runs AVX2's.
+    ///
+    /// # Panics
+    /// As [`BvhTracer::new`].
+    pub fn with_isa(tree: &'a WideBvh<N>, isa: Isa) -> Self {
+        match SoundTree::new(tree) {
+            Ok(tree) => Self { tree, isa: narrowed(isa) },
+            Err(flaw) => panic!("malformed tree: {flaw}"),
+        }
+    }
+
+    /// The instructions in use.
+    pub fn isa(&self) -> Isa {
+        self.isa
+    }
+
+    /// Counts the visits of closest-hit queries of `rays`. Not for timing: it runs on the current rayon pool.
+    pub fn count_closest(&self, rays: &[Ray]) -> TraversalCounts {
+        self.count(rays, |chunk, counts| {
+            let mut hits = vec![Hit::MISS; chunk.len()];
+            self.run(Query::Closest(chunk, &mut hits), counts);
+            hits.iter().filter(|hit| hit.is_hit()).count()
+        })
+    }
+
+    /// Counts the visits of any-hit queries of `rays`, likewise.
+    pub fn count_any(&self, rays: &[Ray]) -> TraversalCounts {
+        self.count(rays, |chunk, counts| {
+            let mut occluded = vec![false; chunk.len()];
+            self.run(Query::Any(chunk, &mut occluded), counts);
+            occluded.iter().filter(|&&hit| hit).count()
+        })
+    }
+
+    fn count(
+        &self,
+        rays: &[Ray],
+        trace: impl Fn(&[Ray], &mut TraversalCounts) -> usize + Sync,
+    ) -> TraversalCounts {
+        rays.par_chunks(4096)
+            .map(|chunk| {
+                let mut counts = TraversalCounts { rays: chunk.len() as u64, ..TraversalCounts::default() };
+                counts.hits = trace(chunk, &mut counts) as u64;
+                counts
+            })
+            .reduce(TraversalCounts::default, TraversalCounts::add)
+    }
+
+    /// Runs a batch; the instruction set is dispatched once per batch.
+    fn run<C: Counter>(&self, query: Query<'_>, counter: &mut C) {
+        match self.isa {
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx2(token) => avx2::run(token, self.tree, query, counter),
+            _ => traverse::run::<ScalarKernel, C, N>((), self.tree, query, counter),
+        }
+    }
+}
+
+impl<const N: usize> Tracer for BvhTracer<'_, N> {
+    fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+        self.run(Query::Closest(rays, hits), &mut ());
+    }
+
+    fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
+        self.run(Query::Any(rays, occluded), &mut ());
+    }
+}
