@@ -1,6 +1,9 @@
 //! Every builder on every awkward input: the tree is whole, and the same at any number of threads.
 
-use phr::builders::{self, Best, BestConfig, Build, Builder as _, Costs, OptimiseConfig, Phr, PhrConfig};
+use phr::builders::{
+    self, Build, Builder as _, CollapseCosts, Extensions, OptimiseConfig, OptimisedPhr, OptimisedPhrConfig,
+    Phr, PhrConfig,
+};
 use phr::bvh::{Bvh4, Child, Link, sah_cost};
 use phr::geometry::Mesh;
 
@@ -154,8 +157,8 @@ fn two_distant_quartets_cost_what_a_hand_says() {
 }
 
 /// What a tree costs, relative to its box.
-fn cost_under(costs: Costs, tree: &Bvh4) -> f32 {
-    fn below(costs: Costs, tree: &Bvh4, link: Link, area: f32) -> f32 {
+fn cost_under(costs: CollapseCosts, tree: &Bvh4) -> f32 {
+    fn below(costs: CollapseCosts, tree: &Bvh4, link: Link, area: f32) -> f32 {
         match link.get() {
             Child::Empty => 0.0,
             Child::Leaf { count, .. } => area * (costs.leaf + costs.block * count as f32),
@@ -178,21 +181,25 @@ fn a_better_preset_makes_a_cheaper_tree() {
         assert!(cost(better) <= cost(worse), "{better}: {}, {worse}: {}", cost(better), cost(worse));
     }
     // The others are collapsed for other costs than those of Table 1: by these they are cheaper,
-    let own = |name| cost_under(Costs::EMBREE, &build_with(2, name, &mesh).tree);
+    let own = |name| cost_under(CollapseCosts::EMBREE, &build_with(2, name, &mesh).tree);
     for (better, worse) in [("phr-speed", "lbvh"), ("phr-quality", "phr-speed"), ("phr-best", "phr-quality")]
     {
         assert!(own(better) <= own(worse), "{better}: {}, {worse}: {}", own(better), own(worse));
     }
     // and by those of Table 1 before.
     let costs = [PhrConfig::SPEED, PhrConfig::QUALITY].map(|config| {
-        let build = Phr::new("", PhrConfig { collapse: None, ..config }).build(&mesh);
+        let build = {
+            let extensions = Extensions { collapse: None, ..config.extensions };
+            Phr::new("", PhrConfig { extensions, ..config }).unwrap().build(&mesh)
+        };
         sah_cost(&build.tree)
     });
     assert!(costs[0] <= cost("lbvh") && costs[1] <= costs[0], "speed, quality: {costs:?}");
     // Optimised for the cost of Table 1; the presets count a block as less than a node.
-    let costs = Costs { node: 1.0, leaf: 0.0, block: 1.0, max_leaf: 8 };
+    let costs = CollapseCosts { node: 1.0, leaf: 0.0, block: 1.0, max_leaf: 8 };
     let optimise = OptimiseConfig { costs, ..OptimiseConfig::DEFAULT };
-    let mut best = Best::new("optimised", BestConfig { phr: PhrConfig::HQ, optimise });
+    let mut best =
+        OptimisedPhr::new("optimised", OptimisedPhrConfig { phr: PhrConfig::HQ, optimise }).unwrap();
     let optimised = sah_cost(&best.build(&mesh).tree);
     assert!(optimised <= cost("phr-hq"), "optimised: {optimised}, phr-hq: {}", cost("phr-hq"));
 }

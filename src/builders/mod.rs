@@ -9,24 +9,24 @@
 //! * `optimise`: `phr-best`;
 //! * `registry`: builders by name.
 
+mod aac;
+mod binary;
 mod builder;
 mod config_error;
-mod prims;
-mod binary;
-mod wide;
-mod lbvh;
-mod split;
-mod phr;
 mod hunt;
-mod aac;
-mod optimise;
-mod registry;
+mod lbvh;
 #[cfg(test)]
 mod naive;
+mod optimise;
+mod phr;
+mod prims;
+mod registry;
+mod split;
 #[doc(hidden)]
 pub mod steps;
 #[cfg(test)]
 mod testing;
+mod wide;
 
 pub use aac::{Aac, AacConfig};
 pub use builder::{Build, Builder, Counts, Phase};

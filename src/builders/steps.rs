@@ -86,7 +86,8 @@ impl<'a> Steps<'a> {
     /// Builds the auxiliary BVH again; the durations of its phases, "codes", "sort" and "auxiliary tree" among
     /// them.
     pub fn auxiliary(&mut self, leaf: u32) -> Vec<Phase> {
-        self.auxiliary.build(self.mesh, &AuxiliaryConfig { auxiliary_leaf: Some(leaf), ..AuxiliaryConfig::PAPER })
+        self.auxiliary
+            .build(self.mesh, &AuxiliaryConfig { auxiliary_leaf: Some(leaf), ..AuxiliaryConfig::PAPER })
     }
 
     /// Of "codes", "sort" (each key moved but once) or "auxiliary tree"; `None` of others.

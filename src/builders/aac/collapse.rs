@@ -71,7 +71,9 @@ impl TopDown for ClusterTree<'_> {
 
     fn export(&self, part: &ClusterPart, scratch: &Vec<u32>) -> OwnedPart {
         match *part {
-            ClusterPart::References(first, len, _) => OwnedPart(*part, scratch[first..first + len as usize].to_vec()),
+            ClusterPart::References(first, len, _) => {
+                OwnedPart(*part, scratch[first..first + len as usize].to_vec())
+            }
             ClusterPart::Subtree(..) => OwnedPart(*part, Vec::new()),
         }
     }

@@ -174,7 +174,8 @@ mod tests {
             {
                 let mesh = triangles(n, place);
                 let mut auxiliary = Auxiliary::default();
-                auxiliary.build(&mesh, &AuxiliaryConfig { auxiliary_leaf: Some(leaf), ..AuxiliaryConfig::PAPER });
+                auxiliary
+                    .build(&mesh, &AuxiliaryConfig { auxiliary_leaf: Some(leaf), ..AuxiliaryConfig::PAPER });
                 let references = auxiliary.order.refs(&mesh);
                 let root = auxiliary.tree.root.unwrap();
                 let mut seen = Vec::new();

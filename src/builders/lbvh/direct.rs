@@ -75,8 +75,7 @@ impl Lbvh {
             self.treelets.put(treelet);
             built
         };
-        let built =
-            ordered_append::append(top.len(), &self.memory.treelets, &mut nodes, &mut blocks, make);
+        let built = ordered_append::append(top.len(), &self.memory.treelets, &mut nodes, &mut blocks, make);
         let pairs = built.iter().map(|((_, pairs), _)| pairs + 1).sum();
         let subtrees = treelet::moved(built.into_iter().map(|((subtree, _), at)| (subtree, at)).collect());
         let bounds: Vec<Aabb> =

@@ -76,7 +76,11 @@ impl LbvhTreelet {
         equal_codes.reorder(keys, copied_keys);
         equal_codes.reorder(bounds, copied_bounds);
         deltas.leaves(rule.always, leaves);
-        if rule.always == 1 { self.merge::<1>(first, rule) } else { self.merge::<{ BLOCK as usize }>(first, rule) }
+        if rule.always == 1 {
+            self.merge::<1>(first, rule)
+        } else {
+            self.merge::<{ BLOCK as usize }>(first, rule)
+        }
     }
 
     /// Makes the tree over leaves of at most `MOST` references, the first of which is at position `first`.

@@ -3,9 +3,9 @@
 use super::wide::Wide;
 use crate::builders::lbvh::area_scale::{PART, PARTS, STEP};
 use crate::builders::lbvh::auxiliary::{AuxiliaryConfig, Clusters};
-use crate::builders::lbvh::morton::Quantizer;
-use crate::builders::lbvh::sort::MIDDLE_DEPTH;
+use crate::builders::lbvh::morton::MortonEncoder;
 use crate::builders::prims::presplit::Presplit;
+use crate::bvh::limits::MIDDLE_DEPTH;
 use crate::geometry::{Aabb, Mesh};
 use std::rc::Rc;
 
@@ -108,15 +108,15 @@ pub fn lbvh(mesh: &Mesh, config: &AuxiliaryConfig) -> Option<(Rc<Tree>, f32)> {
             references[piece.prim as usize] = reference;
         }
     }
-    let quantizer = Quantizer::new(centers);
-    let mut run: Vec<Item> = references.iter().map(|r| (quantizer.code(r.bounds.center2()), *r)).collect();
+    let encoder = MortonEncoder::new(centers);
+    let mut run: Vec<Item> = references.iter().map(|r| (encoder.code(r.bounds.center2()), *r)).collect();
     run.sort_by_key(|(code, _)| *code);
     if run.is_empty() {
         return None;
     }
     let scene = mesh.bounds().half_area();
     let reference = config.calibration.map_or(scene, |parts| scene.min(parts * area_of_parts(&run)));
-    let root = subtree(&run, 0, config.leaf);
+    let root = subtree(&run, 0, config.auxiliary_leaf.unwrap_or(1));
     let root = match &config.clusters {
         None => root,
         Some(Clusters { most, area }) => root.clustered(*most, area * reference),

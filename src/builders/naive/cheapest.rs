@@ -3,7 +3,7 @@
 use super::cut::Member;
 use super::subtree::Side;
 use super::wide::Wide;
-use crate::builders::optimise::Costs;
+use crate::builders::wide::optimal::CollapseCosts;
 use crate::geometry::Aabb;
 
 /// A binary tree, with what it costs as at most one, two and three children of a wide node.
@@ -23,13 +23,13 @@ enum Content {
 
 impl Binary {
     /// Up to four triangles.
-    pub fn leaf(bounds: Aabb, prims: Vec<u32>, costs: &Costs) -> Self {
+    pub fn leaf(bounds: Aabb, prims: Vec<u32>, costs: &CollapseCosts) -> Self {
         let cost = bounds.half_area() * (costs.leaf + costs.block * 1.0);
         Self { bounds, count: prims.len() as u32, costs: [cost; 3], content: Content::Leaf(prims) }
     }
 
     /// A subtree made by sweeps.
-    pub fn swept(side: &Side, costs: &Costs) -> Self {
+    pub fn swept(side: &Side, costs: &CollapseCosts) -> Self {
         match &side.below {
             Some(swept) => Self::pair(swept.sides.each_ref().map(|side| Self::swept(side, costs)), costs),
             None => {
@@ -40,14 +40,14 @@ impl Binary {
     }
 
     /// The parent of two subtrees.
-    pub fn pair(pair: [Self; 2], costs: &Costs) -> Self {
+    pub fn pair(pair: [Self; 2], costs: &CollapseCosts) -> Self {
         let bounds: Aabb = pair.iter().map(|side| side.bounds).collect();
         let count = pair[0].count + pair[1].count;
         let area = bounds.half_area();
         let blocks = count.div_ceil(4) as f32;
         let leaf = area * (costs.leaf + costs.block * blocks);
         let inner = area * costs.node + opened(&pair, 4).0;
-        let is_leaf = count <= costs.max_leaf && leaf <= inner;
+        let is_leaf = count <= costs.max_leaf && leaf <= inner && leaf < f32::INFINITY;
         let one = if is_leaf { leaf } else { inner };
         let two = one.min(opened(&pair, 2).0);
         let three = two.min(opened(&pair, 3).0);

@@ -1,65 +1,83 @@
-//! The fast builders against the plain ones.
+//! The builders against the naive ones.
 
 use super::meshes::{
     beads, clusters, coarse, concentric, geometric, grids, identical, needles, scaled, soup,
 };
 use super::wide::Wide;
 use super::{hunt, linear, phr};
-use crate::builders::lbvh::top_tree::RUN;
-use crate::builders::split::object::lanes::Isa;
+use crate::builders::lbvh::top_tree::TREELET;
 use crate::builders::{
-    Build, Builder, Clusters, Costs, Hunt, HuntConfig, Lbvh, OwnThreshold, Phr, PhrConfig, PresplitConfig,
+    AuxiliaryConfig, Build, Builder, Clusters, CollapseCosts, Extensions, Hunt, HuntConfig, Lbvh,
+    LocalThreshold, OptimiseConfig, OptimisedPhr, OptimisedPhrConfig, Phr, PhrConfig, PresplitConfig,
 };
 use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
 use crate::scene::scalable;
+use crate::simd::Isa;
 
 /// Configurations that between them use all that there is.
 fn configs() -> Vec<(&'static str, PhrConfig)> {
-    let presplit = Some(PresplitConfig::NEEDLES);
-    let own_threshold = Some(OwnThreshold { references: 30, area: 1e-2 });
-    let collapse = Some(Costs { node: 1.0, leaf: 0.3, block: 0.4, max_leaf: 20 });
+    let paper = AuxiliaryConfig::PAPER;
+    let presplit = AuxiliaryConfig { presplit: Some(PresplitConfig::NEEDLES), ..paper };
+    let clusters = AuxiliaryConfig { clusters: Some(Clusters { most: 20, area: 3e-2 }), ..paper };
+    let local_threshold = Some(LocalThreshold { references: 30, area: 1e-2 });
+    let collapse = Some(CollapseCosts { node: 1.0, leaf: 0.3, block: 0.4, max_leaf: 20 });
+    let none = Extensions::NONE;
+    let fast = |extensions| PhrConfig { extensions, ..PhrConfig::FAST };
+    let auxiliary = |auxiliary| fast(Extensions { auxiliary, ..none });
     vec![
         ("fast", PhrConfig::FAST),
         ("hq", PhrConfig::HQ),
-        ("filled cut", PhrConfig { cut_share: 0.1, max_cut: 64, ..PhrConfig::FAST }),
-        ("auxiliary leaves", PhrConfig { auxiliary_leaf: 4, ..PhrConfig::FAST }),
-        ("leaf sweep", PhrConfig { leaf_sweep: 16, max_leaf: 28, ..PhrConfig::FAST }),
-        ("presplit", PhrConfig { presplit, ..PhrConfig::FAST }),
-        ("clipped triangles", PhrConfig { clip_triangles: true, ..PhrConfig::FAST }),
-        ("clusters", PhrConfig { clusters: Some(Clusters { most: 20, area: 3e-2 }), ..PhrConfig::FAST }),
-        ("subtree sweep", PhrConfig { subtree_sweep: 256, ..PhrConfig::FAST }),
-        ("overlap", PhrConfig { overlap_threshold: 1e-2, spatial_threshold: 1e-4, ..PhrConfig::FAST }),
+        ("filled cut", PhrConfig { max_cut: 64, ..fast(Extensions { cut_share: Some(0.1), ..none }) }),
+        ("auxiliary leaves", auxiliary(AuxiliaryConfig { auxiliary_leaf: Some(4), ..paper })),
+        ("leaf sweep", PhrConfig { max_leaf: 28, ..fast(Extensions { leaf_sweep: Some(16), ..none }) }),
+        ("presplit", auxiliary(presplit)),
+        ("clipped triangles", fast(Extensions { clip_triangles: true, ..none })),
+        ("clusters", auxiliary(clusters)),
+        ("subtree sweep", fast(Extensions { subtree_sweep: Some(256), ..none })),
         (
-            "calibration",
+            "overlap",
             PhrConfig {
-                calibration: Some(0.3),
-                clusters: Some(Clusters { most: 20, area: 3e-2 }),
-                ..PhrConfig::FAST
+                spatial_threshold: 1e-4,
+                ..fast(Extensions { overlap_threshold: Some(1e-2), ..none })
             },
         ),
-        ("own threshold", PhrConfig { own_threshold, delta: 2.0, ..PhrConfig::FAST }),
-        ("spatial bias", PhrConfig { spatial_bias: 1.2, spatial_threshold: 1e-4, ..PhrConfig::FAST }),
+        ("calibration", auxiliary(AuxiliaryConfig { calibration: Some(0.3), ..clusters })),
+        ("own threshold", PhrConfig { delta: 2.0, ..fast(Extensions { local_threshold, ..none }) }),
+        (
+            "spatial bias",
+            PhrConfig { spatial_threshold: 1e-4, ..fast(Extensions { spatial_bias: Some(1.2), ..none }) },
+        ),
         ("speed", PhrConfig::SPEED),
         ("quality", PhrConfig::QUALITY),
-        ("cheapest", PhrConfig { collapse, subtree_sweep: 20, presplit, ..PhrConfig::HQ }),
+        (
+            "cheapest",
+            PhrConfig {
+                extensions: Extensions { auxiliary: presplit, collapse, subtree_sweep: Some(20), ..none },
+                ..PhrConfig::HQ
+            },
+        ),
         (
             "all",
             PhrConfig {
-                auxiliary_leaf: 4,
-                clusters: Some(Clusters { most: 40, area: 1e-3 }),
-                overlap_threshold: 1e-6,
-                subtree_sweep: 50,
-                leaf_sweep: 32,
-                presplit,
-                clip_triangles: true,
                 spatial_threshold: 1e-6,
-                spatial_bias: 1.1,
-                own_threshold,
-                calibration: Some(2.0),
                 max_references: 4.0,
-                collapse,
-                ..PhrConfig::FAST
+                ..fast(Extensions {
+                    auxiliary: AuxiliaryConfig {
+                        auxiliary_leaf: Some(4),
+                        clusters: Some(Clusters { most: 40, area: 1e-3 }),
+                        calibration: Some(2.0),
+                        ..presplit
+                    },
+                    overlap_threshold: Some(1e-6),
+                    subtree_sweep: Some(50),
+                    leaf_sweep: Some(32),
+                    clip_triangles: true,
+                    spatial_bias: Some(1.1),
+                    local_threshold,
+                    collapse,
+                    ..none
+                })
             },
         ),
     ]
@@ -114,29 +132,29 @@ fn assert_same(tree: &Bvh4, mesh: &Mesh, expected: Option<&Wide>, what: &str) {
 fn compare(what: &str, mesh: &Mesh) -> Vec<u64> {
     let mut spatial_splits = Vec::new();
     for (name, config) in configs() {
-        let Build { tree, counts, .. } = Phr::new("", config).build(mesh);
+        let Build { tree, counts, .. } = Phr::new("", config).unwrap().build(mesh);
         spatial_splits.push(counts.spatial_splits);
         assert_same(&tree, mesh, phr(mesh, &config).as_ref(), &format!("{what}, {name}"));
     }
-    // Runs are made wide each on its own, and nodes over them do not reach into them.
-    if mesh.len() <= RUN {
+    // Each treelet is widened on its own; nodes over treelets do not reach into them.
+    if mesh.len() <= TREELET {
         let tree = Lbvh::default().build(mesh).tree;
         assert_same(&tree, mesh, linear(mesh).as_ref(), &format!("{what}, lbvh"));
     }
-    let tree = Hunt::new("", HUNT_50).build(mesh).tree;
+    let tree = Hunt::new("", HUNT_50).unwrap().build(mesh).tree;
     assert_same(&tree, mesh, hunt(mesh, &HUNT_50).as_ref(), &format!("{what}, hunt"));
     spatial_splits
 }
 
 #[test]
-fn small_trees_are_the_plain_ones_node_for_node() {
+fn small_trees_are_the_naive_ones_node_for_node() {
     small_meshes().iter().for_each(|(what, mesh)| {
         compare(what, mesh);
     });
 }
 
 #[test]
-fn large_trees_are_the_plain_ones_node_for_node() {
+fn large_trees_are_the_naive_ones_node_for_node() {
     let mut spatial_splits = vec![0; configs().len()];
     for (what, mesh) in large_meshes() {
         spatial_splits.iter_mut().zip(compare(what, &mesh)).for_each(|(sum, n)| *sum += n);
@@ -159,9 +177,11 @@ fn trees_are_the_same_with_any_instructions_and_any_number_of_threads() {
             }
         };
         for (name, config) in configs() {
-            same(name, &|isa| Phr::new("", config).with_isa(isa).build(&mesh).tree);
+            same(name, &|isa| Phr::with_isa("", config, isa).unwrap().build(&mesh).tree);
         }
-        same("lbvh", &|_| Lbvh::default().build(&mesh).tree);
-        same("hunt", &|isa| Hunt::new("", HUNT_50).with_isa(isa).build(&mesh).tree);
+        same("lbvh", &|isa| Lbvh::with_isa(isa).build(&mesh).tree);
+        let best = OptimisedPhrConfig { phr: PhrConfig::HQ, optimise: OptimiseConfig::DEFAULT };
+        same("optimised", &|isa| OptimisedPhr::with_isa("", best, isa).unwrap().build(&mesh).tree);
+        same("hunt", &|isa| Hunt::with_isa("", HUNT_50, isa).unwrap().build(&mesh).tree);
     }
 }

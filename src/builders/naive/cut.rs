@@ -95,11 +95,11 @@ pub struct Cut {
 
 impl Cut {
     /// The whole scene.
-    pub fn whole(members: Vec<Member>, max_references: f32) -> Self {
+    pub fn whole(members: Vec<Member>, max_references: f32, most: usize) -> Self {
         let clip = Aabb::new(Vec3A::NEG_INFINITY, Vec3A::INFINITY);
         let mut cut =
             Self { members, clip, capacity: 0, depth: 0, is_near_leaves: false, is_soft: false, swept: None };
-        cut.capacity = (cut.count() as f32 * max_references) as u32;
+        cut.capacity = ((cut.count() as f32 * max_references) as u32).min(most as u32).max(cut.count());
         cut
     }
 

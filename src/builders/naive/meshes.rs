@@ -1,48 +1,22 @@
 //! Meshes that try what builders find hard.
 
+use crate::builders::testing::mesh;
+pub(super) use crate::builders::testing::soup;
 use crate::geometry::Mesh;
 use glam::Vec3;
-
-/// Random numbers in [0, 1), on a grid of 2^-24.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1u32 << 24) as f32
-    }
-
-    fn point(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit())
-    }
-}
-
-fn mesh(n: usize, seed: u64, mut triangle: impl FnMut(usize, &mut Random) -> [Vec3; 3]) -> Mesh {
-    let mut random = Random(seed ^ 0x9e37_79b9_7f4a_7c15);
-    let vertices = (0..n).flat_map(|i| triangle(i, &mut random)).map(|v| v.to_array()).collect();
-    Mesh::new(vertices, (0..n as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap().0
-}
-
-/// Triangles of at most `size` anywhere in a unit cube.
-pub fn soup(n: usize, size: f32, seed: u64) -> Mesh {
-    mesh(n, seed, |_, random| {
-        let at = random.point();
-        [0; 3].map(|_| at + (random.point() - 0.5) * size)
-    })
-}
 
 /// A soup enlarged and moved, so that coordinates are of any size and sign.
 pub fn scaled(n: usize, scale: f32, seed: u64) -> Mesh {
     mesh(n, seed, |i, random| {
-        let at = random.point() - 0.5;
-        [0; 3].map(|_| (at + random.point() * if i % 10 == 0 { 0.4 } else { 0.01 }) * scale)
+        let at = random.point(0.0, 1.0) - 0.5;
+        [0; 3].map(|_| (at + random.point(0.0, 1.0) * if i % 10 == 0 { 0.4 } else { 0.01 }) * scale)
     })
 }
 
 /// Long diagonal needles all through each other.
 pub fn needles(n: usize, seed: u64) -> Mesh {
     mesh(n, seed, |_, random| {
-        let (a, b) = (random.point() * 100.0, random.point() * 100.0);
+        let (a, b) = (random.point(0.0, 1.0) * 100.0, random.point(0.0, 1.0) * 100.0);
         [a, b, a + Vec3::X * 1e-3]
     })
 }
@@ -87,8 +61,8 @@ pub fn identical(n: usize) -> Mesh {
 /// Corners on a coarse grid: many equal centroids, areas and planes, flat and degenerate triangles.
 pub fn coarse(n: usize, cells: f32, seed: u64) -> Mesh {
     mesh(n, seed, |_, random| {
-        let at = (random.point() * cells).floor();
-        [0; 3].map(|_| at + (random.point() * 3.0).floor() - 1.0)
+        let at = (random.point(0.0, 1.0) * cells).floor();
+        [0; 3].map(|_| at + (random.point(0.0, 1.0) * 3.0).floor() - 1.0)
     })
 }
 
@@ -97,8 +71,8 @@ pub fn clusters(n: usize, seed: u64) -> Mesh {
     mesh(n, seed, |i, random| {
         let center = Vec3::new((i % 3) as f32, (i % 5) as f32, (i % 2) as f32) * 1000.0;
         let size = 10f32.powi(-((i % 7) as i32));
-        let at = center + random.point() * size;
-        [0; 3].map(|_| at + random.point() * size * 0.1)
+        let at = center + random.point(0.0, 1.0) * size;
+        [0; 3].map(|_| at + random.point(0.0, 1.0) * size * 0.1)
     })
 }
 

@@ -1,5 +1,5 @@
-//! The builders over cuts as the paper writes them down (Hendrich, Meister, Bittner 2017), as simple as they can
-//! be: what the fast ones must agree with, node for node.
+//! The oracle: the builders over cuts as the paper writes them down (Hendrich, Meister, Bittner 2017), as simple as they
+//! can be. The fast builders must agree with it node for node.
 
 mod auxiliary;
 mod cheapest;
@@ -12,9 +12,11 @@ mod wide;
 
 use crate::builders::hunt::HuntConfig;
 use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
-use crate::builders::optimise::Costs;
-use crate::builders::phr::PhrConfig;
+use crate::builders::phr::refine::Threshold;
+use crate::builders::phr::{Extensions, PhrConfig};
 use crate::builders::split::cost::Weight;
+use crate::builders::wide::optimal::CollapseCosts;
+use crate::bvh::limits::{CUT_DEPTH, MAX_REFERENCES_PER_TRIANGLE};
 use crate::geometry::triangle_split::split_triangle;
 use crate::geometry::{Aabb, Mesh};
 use auxiliary::{Content, lbvh};
@@ -23,37 +25,28 @@ use cut::{Cut, Kind, Member};
 use splits::Plane;
 use wide::Wide;
 
-/// From this depth on references are halved by count.
-const MAX_DEPTH: u32 = 50;
-
 /// PHR.
 pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
     let scene = mesh.bounds().half_area();
-    let PhrConfig { presplit, auxiliary_leaf: leaf, clusters, calibration, .. } = *config;
-    let (root, reference) = lbvh(mesh, &AuxiliaryConfig { presplit, leaf, clusters, calibration })?;
+    let (root, scale) = lbvh(mesh, &config.extensions.auxiliary)?;
     let threshold = |depth: u32| {
         // Equation 2.
         let divisor = f64::from(config.alpha * depth as f32 + config.delta).exp2();
         (f64::from(scene) / divisor) as f32
     };
-    let builder = Plain {
+    let builder = Naive {
         mesh,
-        spatial_above: reference * config.spatial_threshold,
-        max_leaf: if config.collapse.is_some() { 4 } else { config.max_leaf },
-        collapse: config.collapse,
+        config,
+        spatial_above: scale * config.spatial_threshold,
+        overlap_above: config.extensions.overlap_threshold.map(|threshold| scale * threshold),
         // Parts that fit a cache.
         part: (mesh.len() / 256).clamp(512, 4096) as u32,
-        leaf_sweep: config.leaf_sweep,
-        subtree_sweep: config.subtree_sweep,
-        overlap_above: (config.overlap_threshold > 0.0).then_some(reference * config.overlap_threshold),
-        clip_triangles: config.clip_triangles,
-        spatial_bias: config.spatial_bias,
         refine: &|side, clip, depth| {
             let count: u32 = side.iter().map(|member| member.tree.count).sum();
             let bounds: Aabb = side.iter().map(|member| member.bounds).collect();
-            let own = config.own_threshold.filter(|own| count >= own.references);
+            let local = config.extensions.local_threshold.filter(|local| count >= local.references);
             let threshold =
-                threshold(depth).min(own.map_or(f32::INFINITY, |own| bounds.half_area() * own.area));
+                threshold(depth).min(local.map_or(f32::INFINITY, |local| bounds.half_area() * local.area));
             side.into_iter()
                 .flat_map(|member| {
                     let stays = member.is_leaf() || member.bounds.half_area() <= threshold;
@@ -62,30 +55,27 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
                 .collect()
         },
     };
-    let (above, len) = config.initial_cut(mesh.len()).unwrap_or((threshold(0), config.max_cut));
+    let (above, len) = config.initial_cut(mesh.len(), &Threshold::new(scene, config));
     let members = cut::initial(root, above, len);
-    builder.subtree(&Cut::whole(members, config.max_references))
+    builder.subtree(&Cut::whole(members, config.max_references, mesh.len() * MAX_REFERENCES_PER_TRIANGLE))
 }
 
 /// The LBVH itself.
 pub fn linear(mesh: &Mesh) -> Option<Wide> {
-    lbvh(mesh, &AuxiliaryConfig { leaf: 4, ..AuxiliaryConfig::PAPER }).map(|(root, _)| root.widened())
+    lbvh(mesh, &AuxiliaryConfig { auxiliary_leaf: Some(4), ..AuxiliaryConfig::PAPER })
+        .map(|(root, _)| root.widened())
 }
 
 /// The method of Hunt et al. 2007 with cuts of constant length.
 pub fn hunt(mesh: &Mesh, config: &HuntConfig) -> Option<Wide> {
     let (root, _) = lbvh(mesh, &AuxiliaryConfig::PAPER)?;
-    let builder = Plain {
+    let cuts = PhrConfig { max_leaf: config.max_leaf, ..PhrConfig::FAST };
+    let builder = Naive {
         mesh,
+        config: &cuts,
         spatial_above: f32::INFINITY,
-        max_leaf: config.max_leaf,
-        collapse: None,
-        part: 0,
-        leaf_sweep: 0,
-        subtree_sweep: 0,
         overlap_above: None,
-        spatial_bias: 1.0,
-        clip_triangles: false,
+        part: 0,
         refine: &|mut side, clip, _| {
             loop {
                 let mut inner: Vec<usize> = (0..side.len()).filter(|&i| !side[i].is_leaf()).collect();
@@ -102,30 +92,35 @@ pub fn hunt(mesh: &Mesh, config: &HuntConfig) -> Option<Wide> {
         },
     };
     let members = cut::initial(root, 0.0, config.cut_length);
-    builder.subtree(&Cut::whole(members, 1.0))
+    builder.subtree(&Cut::whole(members, 1.0, mesh.len()))
 }
 
 /// Opens members of a side of a split, clipped to a box, at a depth.
 type Refine<'a> = dyn Fn(Vec<Member>, &Aabb, u32) -> Vec<Member> + 'a;
 
-struct Plain<'a> {
+struct Naive<'a> {
     mesh: &'a Mesh,
+    config: &'a PhrConfig,
     spatial_above: f32,
-    max_leaf: u32,
-    collapse: Option<Costs>,
-    part: u32,
-    leaf_sweep: u32,
-    subtree_sweep: u32,
     overlap_above: Option<f32>,
-    spatial_bias: f32,
-    clip_triangles: bool,
+    part: u32,
     refine: &'a Refine<'a>,
 }
 
-impl Plain<'_> {
+impl Naive<'_> {
+    fn extensions(&self) -> &Extensions {
+        &self.config.extensions
+    }
+
+    /// Whether a cut is small, and to be split down to its leaves in one go.
+    fn is_small(&self, cut: &Cut) -> bool {
+        cut.count() <= self.extensions().subtree_sweep.unwrap_or(0)
+            && cut.bounds().half_area() <= self.spatial_above
+    }
+
     /// The wide tree over a cut; `None` if clipping left nothing of it.
     fn subtree(&self, cut: &Cut) -> Option<Wide> {
-        if let Some(costs) = &self.collapse
+        if let Some(costs) = &self.extensions().collapse
             && cut.count() < self.part
         {
             return self.binary(cut, costs).map(|root| root.widened());
@@ -137,7 +132,7 @@ impl Plain<'_> {
     }
 
     /// The binary tree over a cut; `None` if clipping left nothing of it.
-    fn binary(&self, cut: &Cut, costs: &Costs) -> Option<Binary> {
+    fn binary(&self, cut: &Cut, costs: &CollapseCosts) -> Option<Binary> {
         if let Some(swept) = &cut.swept {
             return Some(Binary::pair(swept.sides.each_ref().map(|side| Binary::swept(side, costs)), costs));
         }
@@ -145,7 +140,7 @@ impl Plain<'_> {
             let Wide::Leaf(bounds, prims) = leaf(cut)? else { unreachable!("a leaf") };
             return Some(Binary::leaf(bounds, prims, costs));
         }
-        if cut.count() <= self.subtree_sweep && cut.bounds().half_area() <= self.spatial_above {
+        if self.is_small(cut) {
             let references = cut.references();
             return (!references.is_empty()).then(|| Binary::swept(&subtree::sweep(references), costs));
         }
@@ -184,10 +179,7 @@ impl Plain<'_> {
     /// Splits a cut in two (paper 3.2, Figure 3): find the split, reorder, refine both sides. One of them may be
     /// clipped away, and an inner cut may be found to be a leaf.
     fn split(&self, part: &Cut) -> Vec<Cut> {
-        if part.swept.is_none()
-            && part.count() <= self.subtree_sweep
-            && part.bounds().half_area() <= self.spatial_above
-        {
+        if part.swept.is_none() && self.is_small(part) {
             return self.sweep(part);
         }
         if let Some(swept) = &part.swept {
@@ -278,8 +270,8 @@ impl Plain<'_> {
             cut.members = lone.open(&cut.clip);
         }
         let is_lone_leaf = cut.members.len() == 1 && cut.members[0].is_leaf();
-        let is_small = cut.count() <= self.leaf_sweep || is_lone_leaf;
-        if !cut.is_near_leaves && (is_small || cut.depth >= MAX_DEPTH) {
+        let is_small = cut.count() <= self.extensions().leaf_sweep.unwrap_or(0) || is_lone_leaf;
+        if !cut.is_near_leaves && (is_small || cut.depth >= CUT_DEPTH) {
             cut.members = cut.references();
             cut.is_near_leaves = true;
         }
@@ -287,11 +279,11 @@ impl Plain<'_> {
     }
 
     fn find(&self, cut: &Cut) -> Split {
-        if cut.depth >= MAX_DEPTH {
+        if cut.depth >= CUT_DEPTH {
             return Split::Halves;
         }
         let boxes: Vec<Aabb> = cut.members.iter().map(|member| member.bounds).collect();
-        let weight = if cut.is_near_leaves { Weight::Quartets } else { Weight::Nodes };
+        let weight = if cut.is_near_leaves { Weight::Blocks } else { Weight::Nodes };
         let object = splits::object(&boxes, weight);
         let area = cut.bounds().half_area();
         if area > self.spatial_above
@@ -306,7 +298,8 @@ impl Plain<'_> {
             };
             let references = cut.members.iter().map(counted).sum::<u64>();
             let growth = references as f32 / cut.count() as f32;
-            let is_preferred = cost < object_cost || cost * growth < object_cost * self.spatial_bias;
+            let is_preferred = cost < object_cost
+                || cost * growth < object_cost * self.extensions().spatial_bias.unwrap_or(1.0);
             if is_preferred && references <= u64::from(cut.capacity) {
                 return Split::Spatial(plane);
             }
@@ -328,7 +321,7 @@ impl Plain<'_> {
     fn parts(&self, member: &Member, plane: Plane) -> [Option<Aabb>; 2] {
         let parts = plane.cut(member.bounds);
         if let ([Some(_), Some(_)], true, Content::Leaf(references)) =
-            (parts, self.clip_triangles, &member.tree.content)
+            (parts, self.extensions().clip_triangles, &member.tree.content)
             && let [reference] = references[..]
         {
             let corners = self.mesh.corners(reference.prim);
@@ -346,7 +339,7 @@ impl Plain<'_> {
             bounds.half_area() * count.div_ceil(4) as f32
         };
         let node = cut.bounds().half_area() + (leaf(&sides[0]) + leaf(&sides[1]));
-        cut.count() <= self.max_leaf && leaf(&cut.members) <= node
+        cut.count() <= self.config.leaf_size() && leaf(&cut.members) <= node
     }
 }
 

@@ -3,7 +3,8 @@
 use super::cut::Member;
 use super::splits::unions;
 use crate::builders::split::cost::Weight;
-use crate::builders::split::sweep_sah::{HALVE, STEPS};
+use crate::builders::split::sweep_sah::STEPS;
+use crate::bvh::limits::SUBTREE_DEPTH;
 use crate::geometry::Aabb;
 use glam::Vec3A;
 use std::rc::Rc;
@@ -44,7 +45,7 @@ fn side(all: &[Member], order: [Vec<usize>; 3], depth: u32) -> Side {
     if order[0].len() <= 4 {
         return Side { members, below: None };
     }
-    let (axis, n) = if depth < HALVE { best(all, &order) } else { (0, order[0].len() / 2) };
+    let (axis, n) = if depth < SUBTREE_DEPTH { best(all, &order) } else { (0, order[0].len() / 2) };
     let mut on_left = vec![false; all.len()];
     order[axis][..n].iter().for_each(|&i| on_left[i] = true);
     let below = |is_left: bool| {
@@ -60,7 +61,7 @@ fn best(all: &[Member], order: &[Vec<usize>; 3]) -> (usize, usize) {
     for (axis, order) in order.iter().enumerate() {
         let sorted: Vec<Aabb> = order.iter().map(|&i| all[i].bounds).collect();
         let (left, right) = (unions(sorted.iter()), unions(sorted.iter().rev()));
-        let cost = |side: &[Aabb], n: usize| side[n].half_area() * Weight::Quartets.of(n);
+        let cost = |side: &[Aabb], n: usize| side[n].half_area() * Weight::Blocks.of(n);
         for n in 1..order.len() {
             let both = cost(&left, n) + cost(&right, order.len() - n);
             if both < least {

@@ -68,7 +68,8 @@ impl Tree {
             |cut, scratch| recursion.split(cut, scratch).into_iter().flatten().collect(),
             |cut, chunk, worker| record(recursion, mesh, cut, chunk, worker),
         );
-        let moved = |(root, [pairs, prims]): (Option<Node>, Offset)| root.map(|root| root.moved(pairs, prims));
+        let moved =
+            |(root, [pairs, prims]): (Option<Node>, Offset)| root.map(|root| root.moved(pairs, prims));
         let roots: Vec<Option<Node>> = built.into_iter().map(moved).collect();
         let root = tree.fold(&roots, &mut |halves| match halves {
             [left, right] => merge([*left, *right], &mut self.pairs),

@@ -62,7 +62,12 @@ fn no_other_choice_is_cheaper_and_the_tree_costs_what_was_promised() {
         let promised = choices.solve(&tree, ROOT, tree.pairs.len(), &COSTS, true);
         let expected = least(&tree, ROOT, 1).0;
         assert!((promised - expected).abs() <= 1e-5 * expected, "{promised} for {expected}");
-        let wide = top_down::build(&CollapsedTree { tree: &tree, choices: &choices }, Some(ROOT), &mesh, &mut Memory::default());
+        let wide = top_down::build(
+            &CollapsedTree { tree: &tree, choices: &choices },
+            Some(ROOT),
+            &mesh,
+            &mut Memory::default(),
+        );
         assert_eq!(wide.validate(&mesh), Ok(()));
         let cost = cost_of(&wide, wide.root, wide.bounds.half_area());
         assert!((cost - expected).abs() <= 1e-5 * expected, "{cost} for {expected}");

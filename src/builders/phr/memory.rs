@@ -60,10 +60,8 @@ pub(crate) struct CutMemory {
 impl CutMemory {
     /// Puts a build together.
     pub fn finish(&mut self, tree: Bvh4, phases: Vec<Phase>) -> Build {
-        let mut counts = Counts {
-            auxiliary_nodes: 2 * self.auxiliary.tree.pairs.len() as u64 + 1,
-            ..Counts::default()
-        };
+        let mut counts =
+            Counts { auxiliary_nodes: 2 * self.auxiliary.tree.pairs.len() as u64 + 1, ..Counts::default() };
         self.recursion.workers.for_each(|worker| {
             let of_thread = std::mem::take(&mut worker.scratch.counts);
             counts.splits += of_thread.splits;

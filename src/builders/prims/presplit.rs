@@ -135,6 +135,7 @@ impl Chunk for Pieces {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::SplitMix64;
 
     fn soup(triangles: &[[[f32; 3]; 3]]) -> Mesh {
         let ids = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
@@ -149,12 +150,8 @@ mod tests {
 
     /// Diagonal needles, some of no area at all, all through one box.
     fn needles(n: usize, scale: f32) -> Mesh {
-        let mut state = 1u32;
-        let mut random = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 24) as f32 * scale
-        };
-        let mut point = || [random(), random(), random()];
+        let mut random = SplitMix64::new(1);
+        let mut point = || (random.point(0.0, 1.0) * scale).to_array();
         let needle = |i: usize, a: [f32; 3], b| [a, b, [a[0] + scale * 1e-3 * (i % 3) as f32, a[1], a[2]]];
         soup(&(0..n).map(|i| needle(i, point(), point())).collect::<Vec<_>>())
     }

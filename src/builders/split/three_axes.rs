@@ -73,7 +73,8 @@ pub(crate) fn order<const MOST: usize>(isa: Isa, centers: &[Vec3A], order: &mut 
             let mut keys = ArrayVec::<u64, MOST>::new();
             for (axis, order) in order.iter_mut().enumerate() {
                 keys.clear();
-                let key = |(i, center): (usize, &Vec3A)| u64::from(ordered_bits(center[axis])) << 32 | i as u64;
+                let key =
+                    |(i, center): (usize, &Vec3A)| u64::from(ordered_bits(center[axis])) << 32 | i as u64;
                 keys.extend(centers.iter().enumerate().map(key));
                 keys.sort_unstable();
                 order.iter_mut().zip(&keys).for_each(|(place, &key)| *place = key as u8);
@@ -84,7 +85,11 @@ pub(crate) fn order<const MOST: usize>(isa: Isa, centers: &[Vec3A], order: &mut 
 
 /// As [`order`]: the rank of each box is counted, all boxes of a vector against one at a time.
 #[inline(always)]
-pub(crate) fn order_by_ranks<L: Lanes, const MOST: usize>(v: L, centers: &[Vec3A], order: &mut [[u8; MOST]; 3]) {
+pub(crate) fn order_by_ranks<L: Lanes, const MOST: usize>(
+    v: L,
+    centers: &[Vec3A],
+    order: &mut [[u8; MOST]; 3],
+) {
     let n = centers.len();
     let one = v.splat(1.0);
     let mut positions = [0.0; 16];

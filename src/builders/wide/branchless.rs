@@ -99,7 +99,12 @@ impl Widen {
             let [a, b, c, d] =
                 [&slots[a as usize], &slots[b as usize], &slots[c as usize], &slots[d as usize]];
             let links = [link(a), link(b), link(c), link(d)];
-            let boxes = [a.0.bounds_with_tags(), b.0.bounds_with_tags(), c.0.bounds_with_tags(), d.0.bounds_with_tags()];
+            let boxes = [
+                a.0.bounds_with_tags(),
+                b.0.bounds_with_tags(),
+                c.0.bounds_with_tags(),
+                d.0.bounds_with_tags(),
+            ];
             WideNode::of_slots(boxes, links)
         }));
         self.pairs.pop();

@@ -61,11 +61,7 @@ pub(crate) trait BinarySplits: TopDown<Part: Clone> {
     fn split(&self, part: &Self::Part, scratch: &mut Self::Scratch) -> [Option<Self::Part>; 2];
 
     /// The children of the wide node over a part that is to be split: the largest is split first (paper 4.5).
-    fn split_largest(
-        &self,
-        part: &Self::Part,
-        scratch: &mut Self::Scratch,
-    ) -> ArrayVec<Self::Part, WIDTH> {
+    fn split_largest(&self, part: &Self::Part, scratch: &mut Self::Scratch) -> ArrayVec<Self::Part, WIDTH> {
         let priority = |part: &Self::Part| Priority::new(self.kind(part), self.half_area(part));
         let mut children = ArrayVec::new();
         children.push(part.clone());

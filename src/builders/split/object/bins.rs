@@ -32,13 +32,7 @@ impl Default for Bins {
 
 impl Bins {
     /// The split of `nodes` of least cost below `limit`, as [`FullSweep::best`] defines it.
-    pub fn best(
-        &mut self,
-        full: &mut FullSweep,
-        nodes: &[Node],
-        limit: f32,
-        weight: Weight,
-    ) -> ObjectSplit {
+    pub fn best(&mut self, full: &mut FullSweep, nodes: &[Node], limit: f32, weight: Weight) -> ObjectSplit {
         let bins = bins_for(nodes.len());
         self.fill(nodes, bins);
         let mut best = ObjectSplit::below(limit);

@@ -56,13 +56,7 @@ impl SpatialBins {
 
     /// A plane within a bin has on its left all nodes that begin in bins before, and on its right all that end in bins
     /// after; their boxes, cut at the bin's outermost planes, and their numbers bound the cost from below.
-    fn improve_along(
-        &self,
-        axis: usize,
-        planes: &mut PlaneSweep,
-        boxes: Boxes<'_>,
-        best: &mut SpatialSplit,
-    ) {
+    fn improve_along(&self, axis: usize, planes: &mut PlaneSweep, boxes: Boxes<'_>, best: &mut SpatialSplit) {
         let bins = &self.bins[axis];
         let [before, _] = CountedBox::before_and_after(&bins.map(|bin| bin.begin), self.used);
         let [_, after] = CountedBox::before_and_after(&bins.map(|bin| bin.end), self.used);

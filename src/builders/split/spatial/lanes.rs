@@ -117,7 +117,13 @@ fn gather<const AXIS: usize>(boxes: Boxes<'_>, from: f32, to: f32, planes: &mut 
 /// Divides the planes from `from` up to `to` in slabs; returns the bounds of those that may hold one cheaper than
 /// `limit`.
 #[inline(always)]
-fn narrow<L: Lanes, const AXIS: usize>(v: L, boxes: Boxes<'_>, from: f32, to: f32, limit: f32) -> Option<[f32; 2]> {
+fn narrow<L: Lanes, const AXIS: usize>(
+    v: L,
+    boxes: Boxes<'_>,
+    from: f32,
+    to: f32,
+    limit: f32,
+) -> Option<[f32; 2]> {
     let step = (to - from) / (L::N - 1) as f32;
     let mut borders = [to; 16];
     for (i, border) in borders[..L::N - 1].iter_mut().enumerate() {
