@@ -3,7 +3,7 @@
 #![cfg(feature = "harness")]
 
 use phr::bench::records::{self, ALL, ROWS, Row, SCHEMA, WARM};
-use phr::report::ablation::ablation;
+use phr::report::ablation::Ablation;
 use phr::report::bars::growth::{Growth, growth};
 use phr::report::bars::judge::{Judge, Judged, Verdict};
 use phr::report::bars::list::{BARS, Bar, Measure};
@@ -278,7 +278,7 @@ fn growth_is_drawn_from_two_sizes_on() {
 #[test]
 fn ablations_are_relative_to_their_base() {
     // Build, cost and EPO of speed to Morton: 0.5 in the hall, 2 in the yard.
-    let text = ablation(&rows(), "embree-morton", &["phr-speed", "embree-sah"]).unwrap();
+    let text = Ablation::of(&rows(), "embree-morton", &["phr-speed", "embree-sah"]).unwrap().text();
     let lines: Vec<String> = text
         .lines()
         .filter(|line| line.starts_with("| phr-speed") || line.starts_with("| embree-sah"))
@@ -292,7 +292,7 @@ fn ablations_are_relative_to_their_base() {
     assert_eq!(lines[2], "phr-speed hall 0.500 0.500 0.500 0.615 0.769");
     assert_eq!(lines[3], "phr-speed yard 2.000 2.000 2.000 0.808 3.077");
     assert_eq!(lines.len(), 6);
-    let unknown = ablation(&rows(), "embree-morton", &["phr-hq"]).unwrap_err();
+    let unknown = Ablation::of(&rows(), "embree-morton", &["phr-hq"]).unwrap_err();
     assert!(
         unknown.contains("phr-hq") && unknown.contains("embree-morton, embree-sah, phr-speed"),
         "{unknown}"
@@ -300,7 +300,7 @@ fn ablations_are_relative_to_their_base() {
     // A scene without a figure of the base is left out of the mean and shown as a gap.
     let gap: Vec<Row> =
         rows().into_iter().filter(|row| (&*row.builder, &*row.scene) != ("embree-morton", "yard")).collect();
-    let text = ablation(&gap, "embree-morton", &["phr-speed"]).unwrap();
+    let text = Ablation::of(&gap, "embree-morton", &["phr-speed"]).unwrap().text();
     assert!(text.contains("| 0.500 |    0.500 | 0.500 | 0.615 |      0.769 |"), "{text}");
     assert!(text.lines().any(|line| line.contains("yard") && line.contains(" - ")), "{text}");
 }
@@ -323,7 +323,7 @@ fn the_commands_read_subfolders_and_say_what_is_wrong() {
 
     let (code, output) = phr(&["ablation", "run", "--base", "embree-sah", "phr-speed"], place.path());
     let text = String::from_utf8(output.stdout).unwrap();
-    assert_eq!((code, text), (0, ablation(&rows(), "embree-sah", &["phr-speed"]).unwrap()));
+    assert_eq!((code, text), (0, Ablation::of(&rows(), "embree-sah", &["phr-speed"]).unwrap().text()));
 
     assert_eq!(phr(&["reduce", "run", "kept"], place.path()).0, 0);
     assert_eq!(records::read(&place.path().join("kept")).unwrap(), rows());
@@ -358,7 +358,7 @@ fn markers_make_the_same() {
     assert_eq!(made("bars: run").unwrap(), bars(&rows(), true).trim_end());
     assert_eq!(made("bars: run grown").unwrap(), bars(&both, true).trim_end());
     assert_eq!(made("growth: grown").unwrap(), growth(&growing()).trim_end());
-    let expected = ablation(&rows(), "embree-sah", &["phr-speed"]).unwrap();
+    let expected = Ablation::of(&rows(), "embree-sah", &["phr-speed"]).unwrap().page();
     assert_eq!(made("ablation: run embree-sah phr-speed").unwrap(), expected.trim_end());
     let wrong = |marker: &str| made(marker).unwrap_err().to_string();
     assert!(wrong("growth: run").contains("no scalable scene"));

@@ -129,6 +129,14 @@ pub fn tree_name((builder, width): Tree<'_>) -> String {
     if width == WIDTH { builder.into() } else { format!("{builder} / {width}") }
 }
 
+/// The tree that `name` asks for: a builder, followed by the width where it is not the paper's (`embree-sah/8`).
+pub fn tree_named(name: &str) -> Option<Tree<'_>> {
+    match name.split_once('/') {
+        None => Some((name, WIDTH)),
+        Some((builder, width)) => Some((builder, width.parse().ok()?)),
+    }
+}
+
 /// What is looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {

@@ -17,6 +17,7 @@ pub mod pareto;
 pub mod plot;
 pub mod raster;
 pub mod readme;
+pub mod summary;
 pub mod svg;
 pub mod table;
 pub mod table1;

@@ -1,11 +1,13 @@
 //! Figures within Markdown files, made from committed rows: what stands between two markers is generated, so
 //! that a check can tell whether a text still says what the rows say. `results/README.md` has the markers.
 
-use super::figures::{Figure, Under, WIDTH, scenes};
+use super::ablation::Ablation;
+use super::figures::{Figure, Under, scenes, tree_named};
 use super::means::{Ratios, means};
+use super::summary::summary;
 use super::table::{document_under, heading, remarks};
 use super::table1::table1;
-use super::{ablation, bars, details};
+use super::{bars, details};
 use crate::bench::environment::{Environment, State};
 use crate::bench::folder;
 use crate::bench::records::{self, RecordsError, Row};
@@ -13,13 +15,14 @@ use std::path::Path;
 
 const END: &str = "<!-- end -->";
 /// What markers ask for, each with the words that follow; `...` stands for more of the last.
-const KINDS: [(&str, &str); 9] = [
+const KINDS: [(&str, &str); 10] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
     ("scenes", "RESULTS"),
     ("run", "RESULTS"),
     ("value", "RESULTS MEAN FIGURE BUILDER"),
+    ("summary", "RESULTS BUILDER..."),
     ("bars", "RESULTS..."),
     ("growth", "RESULTS"),
     ("ablation", "RESULTS BASE BUILDER..."),
@@ -183,7 +186,7 @@ impl<'a> Marker<'a> {
         };
         if self.kind == "ablation" {
             let told = |reason| self.wrong(reason);
-            return ablation::ablation(&rows, self.words[1], &self.words[2..]).map_err(told);
+            return Ok(Ablation::of(&rows, self.words[1], &self.words[2..]).map_err(told)?.page());
         }
         let environment = folder::environment(&results).map_err(records)?;
         let is_complete = folder::is_complete(environment.as_ref());
@@ -194,6 +197,7 @@ impl<'a> Marker<'a> {
             "scenes" => scenes(&rows).iter().map(|scene| details::scene(&rows, scene) + "\n").collect(),
             "run" => run(&rows, environment.as_ref()),
             "value" => self.value(&rows, &under)?,
+            "summary" => summary(&rows, &self.words[1..], &under).map_err(|reason| self.wrong(reason))?,
             _ => document_under(&rows, is_complete, &under),
         })
     }
@@ -208,7 +212,9 @@ impl<'a> Marker<'a> {
             "trace" => Figure::Trace,
             _ => return Err(self.wrong(format!("no figure {figure}; there are build, cost, frame, trace"))),
         };
-        let ratios = Ratios::of(rows, (builder, WIDTH), figure, under);
+        let tree =
+            tree_named(builder).ok_or_else(|| self.wrong(format!("{builder}: write NAME or NAME/WIDTH")))?;
+        let ratios = Ratios::of(rows, tree, figure, under);
         let value = match mean {
             "arithmetic" => ratios.arithmetic(),
             "geometric" => ratios.geometric(),
