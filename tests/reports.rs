@@ -359,7 +359,7 @@ fn every_column_and_marker_is_described() {
         assert!(described.contains(&format!("`{column}`")), "{column}");
     }
     let markers =
-        ["table", "table1", "means", "scenes", "run", "value", "summary", "bars", "growth", "ablation"];
+        ["table", "table1", "means", "scenes", "run", "value", "summary", "targets", "growth", "ablation"];
     for marker in markers {
         assert!(described.contains(&format!("| `{marker}: ")), "{marker}");
         // What is described is understood: up to the rows, which are not there.

@@ -1,9 +1,9 @@
 //! The figure of growth: nanoseconds per triangle against triangles, a line for each builder.
 
-use super::bars::growth::Growth;
 use super::chart::{Front, Panel, Point, Range, sheet};
 use super::family::style;
 use super::labels::Rect;
+use super::targets::growth::Growth;
 use crate::bench::records::Row;
 
 /// The figure; `None` unless there are two sizes of the scalable scene.

@@ -1,7 +1,6 @@
 //! Reports made from the records of a run: tables and figures.
 
 pub mod ablation;
-pub mod bars;
 pub mod chart;
 pub mod compare;
 pub mod details;
@@ -21,3 +20,4 @@ pub mod summary;
 pub mod svg;
 pub mod table;
 pub mod table1;
+pub mod targets;

@@ -7,7 +7,7 @@ use super::means::{Ratios, means};
 use super::summary::summary;
 use super::table::{document_under, heading, remarks};
 use super::table1::table1;
-use super::{bars, details};
+use super::{details, targets};
 use crate::bench::environment::{Environment, State};
 use crate::bench::folder;
 use crate::bench::records::{self, RecordsError, Row};
@@ -15,7 +15,7 @@ use std::path::Path;
 
 const END: &str = "<!-- end -->";
 /// What markers ask for, each with the words that follow; `...` stands for more of the last.
-const KINDS: [(&str, &str); 10] = [
+const KINDS: [(&str, &str); 11] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
@@ -23,12 +23,13 @@ const KINDS: [(&str, &str); 10] = [
     ("run", "RESULTS"),
     ("value", "RESULTS MEAN FIGURE BUILDER"),
     ("summary", "RESULTS BUILDER..."),
+    ("targets", "RESULTS..."),
     ("bars", "RESULTS..."),
     ("growth", "RESULTS"),
     ("ablation", "RESULTS BASE BUILDER..."),
 ];
 /// Kinds that say themselves which kernels they are of.
-const OF_FIXED_KERNELS: [&str; 3] = ["bars", "growth", "ablation"];
+const OF_FIXED_KERNELS: [&str; 4] = ["targets", "bars", "growth", "ablation"];
 
 /// Why a text cannot be regenerated.
 #[derive(Debug, thiserror::Error)]
@@ -153,12 +154,13 @@ impl<'a> Marker<'a> {
 
     fn content(&self, folder: &Path) -> Result<String, ReadmeError> {
         match self.kind {
-            "bars" => {
+            // `bars` is an older name.
+            "targets" | "bars" => {
                 let (rows, is_complete) = self.read_all(&self.words, folder)?;
-                Ok(bars::bars(&rows, is_complete))
+                Ok(targets::targets(&rows, is_complete))
             }
             "growth" => {
-                let growth = bars::growth::growth(&self.read_all(&self.words, folder)?.0);
+                let growth = targets::growth::growth(&self.read_all(&self.words, folder)?.0);
                 if growth.is_empty() {
                     return Err(
                         self.wrong("the rows have no scalable scene; run `phr bench scalable-1M ...`".into())
