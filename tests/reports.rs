@@ -4,7 +4,8 @@
 
 use phr::bench::records::{self, ALL, NO_KERNEL, ROWS, Row, SCHEMA, WARM};
 use phr::report::figures::Under;
-use phr::report::{plot, raster, readme, table};
+use phr::report::plot::{self, raster};
+use phr::report::{readme, table};
 use std::path::Path;
 use std::process::{Command, Output};
 
