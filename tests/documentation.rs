@@ -21,7 +21,13 @@ fn phr(arguments: &[&str]) {
 
 #[test]
 fn figures_in_the_text_are_those_of_the_rows() {
-    phr(&["readme", "--check", "README.md", "METHODOLOGY.md"]);
+    phr(&["readme", "--check", "README.md", "RESULTS.md"]);
+}
+
+#[test]
+fn the_readme_is_short() {
+    let lines = include_str!("../README.md").lines().count();
+    assert!(lines <= 130, "README.md has {lines} lines, at most 130 are wanted; move details to another page");
 }
 
 #[test]

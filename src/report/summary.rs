@@ -1,6 +1,6 @@
 //! The short table of the first page: a few trees relative to Embree SAH.
 
-use super::figures::{Figure, Under, scenes, tree_name, tree_named};
+use super::figures::{BASELINE, Figure, Under, scenes, tree_name, tree_named};
 use super::grid::Grid;
 use super::means::Ratios;
 use crate::bench::records::Row;
@@ -18,8 +18,11 @@ pub fn summary(rows: &[Row], names: &[&str], under: &Under) -> Result<String, St
             let ratios = |figure| Ratios::of(rows, tree, figure, under);
             let mean = |figure| Some(format!("{:.2}", ratios(figure).geometric()?));
             let (scene, worst) = ratios(Figure::Trace).worst()?.clone();
+            // The baseline is 1 in every scene.
+            let (worst, scene) =
+                if tree == BASELINE { Default::default() } else { (format!("{worst:.2}"), scene) };
             let (build, trace, cost) = (mean(Figure::Build)?, mean(Figure::Trace)?, mean(Figure::Cost)?);
-            Some(vec![tree_name(tree), build, trace, format!("{worst:.2}"), scene, cost])
+            Some(vec![tree_name(tree), build, trace, worst, scene, cost])
         });
         grid.push(
             cells.ok_or_else(|| {
