@@ -1,4 +1,4 @@
-//! Which preset is fastest in all, if so many rays are traced through each tree? More rays pay for a better tree.
+//! Which preset takes least time for build and trace together? More rays pay for a better tree.
 //! `cargo run --release --example choose_preset -- hair 20` (scene, million rays)
 
 use phr::geometry::Hit;

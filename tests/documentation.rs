@@ -27,7 +27,10 @@ fn figures_in_the_text_are_those_of_the_rows() {
 #[test]
 fn the_readme_is_short() {
     let lines = include_str!("../README.md").lines().count();
-    assert!(lines <= 130, "README.md has {lines} lines, at most 130 are wanted; move details to another page");
+    assert!(
+        lines <= 130,
+        "README.md has {lines} lines, at most 130 are wanted; move details to another page"
+    );
 }
 
 #[test]

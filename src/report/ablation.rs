@@ -5,7 +5,7 @@ use super::grid::Grid;
 use super::means::Ratios;
 use crate::bench::records::Row;
 
-/// The columns: what is compared, and under which kernel.
+/// The columns: the compared figures, each with its kernel.
 fn columns() -> [(&'static str, Figure, Under); 5] {
     let (grafted, phr) = (Under::One(GRAFTED.into()), Under::One(PHR.into()));
     [
@@ -62,7 +62,7 @@ impl Ablation {
             }
         }
         let legend = format!(
-            "Relative to {base}; geometric means over {} scenes or those that have the figure. trace: all recorded \
+            "Relative to {base}; geometric means over {} scenes or those with the figure. trace: all recorded \
              rays under embree-grafted, and beside it under phr.\n",
             scenes(rows).len()
         );

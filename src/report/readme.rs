@@ -1,5 +1,5 @@
-//! Figures within Markdown files, made from committed rows: what stands between two markers is generated, so
-//! that a check can tell whether a text still says what the rows say. `results/README.md` has the markers.
+//! Figures within Markdown pages: the text between two markers is generated from committed rows, and a check tells
+//! whether it still agrees with them. `results/README.md` describes the markers.
 
 use super::ablation::Ablation;
 use super::figures::{Figure, Under, scenes, tree_named};
@@ -14,7 +14,7 @@ use crate::bench::records::{self, RecordsError, Row};
 use std::path::Path;
 
 const END: &str = "<!-- end -->";
-/// What markers ask for, each with the words that follow; `...` stands for more of the last.
+/// The kinds of markers, each with the words that follow; `...` stands for more of the last.
 const KINDS: [(&str, &str); 11] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
@@ -28,7 +28,7 @@ const KINDS: [(&str, &str); 11] = [
     ("growth", "RESULTS"),
     ("ablation", "RESULTS BASE BUILDER..."),
 ];
-/// Kinds that say themselves which kernels they are of.
+/// Kinds with fixed kernels, which take no `--kernel`.
 const OF_FIXED_KERNELS: [&str; 4] = ["targets", "bars", "growth", "ablation"];
 
 /// Why a text cannot be regenerated.
@@ -39,7 +39,7 @@ pub enum ReadmeError {
     Records {
         /// Line of the marker.
         line: usize,
-        /// What is wrong with them.
+        /// The cause.
         source: RecordsError,
     },
     /// A marker cannot be understood.
@@ -47,15 +47,15 @@ pub enum ReadmeError {
     Marker {
         /// Its line.
         line: usize,
-        /// What is wrong, and what to write.
+        /// The mistake, and the remedy.
         reason: String,
     },
     /// No marker at all: there would be nothing to check.
-    #[error("no marker; write `<!-- table1: RESULTS -->` and `<!-- end -->` around what is to be generated")]
+    #[error("no marker; write `<!-- table1: RESULTS -->` and `<!-- end -->` around the generated text")]
     None,
 }
 
-/// `text` with everything between markers made anew. Results are found relative to `folder`, that of the text.
+/// Generates the text between all markers of `text` again. Results are relative to `folder`, the page's own.
 ///
 /// # Errors
 /// Markers that cannot be understood, rows that cannot be read, or no marker.
@@ -85,7 +85,7 @@ pub fn regenerate(text: &str, folder: &Path) -> Result<String, ReadmeError> {
     if blocks == 0 { Err(ReadmeError::None) } else { Ok(out) }
 }
 
-/// A line with what stands between its markers made anew, and their number.
+/// A line with the text between its markers generated again, and their number.
 fn inline(mut rest: &str, line: usize, folder: &Path) -> Result<(String, usize), ReadmeError> {
     let (mut out, mut count) = (String::new(), 0);
     while let Some(start) = rest.find("<!--") {
@@ -110,7 +110,7 @@ fn inline(mut rest: &str, line: usize, folder: &Path) -> Result<(String, usize),
     Ok((out + rest, count))
 }
 
-/// What a marker asks for.
+/// A marker, taken apart.
 struct Marker<'a> {
     kind: &'a str,
     words: Vec<&'a str>,
@@ -193,7 +193,7 @@ impl<'a> Marker<'a> {
         let environment = folder::environment(&results).map_err(records)?;
         let is_complete = folder::is_complete(environment.as_ref());
         Ok(match self.kind {
-            // Headings are those of the text around.
+            // The page has headings of its own.
             "table1" => without_title(&table1(&rows, &under)) + &remarks(&rows),
             "means" => without_title(&means(&rows, &under)),
             "scenes" => scenes(&rows).iter().map(|scene| details::scene(&rows, scene) + "\n").collect(),

@@ -7,7 +7,7 @@ use super::svg::{Anchor, Shape, Svg};
 
 /// Ink of texts.
 pub const INK: &str = "#1a1a1a";
-/// What stands back.
+/// Ink of things in the background.
 pub const GREY: &str = "#8c8c8c";
 /// A broken line.
 pub const DASHES: &str = " stroke-dasharray=\"4 3\"";
@@ -51,7 +51,7 @@ pub struct Point {
     pub colour: &'static str,
     /// Outlined only.
     pub is_hollow: bool,
-    /// What it is, if it is to be said.
+    /// The text beside it, if any.
     pub label: Option<String>,
 }
 

@@ -60,7 +60,7 @@ pub struct Judged {
 
 /// The rows that targets are judged by.
 pub struct Judge {
-    /// Those of most threads: all but the comparison of threads.
+    /// Rows with most threads, for all but the comparison of threads.
     main: Vec<Row>,
     one_thread: Vec<Row>,
     two_threads: Vec<Row>,
@@ -75,7 +75,7 @@ impl Judge {
         Self { main: with(most), one_thread: with(Some(1)), two_threads: with(Some(2)) }
     }
 
-    /// What was measured of `target`, and the verdict.
+    /// The measured values of `target`, and the verdict.
     pub fn judge(&self, target: &Target) -> Judged {
         let names = self.scenes(target.measure);
         let (mut values, mut failed) = (Ratios::default(), None);
@@ -126,7 +126,7 @@ impl Judge {
         }
     }
 
-    /// What is measured of the builder in `scene`, traces under `kernel`.
+    /// The measured value of the builder in `scene`, traces under `kernel`.
     fn value(&self, target: &Target, scene: &str, kernel: &str) -> Place<f64> {
         let tree = (target.builder, WIDTH);
         let main = SceneFigures::of(&self.main, scene);

@@ -1,6 +1,6 @@
 //! The targets: what each builder is to reach, as data.
 
-/// What is measured of a builder in a scene.
+/// A quantity measured for a builder in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// Warm build time relative to that of another builder.
@@ -15,12 +15,12 @@ pub enum Measure {
     Threads,
 }
 
-/// What a builder is to reach over all scenes; without limits, a line that stands beside for comparison.
+/// The limits that a builder is to keep over all scenes; without limits, a line for comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
     /// The builder.
     pub builder: &'static str,
-    /// What is measured.
+    /// The measured quantity.
     pub measure: Measure,
     /// Limit of the mean over scenes.
     pub mean: Option<f64>,
@@ -30,7 +30,7 @@ pub struct Target {
 
 /// Scenes of no more triangles do not count: their builds are too short.
 pub const MORE_THAN: u64 = 100_000;
-/// Nor for the peak of memory, where what does not grow with the scene would count.
+/// Nor for the peak of memory, where the part that does not grow with the scene would count.
 pub const MORE_THAN_FOR_PEAK: u64 = 1_000_000;
 
 use Measure::{Build, Peak, Threads, Trace, Tree};
