@@ -1,7 +1,7 @@
 //! Rebuilds the tree of an animated mesh in every frame, in the memory of the frame before.
 //! `cargo run --release --example rebuild_per_frame`
 
-use phr::geometry::{Mesh, Ray, Tracer};
+use phr::geometry::{Hit, Mesh, Ray, Tracer};
 use phr::trace::BvhTracer;
 use phr::{builders, scene};
 use std::error::Error;
@@ -26,13 +26,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             builder.recycle(tree);
         }
         let build = pool.install(|| builder.build(&mesh));
-        let mut is_blocked = [false];
-        BvhTracer::new(&build.tree).any(&[down], &mut is_blocked);
-        println!(
-            "frame {frame}: {:.1?}, the ray {}",
-            build.duration(),
-            if is_blocked[0] { "hits" } else { "misses" }
-        );
+        let mut hit = [Hit::MISS];
+        BvhTracer::new(&build.tree).closest(&[down], &mut hit);
+        println!("frame {frame}: {:.1?}, the ray hits at {:.3}", build.duration(), hit[0].t);
         old = Some(build.tree);
     }
     Ok(())
