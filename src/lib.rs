@@ -78,8 +78,8 @@
 //! 6. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots and `cli` into
 //!    commands (feature `harness`).
 //!
-//! Each module depends only on those before it:
-//! `geometry -> scene -> bvh -> builders -> embree -> trace -> bench -> report -> cli`.
+//! Imports run down this list: `geometry`, `scene`, `bvh`, `simd`, `memory`, `parallel`, `builders`, `embree`, `trace`,
+//! `bench`, `report`, `cli`.
 
 #![deny(missing_docs)]
 
