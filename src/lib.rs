@@ -1,17 +1,87 @@
 //! Bounding volume hierarchies by *Progressive Hierarchical Refinement* (Hendrich, Meister, Bittner,
-//! Eurographics 2017), beside Embree's builders, measured with the same rays.
+//! Eurographics 2017), and a benchmark that measures them against Embree's with the same rays.
+//!
+//! # A guided tour
+//!
+//! **A mesh** is a list of vertices and a list of triangles. Triangles that no ray can hit (degenerate, not finite, out of
+//! range) are dropped and counted.
+//!
+//! ```
+//! use phr::geometry::Mesh;
+//!
+//! let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+//! let (mesh, dropped) = Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]])?;
+//! assert_eq!((mesh.len(), dropped.total()), (2, 0));
+//! # Ok::<(), phr::geometry::MeshError>(())
+//! ```
+//!
+//! Larger ones come from files (`scene::load`, feature `files`) or from a generator:
+//!
+//! ```
+//! let scene = phr::scene::scalable(20_000, 1);
+//! assert_eq!(scene.mesh.len(), 20_000);
+//! ```
+//!
+//! **A builder** turns a mesh into a tree. Each has a name in [`builders::NAMES`]; `phr-speed` is a good first choice.
+//! A builder runs on the rayon pool that calls it, makes the same tree at any number of threads, and keeps its memory for
+//! the next build.
+//!
+//! ```
+//! use phr::builders;
+//!
+//! let scene = phr::scene::scalable(20_000, 1);
+//! let mut builder = builders::by_name("phr-speed").expect("a name of the list");
+//! let build = builder.build(&scene.mesh);
+//! for phase in &build.phases {
+//!     println!("{:<16} {:?}", phase.name, phase.duration);
+//! }
+//! builder.recycle(build.tree); // the next tree is built in its memory
+//! ```
+//!
+//! **The tree** is a [`bvh::Bvh4`]: nodes of up to four children, leaves of blocks of four triangles. It knows its costs,
+//! and it can be checked against its mesh.
+//!
+//! ```
+//! use phr::bvh::Statistics;
+//!
+//! let scene = phr::scene::scalable(20_000, 1);
+//! let cost = |name: &str| {
+//!     let tree = phr::builders::by_name(name).expect("a name of the list").build(&scene.mesh).tree;
+//!     assert_eq!(tree.validate(&scene.mesh), Ok(()));
+//!     Statistics::of(&tree, &scene.mesh).sah
+//! };
+//! assert!(cost("phr-quality") < cost("lbvh"));
+//! ```
+//!
+//! **Rays** are traced in batches, for the closest hit or for any, with the best instructions of the machine.
+//!
+//! ```
+//! use phr::geometry::{Hit, Tracer};
+//! use phr::trace::{BvhTracer, Camera};
+//!
+//! let scene = phr::scene::scalable(20_000, 1);
+//! let tree = phr::builders::by_name("phr-hq").expect("a name of the list").build(&scene.mesh).tree;
+//! let camera = Camera::new(&scene.views[0], 64, 64);
+//! let rays: Vec<_> = (0..64 * 64).map(|i| camera.ray(i % 64, i / 64, [0.5; 2])).collect();
+//! let mut hits = vec![Hit::MISS; rays.len()];
+//! BvhTracer::new(&tree).closest(&rays, &mut hits);
+//! assert!(hits.iter().any(Hit::is_hit));
+//! ```
 //!
 //! # From a scene file to a row of the table
 //!
 //! 1. [`scene`] loads or generates an indexed triangle [`geometry::Mesh`] and its cameras;
 //! 2. [`builders`] computes primitive boxes, Morton codes and the auxiliary LBVH, refines cuts of it and emits
-//! 3. a [`bvh::WideBvh`]: 4-wide nodes and leaf blocks of four triangles, whose cost [`bvh`] measures;
+//! 3. a [`bvh::WideBvh`], whose cost [`bvh`] measures;
 //! 4. [`trace`] records a path tracer's rays once per view and traces them through any tree;
-//! 5. [`embree`] does the same with the distribution's Embree;
-//! 6. [`bench`](mod@bench) times both in interleaved rounds and writes records, which [`report`] turns into tables.
+//! 5. `embree` does the same with the distribution's Embree (feature `embree`);
+//! 6. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots and `cli` into
+//!    commands (feature `harness`).
 //!
-//! Each module depends only on those before it:
-//! `geometry -> scene -> bvh -> builders -> embree -> trace -> bench -> report -> cli`.
+//! Imports run down this list: `geometry`, `scene`, `bvh`, `simd`, `memory`, `parallel`, `builders`, `embree`, `trace`,
+//! `bench`, `report`, `cli`.
+
+#![deny(missing_docs)]
 
 pub mod builders;
 pub mod bvh;

@@ -1,7 +1,9 @@
-//! The figures of the documentation are those of the committed rows, and the committed plots are drawn from them.
+//! The pages: their figures are those of the committed rows, the committed plots are drawn from them, the README is short
+//! and every relative link leads to a file or heading.
 
 #![cfg(feature = "harness")]
 
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 fn phr(arguments: &[&str]) {
@@ -21,7 +23,32 @@ fn phr(arguments: &[&str]) {
 
 #[test]
 fn figures_in_the_text_are_those_of_the_rows() {
-    phr(&["readme", "--check", "README.md", "METHODOLOGY.md"]);
+    let has_markers = |page: &PathBuf| {
+        let text = std::fs::read_to_string(page).unwrap();
+        prose(&text).any(|(_, line)| line.contains("<!-- end -->"))
+    };
+    let pages: Vec<PathBuf> = pages().into_iter().filter(has_markers).collect();
+    assert!(pages.len() >= 2, "{pages:?}");
+    let names = pages.iter().map(|page| page.to_str().unwrap());
+    phr(&["readme", "--check"].into_iter().chain(names).collect::<Vec<_>>());
+}
+
+#[test]
+fn the_readme_is_short() {
+    let lines = include_str!("../README.md").lines().count();
+    assert!(
+        lines <= 130,
+        "README.md has {lines} lines, at most 130 are wanted; move details to another page"
+    );
+}
+
+#[test]
+fn the_examples_are_short() {
+    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")).unwrap() {
+        let path = entry.unwrap().path();
+        let lines = std::fs::read_to_string(&path).unwrap().lines().count();
+        assert!(lines <= 40, "{} has {lines} lines, at most 40 are wanted", path.display());
+    }
 }
 
 #[test]
@@ -40,4 +67,82 @@ fn the_table_beside_the_rows_is_theirs() {
         .unwrap();
     let committed = std::fs::read_to_string("results/reference/table1.md").unwrap();
     assert_eq!(String::from_utf8_lossy(&output.stdout).trim_end(), committed.trim_end());
+}
+
+/// The pages that readers see, relative to the repository.
+fn pages() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut pages = Vec::new();
+    for folder in ["", "docs", "results"] {
+        for entry in std::fs::read_dir(root.join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|extension| extension == "md") {
+                pages.push(path);
+            }
+        }
+    }
+    pages
+}
+
+/// Lines of a page outside code, counted from 1.
+fn prose(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut is_code = false;
+    text.lines().enumerate().filter_map(move |(index, line)| {
+        let is_fence = line.trim_start().starts_with("```");
+        is_code ^= is_fence;
+        (!is_code && !is_fence).then_some((index + 1, line))
+    })
+}
+
+/// Anchors of the headings of a page: lower case, words joined by hyphens, without punctuation.
+fn anchors(text: &str) -> Vec<String> {
+    let headings = prose(text).filter(|(_, line)| line.starts_with('#'));
+    let kept = |c: char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
+    headings
+        .map(|(_, line)| line.trim_start_matches('#').trim().to_lowercase())
+        .map(|heading| heading.chars().filter(|&c| kept(c)).collect::<String>().replace(' ', "-"))
+        .collect()
+}
+
+/// The relative links of a page that lead nowhere, each with its line.
+fn broken_links(text: &str, page: &Path) -> Vec<String> {
+    let mut broken = Vec::new();
+    for (line, content) in prose(text) {
+        for target in content.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            if target.contains("://") {
+                continue;
+            }
+            let (path, anchor) = target.split_once('#').map_or((target, None), |(path, a)| (path, Some(a)));
+            let file = if path.is_empty() { page.to_owned() } else { page.with_file_name("").join(path) };
+            let has_anchor = |anchor: &str| {
+                let text = std::fs::read_to_string(&file).unwrap_or_default();
+                anchors(&text).iter().any(|heading| heading == anchor)
+            };
+            if !file.exists() || anchor.is_some_and(|anchor| !has_anchor(anchor)) {
+                broken.push(format!("{}:{line}: {target}", page.display()));
+            }
+        }
+    }
+    broken
+}
+
+#[test]
+fn every_link_leads_somewhere() {
+    let pages = pages();
+    assert!(pages.len() >= 8, "{pages:?}");
+    let broken = |page: &PathBuf| broken_links(&std::fs::read_to_string(page).unwrap(), page);
+    let broken: Vec<String> = pages.iter().flat_map(broken).collect();
+    assert!(broken.is_empty(), "links to nothing; correct them:\n{}", broken.join("\n"));
+}
+
+#[test]
+fn broken_links_and_anchors_are_found() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
+    let text = "[a](LICENSE) [b](nowhere.rs)\n```\n[c](nowhere.rs)\n```\n[d](BIAS.md#what-remains)\n\
+                [e](BIAS.md#nothing) [f](https://example.org/none)\n";
+    let found: Vec<String> = broken_links(text, &page);
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(
+        found[0].ends_with("README.md:1: nowhere.rs") && found[1].ends_with("README.md:6: BIAS.md#nothing")
+    );
 }

@@ -4,7 +4,8 @@
 
 use phr::bench::records::{self, ALL, NO_KERNEL, ROWS, Row, SCHEMA, WARM};
 use phr::report::figures::Under;
-use phr::report::{plot, raster, readme, table};
+use phr::report::plot::{self, raster};
+use phr::report::{readme, table};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -321,6 +322,22 @@ fn a_changed_figure_fails_the_check() {
 }
 
 #[test]
+fn the_summary_has_the_means_and_the_worst_trace() {
+    let folder = written(&rows());
+    let made = |asked: &str| {
+        let text = format!("<!-- summary: . {asked} -->\n<!-- end -->\n");
+        readme::regenerate(&text, folder.path()).map_err(|error| error.to_string())
+    };
+    let text = made("embree-sah phr-hq").unwrap();
+    assert_eq!(cells(&text, "<!--", "phr-hq"), ["phr-hq", "1.00", "1.00", "1.25", "yard", "1.00"]);
+    assert_eq!(cells(&text, "<!--", "embree-sah")[1..], ["1.00", "1.00", "", "", "1.00"]);
+    assert!(text.contains("over 2 scenes, 2 threads"), "{text}");
+    for unknown in ["aac", "phr-hq/8", "phr-hq/wide"] {
+        assert!(made(unknown).unwrap_err().contains(&format!("trace and cost of {unknown}")));
+    }
+}
+
+#[test]
 fn markers_are_told_by_line() {
     let folder = written(&rows());
     let wrong = |text: &str| readme::regenerate(text, folder.path()).unwrap_err().to_string();
@@ -342,12 +359,15 @@ fn every_column_and_marker_is_described() {
     for column in text.lines().next().unwrap().split(',') {
         assert!(described.contains(&format!("`{column}`")), "{column}");
     }
-    for marker in ["table", "table1", "means", "scenes", "run", "value", "bars", "growth", "ablation"] {
+    let markers =
+        ["table", "table1", "means", "scenes", "run", "value", "summary", "targets", "growth", "ablation"];
+    for marker in markers {
         assert!(described.contains(&format!("| `{marker}: ")), "{marker}");
         // What is described is understood: up to the rows, which are not there.
         let asked = match marker {
             "value" => "nowhere geometric trace aac",
             "ablation" => "nowhere phr-hq aac",
+            "summary" => "nowhere aac",
             _ => "nowhere",
         };
         let text = format!("<!-- {marker}: {asked} -->\n<!-- end -->\n");

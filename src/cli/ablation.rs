@@ -2,7 +2,7 @@
 
 use super::{Failure, say};
 use crate::bench::records;
-use crate::report::ablation::ablation;
+use crate::report::ablation::Ablation;
 use std::path::PathBuf;
 
 /// Print build time, SAH cost, EPO and trace time of builders relative to one of them, in the mean and by scene
@@ -24,5 +24,5 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let names: Vec<&str> = arguments.builders.iter().map(String::as_str).collect();
     let results = arguments.results.display();
     let told = |reason| Failure::Bad(format!("{results}: {reason}"));
-    say(&ablation(&rows, &arguments.base, &names).map_err(told)?)
+    say(&Ablation::of(&rows, &arguments.base, &names).map_err(told)?.text())
 }

@@ -2,7 +2,6 @@
 //! failed checks in exit code 1, an undecided comparison in 3, Ctrl-C in 130.
 
 mod ablation;
-mod bars;
 mod bench;
 mod build;
 mod compare;
@@ -13,6 +12,7 @@ mod reduce;
 mod render;
 mod scenes;
 mod table;
+mod targets;
 mod verify;
 
 use crate::bench::contender::{self, Cell, Pools};
@@ -38,7 +38,8 @@ enum Verb {
     Scenes(scenes::Arguments),
     Table(table::Arguments),
     Plot(plot::Arguments),
-    Bars(bars::Arguments),
+    #[command(alias = "bars")]
+    Targets(targets::Arguments),
     Ablation(ablation::Arguments),
     Compare(compare::Arguments),
     Reduce(reduce::Arguments),
@@ -87,7 +88,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Scenes(arguments) => scenes::run(arguments),
         Verb::Table(arguments) => table::run(arguments),
         Verb::Plot(arguments) => plot::run(arguments),
-        Verb::Bars(arguments) => bars::run(arguments),
+        Verb::Targets(arguments) => targets::run(arguments),
         Verb::Ablation(arguments) => ablation::run(arguments),
         Verb::Reduce(arguments) => reduce::run(arguments),
         Verb::Compare(arguments) => compare::run(arguments),

@@ -3,7 +3,7 @@
 use super::table::under;
 use super::{Failure, say};
 use crate::bench::records::{self, write_whole};
-use crate::report::{plot, raster};
+use crate::report::plot::{self, raster};
 use std::path::PathBuf;
 
 /// Pixels of a PNG for each of the drawing's.

@@ -1,11 +1,11 @@
-//! What a part of a builder is worth: builders relative to one of them, scene by scene and in the mean.
+//! Ablation: builders relative to one of them, in the mean and scene by scene, to see the worth of each part.
 
-use super::figures::{Figure, GRAFTED, PHR, SceneFigures, Tree, Under, WIDTH, scenes, tree_name, trees};
+use super::figures::{Figure, GRAFTED, PHR, SceneFigures, Under, scenes, tree_name, tree_named, trees};
 use super::grid::Grid;
 use super::means::Ratios;
 use crate::bench::records::Row;
 
-/// The columns: what is compared, and under which kernel.
+/// The columns: the compared figures, each with its kernel.
 fn columns() -> [(&'static str, Figure, Under); 5] {
     let (grafted, phr) = (Under::One(GRAFTED.into()), Under::One(PHR.into()));
     [
@@ -17,42 +17,67 @@ fn columns() -> [(&'static str, Figure, Under); 5] {
     ]
 }
 
-/// The 4-wide trees of the builders `names` relative to those of `base`: the geometric means, then every scene.
-///
-/// # Errors
-/// One line, if the rows have no such builder.
-pub fn ablation(rows: &[Row], base: &str, names: &[&str]) -> Result<String, String> {
-    let known: Vec<Tree<'_>> = trees(rows).into_iter().filter(|tree| tree.1 == WIDTH).collect();
-    if let Some(unknown) = [base].iter().chain(names).find(|name| !known.contains(&(**name, WIDTH))) {
-        let known: Vec<String> = known.into_iter().map(tree_name).collect();
-        return Err(format!("the rows have no builder {unknown}; there are {}", known.join(", ")));
-    }
-    let columns = columns();
-    let header = |first: &str| {
-        let header = [first.to_owned(), "scene".into()].into_iter();
-        header.chain(columns.iter().map(|column| column.0.to_owned()))
-    };
-    let (mut means, mut each) = (Grid::new(header("mean")), Grid::new(header("builder")));
-    for &name in names {
-        let line = |scene: String, ratio: &dyn Fn(Figure, &Under) -> Option<f64>| {
-            let show = |ratio: Option<f64>| ratio.map_or_else(|| "-".into(), |ratio| format!("{ratio:.3}"));
-            let ratios = columns.iter().map(|(_, figure, under)| show(ratio(*figure, under)));
-            [name.to_owned(), scene].into_iter().chain(ratios).collect::<Vec<_>>()
-        };
-        let (base, tree) = ((base, WIDTH), (name, WIDTH));
-        means.push(line(String::new(), &|figure, under| {
-            Ratios::to(base, rows, tree, figure, under).geometric()
-        }));
-        for scene in scenes(rows) {
-            let figures = SceneFigures::of(rows, &scene);
-            each.push(line(scene, &|figure, under| Some(figures.ratio_to(base, tree, figure, under)?.value)));
+/// Builders relative to one of them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ablation {
+    means: Grid,
+    scenes: Grid,
+    legend: String,
+}
+
+impl Ablation {
+    /// The trees `names` relative to `base`, all as [`tree_named`] reads them.
+    ///
+    /// # Errors
+    /// One line, if the rows lack one of the trees.
+    pub fn of(rows: &[Row], base: &str, names: &[&str]) -> Result<Self, String> {
+        let known = trees(rows);
+        let tree = |name| tree_named(name).filter(|tree| known.contains(tree));
+        if let Some(unknown) = [base].iter().chain(names).find(|name| tree(name).is_none()) {
+            let known: Vec<String> = known.into_iter().map(tree_name).collect();
+            return Err(format!("the rows have no builder {unknown}; there are {}", known.join(", ")));
         }
+        let columns = columns();
+        let header = |first: &str| {
+            let header = [first.to_owned(), "scene".into()].into_iter();
+            header.chain(columns.iter().map(|column| column.0.to_owned()))
+        };
+        let (mut means, mut each) = (Grid::new(header("mean")), Grid::new(header("builder")));
+        for name in names {
+            let line = |scene: String, ratio: &dyn Fn(Figure, &Under) -> Option<f64>| {
+                let show =
+                    |ratio: Option<f64>| ratio.map_or_else(|| "-".into(), |ratio| format!("{ratio:.3}"));
+                let ratios = columns.iter().map(|(_, figure, under)| show(ratio(*figure, under)));
+                [(*name).to_owned(), scene].into_iter().chain(ratios).collect::<Vec<_>>()
+            };
+            let (Some(base), Some(tree)) = (tree(base), tree(name)) else { continue };
+            means.push(line(String::new(), &|figure, under| {
+                Ratios::to(base, rows, tree, figure, under).geometric()
+            }));
+            for scene in scenes(rows) {
+                let figures = SceneFigures::of(rows, &scene);
+                each.push(line(scene, &|figure, under| {
+                    Some(figures.ratio_to(base, tree, figure, under)?.value)
+                }));
+            }
+        }
+        let legend = format!(
+            "Relative to {base}; geometric means over {} scenes or those with the figure. trace: all recorded \
+             rays under embree-grafted, and beside it under phr.\n",
+            scenes(rows).len()
+        );
+        Ok(Self { means, scenes: each, legend })
     }
-    Ok(format!(
-        "{}\n{}\nRelative to {base}; means are geometric, over {} scenes or those that have the figure. trace: all \
-         recorded rays under embree-grafted, and beside it under phr.\n",
-        means.markdown(),
-        each.markdown(),
-        scenes(rows).len()
-    ))
+
+    /// For a terminal: the means, then every scene.
+    pub fn text(&self) -> String {
+        format!("{}\n{}\n{}", self.means.markdown(), self.scenes.markdown(), self.legend)
+    }
+
+    /// For a page: the means, with the scenes folded away.
+    pub fn page(&self) -> String {
+        let summary = "<details><summary>Every scene</summary>";
+        let (means, scenes) = (self.means.markdown(), self.scenes.markdown());
+        format!("{means}\n{}\n{summary}\n\n{scenes}\n</details>\n", self.legend)
+    }
 }

@@ -8,7 +8,7 @@ use crate::bench::statistics::{Ratio, Summary};
 /// A tree of the table: builder and width.
 pub type Tree<'a> = (&'a str, u32);
 
-/// What all figures are relative to.
+/// The tree that all ratios are relative to.
 pub const BASELINE: Tree<'static> = ("embree-sah", 4);
 /// The width of the paper's trees.
 pub const WIDTH: u32 = 4;
@@ -32,7 +32,7 @@ pub enum Under {
 }
 
 impl Under {
-    /// The fairest there is: [`GRAFTED`] if the run has it, else each tree under its own kernel.
+    /// The fairest choice: [`GRAFTED`] if the run has it, else each tree under its own kernel.
     pub fn best(rows: &[Row]) -> Self {
         if kernels(rows).iter().any(|kernel| kernel == GRAFTED) {
             Self::One(GRAFTED.into())
@@ -44,7 +44,7 @@ impl Under {
     /// The choice called `name`, if `rows` have figures for it.
     ///
     /// # Errors
-    /// One line that says which there are.
+    /// One line that lists the known names.
     pub fn by_name(name: &str, rows: &[Row]) -> Result<Self, String> {
         let known = kernels(rows);
         if name == OWN {
@@ -76,7 +76,7 @@ impl Under {
         }
     }
 
-    /// What a reader has to know of it.
+    /// The choice in words, for a legend.
     pub fn about(&self) -> String {
         match self {
             Self::One(kernel) if kernel == GRAFTED => {
@@ -111,7 +111,7 @@ pub fn scenes(rows: &[Row]) -> Vec<String> {
     names
 }
 
-/// A copy of those rows that `keep` picks, for figures of a part of what was measured.
+/// A copy of the rows that `keep` accepts.
 pub fn only(rows: &[Row], keep: impl Fn(&Row) -> bool) -> Vec<Row> {
     rows.iter().filter(|row| keep(row)).cloned().collect()
 }
@@ -129,7 +129,15 @@ pub fn tree_name((builder, width): Tree<'_>) -> String {
     if width == WIDTH { builder.into() } else { format!("{builder} / {width}") }
 }
 
-/// What is looked up.
+/// The tree that `name` asks for: a builder, followed by the width where it is not the paper's (`embree-sah/8`).
+pub fn tree_named(name: &str) -> Option<Tree<'_>> {
+    match name.split_once('/') {
+        None => Some((name, WIDTH)),
+        Some((builder, width)) => Some((builder, width.parse().ok()?)),
+    }
+}
+
+/// A figure of a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {
     /// Time of a warm build.
@@ -191,7 +199,7 @@ pub struct SceneFigures<'a> {
 }
 
 impl<'a> SceneFigures<'a> {
-    /// Those of `scene` among `rows`, with as many threads as any of them has.
+    /// The figures of `scene` among `rows`, from the rows with most threads.
     pub fn of(rows: &'a [Row], scene: &str) -> Self {
         let threads = rows.iter().filter(|row| row.scene == scene).map(|row| row.threads).max();
         let of_scene = || rows.iter().filter(|row| row.scene == scene && Some(row.threads) == threads);

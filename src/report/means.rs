@@ -14,19 +14,19 @@ use crate::bench::statistics::{arithmetic_mean, geometric_mean};
 pub struct Ratios(pub Vec<(String, f64)>);
 
 impl Ratios {
-    /// Those of a run to Embree SAH, see [`Ratios::to`].
+    /// The ratios of a run to Embree SAH, see [`Ratios::to`].
     pub fn of(rows: &[Row], tree: Tree<'_>, figure: Figure, under: &Under) -> Self {
         Self::to(BASELINE, rows, tree, figure, under)
     }
 
-    /// Those of a run to `base`; scenes without the figure, for the tree or for `base`, are left out.
+    /// The ratios of a run to `base`, without scenes that lack the figure of either tree.
     pub fn to(base: Tree<'_>, rows: &[Row], tree: Tree<'_>, figure: Figure, under: &Under) -> Self {
         let ratio =
             |name: &str| Some(SceneFigures::of(rows, name).ratio_to(base, tree, figure, under)?.value);
         Self(scenes(rows).into_iter().filter_map(|name| ratio(&name).map(|value| (name, value))).collect())
     }
 
-    /// Those of the paper.
+    /// The ratios in the paper.
     pub fn of_paper(builder: &str, figure: Figure) -> Self {
         Self(paper::ratios(builder, figure))
     }
@@ -114,7 +114,7 @@ fn table(rows: &[Row], figure: Figure, under: &Under) -> Grid {
 /// Does the ranking of the trees depend on the kernel? Geometric means of trace times under each kernel that
 /// traced Embree SAH too; empty unless there are two choices.
 fn by_kernel(rows: &[Row]) -> String {
-    // What is native to Embree stands in the column of each kernel's own trees.
+    // Embree's native kernel is part of the column in which each tree has its own.
     let mut choices: Vec<Under> = kernels(rows)
         .into_iter()
         .filter(|kernel| kernel != NATIVE)

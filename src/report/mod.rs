@@ -1,22 +1,21 @@
-//! Reports made from the records of a run: tables and figures.
+//! Reports from the rows of a run.
+//!
+//! * [`figures`] looks up the figures of a scene and tree, [`means`] averages them over scenes, [`paper`] has the
+//!   paper's own; [`grid`] lays out a table;
+//! * [`table`] is the document of a run: [`table1`] in the paper's arrangement, means, [`details`] of every scene;
+//! * [`summary`], [`targets`] and [`ablation`] are tables of their own, [`compare`] judges one run against another;
+//! * [`readme`] keeps the tables within Markdown pages up to date; [`plot`] draws.
 
 pub mod ablation;
-pub mod bars;
-pub mod chart;
 pub mod compare;
 pub mod details;
-pub mod family;
-pub mod figure6;
 pub mod figures;
 pub mod grid;
-pub mod growth_plot;
-pub mod labels;
 pub mod means;
 pub mod paper;
-pub mod pareto;
 pub mod plot;
-pub mod raster;
 pub mod readme;
-pub mod svg;
+pub mod summary;
 pub mod table;
 pub mod table1;
+pub mod targets;

@@ -1,31 +1,35 @@
-//! Figures within Markdown files, made from committed rows: what stands between two markers is generated, so
-//! that a check can tell whether a text still says what the rows say. `results/README.md` has the markers.
+//! Figures within Markdown pages: the text between two markers is generated from committed rows, and a check tells
+//! whether it still agrees with them. `results/README.md` describes the markers.
 
-use super::figures::{Figure, Under, WIDTH, scenes};
+use super::ablation::Ablation;
+use super::figures::{Figure, Under, scenes, tree_named};
 use super::means::{Ratios, means};
+use super::summary::summary;
 use super::table::{document_under, heading, remarks};
 use super::table1::table1;
-use super::{ablation, bars, details};
+use super::{details, targets};
 use crate::bench::environment::{Environment, State};
 use crate::bench::folder;
 use crate::bench::records::{self, RecordsError, Row};
 use std::path::Path;
 
 const END: &str = "<!-- end -->";
-/// What markers ask for, each with the words that follow; `...` stands for more of the last.
-const KINDS: [(&str, &str); 9] = [
+/// The kinds of markers, each with the words that follow; `...` stands for more of the last.
+const KINDS: [(&str, &str); 11] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
     ("scenes", "RESULTS"),
     ("run", "RESULTS"),
     ("value", "RESULTS MEAN FIGURE BUILDER"),
+    ("summary", "RESULTS BUILDER..."),
+    ("targets", "RESULTS..."),
     ("bars", "RESULTS..."),
     ("growth", "RESULTS"),
     ("ablation", "RESULTS BASE BUILDER..."),
 ];
-/// Kinds that say themselves which kernels they are of.
-const OF_FIXED_KERNELS: [&str; 3] = ["bars", "growth", "ablation"];
+/// Kinds with fixed kernels, which take no `--kernel`.
+const OF_FIXED_KERNELS: [&str; 4] = ["targets", "bars", "growth", "ablation"];
 
 /// Why a text cannot be regenerated.
 #[derive(Debug, thiserror::Error)]
@@ -35,7 +39,7 @@ pub enum ReadmeError {
     Records {
         /// Line of the marker.
         line: usize,
-        /// What is wrong with them.
+        /// The cause.
         source: RecordsError,
     },
     /// A marker cannot be understood.
@@ -43,15 +47,15 @@ pub enum ReadmeError {
     Marker {
         /// Its line.
         line: usize,
-        /// What is wrong, and what to write.
+        /// The mistake, and the remedy.
         reason: String,
     },
     /// No marker at all: there would be nothing to check.
-    #[error("no marker; write `<!-- table1: RESULTS -->` and `<!-- end -->` around what is to be generated")]
+    #[error("no marker; write `<!-- table1: RESULTS -->` and `<!-- end -->` around the generated text")]
     None,
 }
 
-/// `text` with everything between markers made anew. Results are found relative to `folder`, that of the text.
+/// Generates the text between all markers of `text` again. Results are relative to `folder`, the page's own.
 ///
 /// # Errors
 /// Markers that cannot be understood, rows that cannot be read, or no marker.
@@ -81,7 +85,7 @@ pub fn regenerate(text: &str, folder: &Path) -> Result<String, ReadmeError> {
     if blocks == 0 { Err(ReadmeError::None) } else { Ok(out) }
 }
 
-/// A line with what stands between its markers made anew, and their number.
+/// A line with the text between its markers generated again, and their number.
 fn inline(mut rest: &str, line: usize, folder: &Path) -> Result<(String, usize), ReadmeError> {
     let (mut out, mut count) = (String::new(), 0);
     while let Some(start) = rest.find("<!--") {
@@ -106,7 +110,7 @@ fn inline(mut rest: &str, line: usize, folder: &Path) -> Result<(String, usize),
     Ok((out + rest, count))
 }
 
-/// What a marker asks for.
+/// A marker, taken apart.
 struct Marker<'a> {
     kind: &'a str,
     words: Vec<&'a str>,
@@ -150,12 +154,13 @@ impl<'a> Marker<'a> {
 
     fn content(&self, folder: &Path) -> Result<String, ReadmeError> {
         match self.kind {
-            "bars" => {
+            // `bars` is an older name.
+            "targets" | "bars" => {
                 let (rows, is_complete) = self.read_all(&self.words, folder)?;
-                Ok(bars::bars(&rows, is_complete))
+                Ok(targets::targets(&rows, is_complete))
             }
             "growth" => {
-                let growth = bars::growth::growth(&self.read_all(&self.words, folder)?.0);
+                let growth = targets::growth::growth(&self.read_all(&self.words, folder)?.0);
                 if growth.is_empty() {
                     return Err(
                         self.wrong("the rows have no scalable scene; run `phr bench scalable-1M ...`".into())
@@ -183,17 +188,18 @@ impl<'a> Marker<'a> {
         };
         if self.kind == "ablation" {
             let told = |reason| self.wrong(reason);
-            return ablation::ablation(&rows, self.words[1], &self.words[2..]).map_err(told);
+            return Ok(Ablation::of(&rows, self.words[1], &self.words[2..]).map_err(told)?.page());
         }
         let environment = folder::environment(&results).map_err(records)?;
         let is_complete = folder::is_complete(environment.as_ref());
         Ok(match self.kind {
-            // Headings are those of the text around.
+            // The page has headings of its own.
             "table1" => without_title(&table1(&rows, &under)) + &remarks(&rows),
             "means" => without_title(&means(&rows, &under)),
             "scenes" => scenes(&rows).iter().map(|scene| details::scene(&rows, scene) + "\n").collect(),
             "run" => run(&rows, environment.as_ref()),
             "value" => self.value(&rows, &under)?,
+            "summary" => summary(&rows, &self.words[1..], &under).map_err(|reason| self.wrong(reason))?,
             _ => document_under(&rows, is_complete, &under),
         })
     }
@@ -208,7 +214,9 @@ impl<'a> Marker<'a> {
             "trace" => Figure::Trace,
             _ => return Err(self.wrong(format!("no figure {figure}; there are build, cost, frame, trace"))),
         };
-        let ratios = Ratios::of(rows, (builder, WIDTH), figure, under);
+        let tree =
+            tree_named(builder).ok_or_else(|| self.wrong(format!("{builder}: write NAME or NAME/WIDTH")))?;
+        let ratios = Ratios::of(rows, tree, figure, under);
         let value = match mean {
             "arithmetic" => ratios.arithmetic(),
             "geometric" => ratios.geometric(),

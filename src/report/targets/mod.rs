@@ -1,5 +1,5 @@
-//! The bars that the builders are to clear, and whether a run shows that they do: build and trace time
-//! against Embree's builders, memory, two threads against one.
+//! The targets of the builders, and whether a run meets them: build and trace time against Embree's builders,
+//! memory, one thread against two.
 
 pub mod growth;
 pub mod judge;
@@ -10,22 +10,23 @@ use super::table::{remarks, rounds};
 use crate::bench::records::Row;
 use growth::growth;
 use judge::{Judge, Judged, is_at_least, is_of_bytes};
-use list::{BARS, Measure};
+use list::{Measure, TARGETS};
 
-/// The bars and the growth of a run and its subfolders; `is_complete` is false where a part was stopped.
+/// The targets and the growth of a run and its subfolders; `is_complete` is false where a part was stopped.
 pub fn document(rows: &[Row], is_complete: bool) -> String {
     let growth = growth(rows);
     let growth = if growth.is_empty() { growth } else { format!("\n### Growth\n\n{growth}") };
-    bars(rows, is_complete) + &growth
+    targets(rows, is_complete) + &growth
 }
 
-/// The bars alone.
-pub fn bars(rows: &[Row], is_complete: bool) -> String {
+/// The targets alone.
+pub fn targets(rows: &[Row], is_complete: bool) -> String {
     let judge = Judge::new(rows);
-    let judged: Vec<Judged> = BARS.iter().map(|bar| judge.judge(bar)).collect();
+    let judged: Vec<Judged> = TARGETS.iter().map(|target| judge.judge(target)).collect();
     let mut text = String::new();
-    for of_section in judged.chunk_by(|a, b| section(a.bar.measure) == section(b.bar.measure)) {
-        text += &format!("### {}\n\n{}\n", section(of_section[0].bar.measure), grid(of_section).markdown());
+    for of_section in judged.chunk_by(|a, b| section(a.target.measure) == section(b.target.measure)) {
+        text +=
+            &format!("### {}\n\n{}\n", section(of_section[0].target.measure), grid(of_section).markdown());
     }
     if !is_complete {
         text += "**Part of a run: it was stopped before its end.**\n\n";
@@ -35,7 +36,7 @@ pub fn bars(rows: &[Row], is_complete: bool) -> String {
 
 const LEGEND: &str = "All trees 4-wide; scenes of more than 100 k triangles (peak of memory: 1 M). build: medians of \
     warm builds, both sides with equal threads. trace: all recorded rays of all views under embree-grafted, and beside \
-    it under phr. mean: geometric of ratios, arithmetic of bytes. A bar is met if the mean, and the worst scene where \
+    it under phr. mean: geometric of ratios, arithmetic of bytes. A target is met if the mean, and the worst scene where \
     that has a limit, is not beyond it.\n";
 
 fn section(measure: Measure) -> &'static str {
@@ -48,14 +49,14 @@ fn section(measure: Measure) -> &'static str {
 
 fn grid(lines: &[Judged]) -> Grid {
     let header =
-        ["builder", "figure", "against", "bar", "mean", "under phr", "worst", "in", "limit", "scenes", ""];
+        ["builder", "figure", "against", "target", "mean", "under phr", "worst", "in", "limit", "scenes", ""];
     let mut grid = Grid::new(header);
     for judged in lines {
-        let Judged { bar, mean, under_phr, worst, .. } = judged;
-        let (figure, against) = names(bar.measure);
-        let show = |value: f64| show(bar.measure, value);
-        let sign = if is_at_least(bar.measure) { '≥' } else { '≤' };
-        let digits = if is_of_bytes(bar.measure) { 0 } else { 2 };
+        let Judged { target, mean, under_phr, worst, .. } = judged;
+        let (figure, against) = names(target.measure);
+        let show = |value: f64| show(target.measure, value);
+        let sign = if is_at_least(target.measure) { '≥' } else { '≤' };
+        let digits = if is_of_bytes(target.measure) { 0 } else { 2 };
         let limit =
             |limit: Option<f64>| limit.map_or_else(String::new, |limit| format!("{sign} {limit:.digits$}"));
         let scenes = if judged.scenes == judged.of_scenes {
@@ -64,15 +65,15 @@ fn grid(lines: &[Judged]) -> Grid {
             format!("{} of {}", judged.scenes, judged.of_scenes)
         };
         grid.push(vec![
-            bar.builder.into(),
+            target.builder.into(),
             figure.into(),
             against.into(),
-            limit(bar.mean),
+            limit(target.mean),
             mean.map_or_else(|| "-".into(), show),
             under_phr.map_or_else(String::new, show),
             worst.as_ref().map_or_else(String::new, |worst| show(worst.1)),
             worst.as_ref().map_or_else(String::new, |worst| worst.0.clone()),
-            limit(bar.worst),
+            limit(target.worst),
             scenes,
             judged.verdict.cell(),
         ]);
@@ -94,7 +95,7 @@ fn show(measure: Measure, value: f64) -> String {
     if is_of_bytes(measure) { short(value) } else { format!("{value:.3}") }
 }
 
-/// The runs behind the rows: bars that were measured by different programs are not one measurement.
+/// The runs behind the rows: targets measured by different programs are not one measurement.
 fn measured(rows: &[Row]) -> String {
     let mut ids: Vec<&str> = Vec::new();
     let mut runs: Vec<String> = Vec::new();

@@ -1,14 +1,14 @@
-//! Bars, growth and ablations from rows made by hand, every figure worked out beside.
+//! Targets, growth and ablations from rows made by hand, every figure worked out beside.
 
 #![cfg(feature = "harness")]
 
 use phr::bench::records::{self, ALL, ROWS, Row, SCHEMA, WARM};
-use phr::report::ablation::ablation;
-use phr::report::bars::growth::{Growth, growth};
-use phr::report::bars::judge::{Judge, Judged, Verdict};
-use phr::report::bars::list::{BARS, Bar, Measure};
-use phr::report::bars::{bars, document};
+use phr::report::ablation::Ablation;
 use phr::report::figures::{Place, Under};
+use phr::report::targets::growth::{Growth, growth};
+use phr::report::targets::judge::{Judge, Judged, Verdict};
+use phr::report::targets::list::{Measure, TARGETS, Target};
+use phr::report::targets::{document, targets};
 use phr::report::{plot, readme};
 use std::path::Path;
 use std::process::{Command, Output};
@@ -76,8 +76,8 @@ fn with(mut rows: Vec<Row>, is_changed: impl Fn(&Row) -> bool, change: impl Fn(&
 }
 
 fn judged(rows: &[Row], builder: &str, measure: Measure) -> Judged {
-    let bar = BARS.iter().find(|bar| bar.builder == builder && bar.measure == measure);
-    Judge::new(rows).judge(bar.unwrap_or_else(|| panic!("no bar of {builder}, {measure:?}")))
+    let target = TARGETS.iter().find(|target| target.builder == builder && target.measure == measure);
+    Judge::new(rows).judge(target.unwrap_or_else(|| panic!("no target of {builder}, {measure:?}")))
 }
 
 fn near(value: Option<f64>, expected: f64) -> bool {
@@ -140,7 +140,7 @@ fn bytes_are_of_large_scenes() {
     let tree = judged(&small, "phr-speed", Measure::Tree);
     assert!(near(tree.mean, 90.0), "{tree:?}");
     assert_eq!((tree.worst, tree.verdict), (Some(("yard".into(), 120.0)), Verdict::NotMet));
-    assert_eq!(judged(&small, "embree-sah", Measure::Tree).verdict, Verdict::NoBar);
+    assert_eq!(judged(&small, "embree-sah", Measure::Tree).verdict, Verdict::NoTarget);
     let tiny = with(rows(), |_| true, |row| row.triangles = 100_000);
     assert_eq!(judged(&tiny, "phr-speed", BUILD).of_scenes, 0);
 }
@@ -163,8 +163,8 @@ fn threads_are_compared_where_both_were_measured() {
     assert!(near(ours.mean, 1.85), "{ours:?}");
     assert_eq!((ours.scenes, ours.of_scenes, ours.verdict), (1, 2, Verdict::Met));
     let embree = judged(&all, "embree-sah", Measure::Threads);
-    assert!(near(embree.mean, 1.5) && embree.verdict == Verdict::NoBar, "{embree:?}");
-    // The rows of one thread have no part in the other bars.
+    assert!(near(embree.mean, 1.5) && embree.verdict == Verdict::NoTarget, "{embree:?}");
+    // The rows of one thread have no part in the other targets.
     assert!(near(judged(&all, "phr-speed", BUILD).mean, 1.0));
 
     all.push(one("yard", "phr-speed", 36.0, run));
@@ -196,7 +196,7 @@ fn what_is_missing_is_not_measured_and_what_failed_is_not_met() {
         },
     );
     assert_eq!(judged(&wrong, "phr-speed", TRACE).verdict, Verdict::Failed("hall".into()));
-    let text = bars(&wrong, true);
+    let text = targets(&wrong, true);
     assert!(text.contains("not met: failed in hall"), "{text}");
     assert!(text.contains("WRONG HITS: hall phr-speed/4 under phr: ray 7 differs"), "{text}");
     // Nothing at all is still a report.
@@ -206,18 +206,19 @@ fn what_is_missing_is_not_measured_and_what_failed_is_not_met() {
 }
 
 #[test]
-fn the_report_has_a_line_for_every_bar() {
-    let text = bars(&rows(), true);
+fn the_report_has_a_line_for_every_target() {
+    let text = targets(&rows(), true);
     let lines = text.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| builder"));
-    assert_eq!(lines.count(), BARS.len());
+    assert_eq!(lines.count(), TARGETS.len());
     let line = text.lines().find(|line| line.starts_with("| phr-speed") && line.contains("trace")).unwrap();
     let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
     let expected = "phr-speed, trace, embree-sah, ≤ 1.00, 0.917, 2.000, 1.050, yard, ≤ 1.05, 2, met";
     assert_eq!(cells.join(", "), expected);
     assert!(text.contains("Measured: 2026-01-02T03:04:05Z, revision 0123456789ab, threads: 2, rounds: 3."));
-    let twice =
-        |bar: &Bar| BARS.iter().filter(|b| (b.builder, b.measure) == (bar.builder, bar.measure)).count();
-    assert!(BARS.iter().all(|bar| twice(bar) == 1));
+    let twice = |target: &Target| {
+        TARGETS.iter().filter(|b| (b.builder, b.measure) == (target.builder, target.measure)).count()
+    };
+    assert!(TARGETS.iter().all(|target| twice(target) == 1));
 }
 
 /// Builds of growing scenes: phr-fast takes 100 ns a triangle and 1.25 as much at 32 M, embree-sah ever 200.
@@ -254,7 +255,7 @@ fn growth_is_per_triangle_and_relative_to_the_smallest() {
     assert_eq!(cells(&growth(&worse), "phr-fast"), "phr-fast 100 1.000 1.250 ≤ 1.25 not met");
     let fewer: Vec<Row> = growing().into_iter().filter(|row| row.scene != "scalable-32M").collect();
     assert_eq!(cells(&growth(&fewer), "phr-fast"), "phr-fast 100 1.000 ≤ 1.25 not measured");
-    // Times of two runs are not mixed; scenes of any size are no part of the bars; others none of growth.
+    // Times of two runs are not mixed; scenes of any size are no part of the targets; others none of growth.
     let mut other = with(growing(), |_| true, |row| row.build_ms_median = Some(1.0));
     other.retain(|row| row.scene == "scalable-1M");
     other.iter_mut().for_each(|row| row.run_id = "another".into());
@@ -278,7 +279,7 @@ fn growth_is_drawn_from_two_sizes_on() {
 #[test]
 fn ablations_are_relative_to_their_base() {
     // Build, cost and EPO of speed to Morton: 0.5 in the hall, 2 in the yard.
-    let text = ablation(&rows(), "embree-morton", &["phr-speed", "embree-sah"]).unwrap();
+    let text = Ablation::of(&rows(), "embree-morton", &["phr-speed", "embree-sah"]).unwrap().text();
     let lines: Vec<String> = text
         .lines()
         .filter(|line| line.starts_with("| phr-speed") || line.starts_with("| embree-sah"))
@@ -292,7 +293,7 @@ fn ablations_are_relative_to_their_base() {
     assert_eq!(lines[2], "phr-speed hall 0.500 0.500 0.500 0.615 0.769");
     assert_eq!(lines[3], "phr-speed yard 2.000 2.000 2.000 0.808 3.077");
     assert_eq!(lines.len(), 6);
-    let unknown = ablation(&rows(), "embree-morton", &["phr-hq"]).unwrap_err();
+    let unknown = Ablation::of(&rows(), "embree-morton", &["phr-hq"]).unwrap_err();
     assert!(
         unknown.contains("phr-hq") && unknown.contains("embree-morton, embree-sah, phr-speed"),
         "{unknown}"
@@ -300,7 +301,7 @@ fn ablations_are_relative_to_their_base() {
     // A scene without a figure of the base is left out of the mean and shown as a gap.
     let gap: Vec<Row> =
         rows().into_iter().filter(|row| (&*row.builder, &*row.scene) != ("embree-morton", "yard")).collect();
-    let text = ablation(&gap, "embree-morton", &["phr-speed"]).unwrap();
+    let text = Ablation::of(&gap, "embree-morton", &["phr-speed"]).unwrap().text();
     assert!(text.contains("| 0.500 |    0.500 | 0.500 | 0.615 |      0.769 |"), "{text}");
     assert!(text.lines().any(|line| line.contains("yard") && line.contains(" - ")), "{text}");
 }
@@ -311,11 +312,13 @@ fn the_commands_read_subfolders_and_say_what_is_wrong() {
     let run = place.path().join("run");
     written(&run, &rows());
     written(&run.join("growth"), &growing());
-    let (code, output) = phr(&["bars", "run"], place.path());
+    let (code, output) = phr(&["targets", "run"], place.path());
     let text = String::from_utf8(output.stdout).unwrap();
     assert_eq!(code, 0, "it informs, whatever is met");
     assert_eq!(text.trim_end(), document(&[rows(), growing()].concat(), true).trim_end());
     assert!(text.contains("### Growth"), "{text}");
+    let (code, older) = phr(&["bars", "run"], place.path());
+    assert_eq!((code, String::from_utf8(older.stdout).unwrap()), (0, text), "the older name");
 
     assert_eq!(phr(&["plot", "run/growth"], place.path()).0, 0);
     assert!(run.join("growth/growth.png").is_file() && run.join("growth/growth.svg").is_file());
@@ -323,13 +326,13 @@ fn the_commands_read_subfolders_and_say_what_is_wrong() {
 
     let (code, output) = phr(&["ablation", "run", "--base", "embree-sah", "phr-speed"], place.path());
     let text = String::from_utf8(output.stdout).unwrap();
-    assert_eq!((code, text), (0, ablation(&rows(), "embree-sah", &["phr-speed"]).unwrap()));
+    assert_eq!((code, text), (0, Ablation::of(&rows(), "embree-sah", &["phr-speed"]).unwrap().text()));
 
     assert_eq!(phr(&["reduce", "run", "kept"], place.path()).0, 0);
     assert_eq!(records::read(&place.path().join("kept")).unwrap(), rows());
     assert_eq!(records::read(&place.path().join("kept/growth")).unwrap(), growing());
     for arguments in [
-        &["bars", "nowhere"][..],
+        &["targets", "nowhere"][..],
         &["ablation", "run", "--base", "nobody", "phr-speed"],
         &["ablation", "nowhere", "--base", "embree-sah", "phr-speed"],
         &["reduce", "run", "run/kept"],
@@ -355,16 +358,17 @@ fn markers_make_the_same() {
         })
     };
     let both = [rows(), growing()].concat();
-    assert_eq!(made("bars: run").unwrap(), bars(&rows(), true).trim_end());
-    assert_eq!(made("bars: run grown").unwrap(), bars(&both, true).trim_end());
+    assert_eq!(made("targets: run").unwrap(), targets(&rows(), true).trim_end());
+    assert_eq!(made("bars: run").unwrap(), made("targets: run").unwrap(), "the older name");
+    assert_eq!(made("targets: run grown").unwrap(), targets(&both, true).trim_end());
     assert_eq!(made("growth: grown").unwrap(), growth(&growing()).trim_end());
-    let expected = ablation(&rows(), "embree-sah", &["phr-speed"]).unwrap();
+    let expected = Ablation::of(&rows(), "embree-sah", &["phr-speed"]).unwrap().page();
     assert_eq!(made("ablation: run embree-sah phr-speed").unwrap(), expected.trim_end());
     let wrong = |marker: &str| made(marker).unwrap_err().to_string();
     assert!(wrong("growth: run").contains("no scalable scene"));
-    assert!(wrong("bars: nowhere").contains("nowhere"));
-    assert!(wrong("bars:").contains("write <!-- bars: RESULTS... -->"));
-    assert!(wrong("bars: run --kernel phr").contains("write <!-- bars: RESULTS... -->"));
+    assert!(wrong("targets: nowhere").contains("nowhere"));
+    assert!(wrong("targets:").contains("write <!-- targets: RESULTS... -->"));
+    assert!(wrong("targets: run --kernel phr").contains("write <!-- targets: RESULTS... -->"));
     assert!(wrong("ablation: run embree-sah").contains("write <!-- ablation: RESULTS BASE BUILDER... -->"));
     assert!(wrong("ablation: run embree-sah aac").contains("no builder aac"));
 }

@@ -7,7 +7,7 @@ use super::svg::{Anchor, Shape, Svg};
 
 /// Ink of texts.
 pub const INK: &str = "#1a1a1a";
-/// What stands back.
+/// Ink of things in the background.
 pub const GREY: &str = "#8c8c8c";
 /// A broken line.
 pub const DASHES: &str = " stroke-dasharray=\"4 3\"";
@@ -29,6 +29,17 @@ pub fn sheet((width, height): (f64, f64), title: &str, about: &[&str]) -> Svg {
     svg
 }
 
+/// Shape and colour of a builder by its family, the same in all figures; colours after Okabe and Ito, told apart by colour-blind readers too.
+pub fn style(builder: &str) -> (Shape, &'static str) {
+    match builder {
+        name if name.starts_with("embree") => (Shape::Circle, "#0072b2"),
+        name if name.starts_with("phr") => (Shape::Up, "#d55e00"),
+        name if name.starts_with("hunt") => (Shape::Square, "#009e73"),
+        name if name.starts_with("aac") => (Shape::Diamond, "#cc79a7"),
+        _ => (Shape::Down, "#000000"),
+    }
+}
+
 /// A point of a panel.
 #[derive(Clone, Debug)]
 pub struct Point {
@@ -40,7 +51,7 @@ pub struct Point {
     pub colour: &'static str,
     /// Outlined only.
     pub is_hollow: bool,
-    /// What it is, if it is to be said.
+    /// The text beside it, if any.
     pub label: Option<String>,
 }
 

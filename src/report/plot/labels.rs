@@ -74,7 +74,7 @@ pub fn place(labels: &[Label], points: &[Rect], lines: &[Segment], bounds: Rect)
     placed.into_iter().flatten().collect()
 }
 
-/// All places of a label, each with what it is worse than the best.
+/// All places of a label, each with a penalty relative to the best.
 fn candidates(label: &Label) -> impl Iterator<Item = (Rect, f64)> {
     let Label { at: (x, y), size: (width, height) } = *label;
     RINGS.into_iter().enumerate().flat_map(move |(ring, distance)| {

@@ -1,10 +1,9 @@
 //! The figure of growth: nanoseconds per triangle against triangles, a line for each builder.
 
-use super::bars::growth::Growth;
-use super::chart::{Front, Panel, Point, Range, sheet};
-use super::family::style;
+use super::chart::{Front, Panel, Point, Range, sheet, style};
 use super::labels::Rect;
 use crate::bench::records::Row;
+use crate::report::targets::growth::Growth;
 
 /// The figure; `None` unless there are two sizes of the scalable scene.
 pub fn growth(rows: &[Row]) -> Option<String> {

@@ -1,16 +1,15 @@
 //! Figure 6 of the paper from a run: build time against trace time, relative to Embree SAH, with the Pareto
 //! front; averaged over the scenes, and a panel per scene. The paper's points stand beside ours.
 
-use super::chart::{DASHES, Front, GREY, INK, Panel, Point, Range, SMALL, sheet};
-use super::family::style;
-use super::figures::{BASELINE, Figure, SceneFigures, Under, WIDTH, scenes, trees};
+use super::chart::{DASHES, Front, GREY, INK, Panel, Point, Range, SMALL, sheet, style};
 use super::labels::Rect;
-use super::means::Ratios;
-use super::paper;
 use super::pareto::front;
 use super::raster::text_width;
 use super::svg::{Anchor, Svg};
 use crate::bench::records::Row;
+use crate::report::figures::{BASELINE, Figure, SceneFigures, Under, WIDTH, scenes, trees};
+use crate::report::means::Ratios;
+use crate::report::paper;
 
 /// Panels side by side.
 const ABREAST: usize = 3;

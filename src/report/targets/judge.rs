@@ -1,12 +1,12 @@
-//! From rows to verdicts: what each bar's builder reaches in every scene, and whether that is enough.
+//! From rows to verdicts: what each builder reaches in every scene, and whether it meets the target.
 
-use super::list::{Bar, MORE_THAN, MORE_THAN_FOR_PEAK, Measure};
+use super::list::{MORE_THAN, MORE_THAN_FOR_PEAK, Measure, Target};
 use crate::bench::records::Row;
 use crate::report::figures::{Figure, GRAFTED, PHR, Place, SceneFigures, Under, WIDTH, only, scenes};
 use crate::report::means::Ratios;
 use crate::scene::scalable_triangles;
 
-/// Whether a bar is reached.
+/// Whether a target is met.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Mean and worst scene are within their limits.
@@ -18,7 +18,7 @@ pub enum Verdict {
     /// The rows do not have it.
     NotMeasured,
     /// There is no limit.
-    NoBar,
+    NoTarget,
 }
 
 impl Verdict {
@@ -29,7 +29,7 @@ impl Verdict {
             Self::NotMet => "not met".into(),
             Self::Failed(scene) => format!("not met: failed in {scene}"),
             Self::NotMeasured => "not measured".into(),
-            Self::NoBar => "-".into(),
+            Self::NoTarget => "-".into(),
         }
     }
 
@@ -39,11 +39,11 @@ impl Verdict {
     }
 }
 
-/// A bar with what was measured.
+/// A target with what was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judged {
-    /// The bar.
-    pub bar: Bar,
+    /// The target.
+    pub target: Target,
     /// Mean over scenes: geometric of ratios, arithmetic of bytes.
     pub mean: Option<f64>,
     /// The same mean under our kernel, of traces.
@@ -54,20 +54,20 @@ pub struct Judged {
     pub scenes: usize,
     /// Scenes that could be.
     pub of_scenes: usize,
-    /// Whether it is reached.
+    /// Whether it is met.
     pub verdict: Verdict,
 }
 
-/// The rows that bars are judged by.
+/// The rows that targets are judged by.
 pub struct Judge {
-    /// Those of most threads: all but the comparison of threads.
+    /// Rows with most threads, for all but the comparison of threads.
     main: Vec<Row>,
     one_thread: Vec<Row>,
     two_threads: Vec<Row>,
 }
 
 impl Judge {
-    /// Parts the rows of a run: large scenes only, without those that are there to see growth.
+    /// Partitions the rows of a run: large scenes only, without the scalable ones.
     pub fn new(rows: &[Row]) -> Self {
         let rows = only(rows, |row| row.triangles > MORE_THAN && scalable_triangles(&row.scene).is_none());
         let most = rows.iter().map(|row| row.threads).max();
@@ -75,32 +75,32 @@ impl Judge {
         Self { main: with(most), one_thread: with(Some(1)), two_threads: with(Some(2)) }
     }
 
-    /// What was measured of `bar`, and the verdict.
-    pub fn judge(&self, bar: &Bar) -> Judged {
-        let names = self.scenes(bar.measure);
+    /// The measured values of `target`, and the verdict.
+    pub fn judge(&self, target: &Target) -> Judged {
+        let names = self.scenes(target.measure);
         let (mut values, mut failed) = (Ratios::default(), None);
         for name in &names {
-            match self.value(bar, name, GRAFTED) {
+            match self.value(target, name, GRAFTED) {
                 Place::Value(value) => values.0.push((name.clone(), value)),
                 Place::Failed => failed = failed.or(Some(name.clone())),
                 Place::Missing => {}
             }
         }
-        let mean = mean(bar.measure, &values);
-        let worst = if is_at_least(bar.measure) { values.least() } else { values.worst() }.cloned();
+        let mean = mean(target.measure, &values);
+        let worst = if is_at_least(target.measure) { values.least() } else { values.worst() }.cloned();
         let verdict = match (failed, mean, &worst) {
-            _ if bar.mean.is_none() && bar.worst.is_none() => Verdict::NoBar,
+            _ if target.mean.is_none() && target.worst.is_none() => Verdict::NoTarget,
             (Some(scene), ..) => Verdict::Failed(scene),
             (None, Some(mean), Some((_, worst))) => {
-                Verdict::of(reaches(bar, mean, bar.mean) && reaches(bar, *worst, bar.worst))
+                Verdict::of(reaches(target, mean, target.mean) && reaches(target, *worst, target.worst))
             }
             _ => Verdict::NotMeasured,
         };
         let scenes = values.0.len();
         Judged {
-            bar: *bar,
+            target: *target,
             mean,
-            under_phr: self.under_phr(bar, &names),
+            under_phr: self.under_phr(target, &names),
             worst,
             scenes,
             of_scenes: names.len(),
@@ -108,9 +108,9 @@ impl Judge {
         }
     }
 
-    fn under_phr(&self, bar: &Bar, names: &[String]) -> Option<f64> {
-        let Measure::Trace(_) = bar.measure else { return None };
-        let value = |name: &String| Some((name.clone(), self.value(bar, name, PHR).value()?));
+    fn under_phr(&self, target: &Target, names: &[String]) -> Option<f64> {
+        let Measure::Trace(_) = target.measure else { return None };
+        let value = |name: &String| Some((name.clone(), self.value(target, name, PHR).value()?));
         Ratios(names.iter().filter_map(value).collect()).geometric()
     }
 
@@ -126,9 +126,9 @@ impl Judge {
         }
     }
 
-    /// What is measured of the bar's builder in `scene`, traces under `kernel`.
-    fn value(&self, bar: &Bar, scene: &str, kernel: &str) -> Place<f64> {
-        let tree = (bar.builder, WIDTH);
+    /// The measured value of the builder in `scene`, traces under `kernel`.
+    fn value(&self, target: &Target, scene: &str, kernel: &str) -> Place<f64> {
+        let tree = (target.builder, WIDTH);
         let main = SceneFigures::of(&self.main, scene);
         let under = Under::One(kernel.into());
         let ratio = |base, figure| {
@@ -138,7 +138,7 @@ impl Judge {
         let per_triangle = |bytes: fn(&Row) -> Option<u64>| {
             main.build(tree).and_then(|row| Some(bytes(row)? as f64 / row.triangles as f64))
         };
-        match bar.measure {
+        match target.measure {
             Measure::Build(base) => ratio(base, Figure::Build),
             Measure::Trace(base) => ratio(base, Figure::Trace),
             Measure::Peak => per_triangle(|row| row.peak_bytes),
@@ -176,10 +176,10 @@ pub fn within(value: f64, limit: f64) -> bool {
     value <= limit * (1.0 + ROUNDING)
 }
 
-fn reaches(bar: &Bar, value: f64, limit: Option<f64>) -> bool {
+fn reaches(target: &Target, value: f64, limit: Option<f64>) -> bool {
     limit.is_none_or(
         |limit| {
-            if is_at_least(bar.measure) { within(limit, value) } else { within(value, limit) }
+            if is_at_least(target.measure) { within(limit, value) } else { within(value, limit) }
         },
     )
 }

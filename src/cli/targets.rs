@@ -1,11 +1,11 @@
-//! `phr bars`: what the builders are to reach, and what a run shows of it.
+//! `phr targets`: what the builders are to reach, and what a run shows of it.
 
 use super::{Failure, say};
 use crate::bench::folder;
-use crate::report::bars;
+use crate::report::targets;
 use std::path::PathBuf;
 
-/// Print the bars of the builders, met or not, from results folders and their subfolders
+/// Print the targets of the builders, met or not, from results folders and their subfolders
 ///
 /// Build and trace time against Embree's builders, memory, two threads against one (where there are rows of both),
 /// growth (where there are scalable scenes). The exit code does not tell of the verdicts.
@@ -19,5 +19,5 @@ pub struct Arguments {
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (rows, is_complete) = folder::read_all(&arguments.results)?;
-    say(&bars::document(&rows, is_complete))
+    say(&targets::document(&rows, is_complete))
 }

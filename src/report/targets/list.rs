@@ -1,6 +1,6 @@
-//! The bars: what each builder is to reach, as data.
+//! The targets: what each builder is to reach, as data.
 
-/// What is measured of a builder in a scene.
+/// A quantity measured for a builder in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// Warm build time relative to that of another builder.
@@ -15,12 +15,12 @@ pub enum Measure {
     Threads,
 }
 
-/// What a builder is to reach over all scenes; without limits, a line that stands beside for comparison.
+/// The limits that a builder is to keep over all scenes; without limits, a line for comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bar {
+pub struct Target {
     /// The builder.
     pub builder: &'static str,
-    /// What is measured.
+    /// The measured quantity.
     pub measure: Measure,
     /// Limit of the mean over scenes.
     pub mean: Option<f64>,
@@ -30,7 +30,7 @@ pub struct Bar {
 
 /// Scenes of no more triangles do not count: their builds are too short.
 pub const MORE_THAN: u64 = 100_000;
-/// Nor for the peak of memory, where what does not grow with the scene would count.
+/// Nor for the peak of memory, where the part that does not grow with the scene would count.
 pub const MORE_THAN_FOR_PEAK: u64 = 1_000_000;
 
 use Measure::{Build, Peak, Threads, Trace, Tree};
@@ -38,24 +38,24 @@ const MORTON: &str = "embree-morton";
 const SAH: &str = "embree-sah";
 const SPATIAL: &str = "embree-fast-spatial";
 
-const fn mean(builder: &'static str, measure: Measure, mean: f64) -> Bar {
-    Bar { builder, measure, mean: Some(mean), worst: None }
+const fn mean(builder: &'static str, measure: Measure, mean: f64) -> Target {
+    Target { builder, measure, mean: Some(mean), worst: None }
 }
 
-const fn both(builder: &'static str, measure: Measure, mean: f64, worst: f64) -> Bar {
-    Bar { builder, measure, mean: Some(mean), worst: Some(worst) }
+const fn both(builder: &'static str, measure: Measure, mean: f64, worst: f64) -> Target {
+    Target { builder, measure, mean: Some(mean), worst: Some(worst) }
 }
 
-const fn worst(builder: &'static str, measure: Measure, worst: f64) -> Bar {
-    Bar { builder, measure, mean: None, worst: Some(worst) }
+const fn worst(builder: &'static str, measure: Measure, worst: f64) -> Target {
+    Target { builder, measure, mean: None, worst: Some(worst) }
 }
 
-const fn beside(builder: &'static str, measure: Measure) -> Bar {
-    Bar { builder, measure, mean: None, worst: None }
+const fn beside(builder: &'static str, measure: Measure) -> Target {
+    Target { builder, measure, mean: None, worst: None }
 }
 
-/// All bars, in the order of the report.
-pub const BARS: [Bar; 30] = [
+/// All targets, in the order of the report.
+pub const TARGETS: [Target; 30] = [
     mean("lbvh", Build(MORTON), 0.6),
     mean("lbvh", Trace(MORTON), 1.10),
     both("phr-fast", Build(SAH), 0.45, 0.7),
@@ -90,7 +90,7 @@ pub const BARS: [Bar; 30] = [
 
 /// Growth of the build time per triangle from the first to the last of [`GROWTH_SIZES`], at most.
 pub const GROWTH: f64 = 1.25;
-/// Builders with that bar.
+/// Builders with that target.
 pub const GROWTH_BUILDERS: [&str; 2] = ["phr-fast", "phr-speed"];
 /// Triangles between which growth is judged.
 pub const GROWTH_SIZES: (u64, u64) = (1_000_000, 32_000_000);

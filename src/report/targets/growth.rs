@@ -64,7 +64,7 @@ impl Growth {
         line.ns[index].and_then(|ns| Some(ns / first?))
     }
 
-    /// Whether a builder's growth is within its bar; `None` for builders without one.
+    /// Whether a builder's growth is within the target; `None` for builders without one.
     fn verdict(&self, builder: &str) -> Option<Verdict> {
         GROWTH_BUILDERS.contains(&builder).then(|| {
             let (from, to) = GROWTH_SIZES;
@@ -93,7 +93,7 @@ pub fn growth(rows: &[Row]) -> String {
     let Some(&first) = growth.sizes.first() else { return String::new() };
     let header = ["builder".into(), format!("ns at {}", size_name(first))].into_iter();
     let sizes = growth.sizes.iter().skip(1).map(|&size| size_name(size));
-    let mut grid = Grid::new(header.chain(sizes).chain(["bar".into(), String::new()]));
+    let mut grid = Grid::new(header.chain(sizes).chain(["target".into(), String::new()]));
     let lacking = GROWTH_BUILDERS.iter().filter(|name| growth.lines.iter().all(|l| l.builder != **name));
     let lacking = lacking.map(|name| Line {
         builder: (*name).into(),
@@ -110,7 +110,7 @@ pub fn growth(rows: &[Row]) -> String {
     let (from, to) = GROWTH_SIZES;
     format!(
         "{}\nBuild time per triangle, 4-wide trees, {} threads: nanoseconds in the smallest scene, then relative to \
-         that. The bar is of {} relative to {}.\n",
+         that. The target is for {} relative to {}.\n",
         grid.markdown(),
         growth.threads,
         size_name(to),
