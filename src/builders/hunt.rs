@@ -11,7 +11,7 @@ use crate::builders::phr::initial_cut::initial_cut;
 use crate::builders::phr::memory::CutMemory;
 use crate::builders::phr::policy::CutPolicy;
 use crate::builders::phr::recursion::CutRecursion;
-use crate::builders::wide::top_down;
+use crate::builders::wide::build;
 use crate::bvh::Bvh4;
 use crate::bvh::limits::{BLOCK, MAX_LEAF};
 use crate::geometry::{Aabb, Mesh};
@@ -111,7 +111,7 @@ impl Builder for Hunt {
             (Cut::whole(nodes, 1.0, mesh.len()), Default::default())
         });
         let recursion = CutRecursion::new(auxiliary, mesh, &self.cuts, ConstantLength(length), self.isa);
-        let tree = top_down::build(&recursion, cut, mesh, memory);
+        let tree = build::build(&recursion, cut, mesh, memory);
         watch.lap("cuts and nodes");
         phases.extend(watch.phases);
         self.memory.finish(tree, phases)

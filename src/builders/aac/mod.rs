@@ -2,10 +2,10 @@
 //! top-down, and clusters are merged bottom-up, at each step only down to f(n) of them. The binary tree is then widened
 //! like all.
 
-mod aac;
 mod clustering;
 mod collapse;
 mod config;
+mod pipeline;
 
-pub use aac::Aac;
 pub use config::AacConfig;
+pub use pipeline::Aac;

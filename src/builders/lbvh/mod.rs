@@ -7,7 +7,7 @@
 //! 5. [`treelet`]: one task builds the tree of a treelet from [`deltas`], [`equal_codes`] and a [`cartesian`] tree;
 //! 6. [`auxiliary`]: all of it.
 //!
-//! [`direct`] is the builder `lbvh`, which widens the same tree and refines nothing; [`direct_treelet`] is its treelet.
+//! [`direct`] is the builder `lbvh`, which widens the same tree and refines nothing.
 //! [`area_scale`] tells what thresholds of area are relative to, [`prefetch`] what is read next.
 
 pub(crate) mod area_scale;
@@ -15,7 +15,6 @@ pub(crate) mod auxiliary;
 pub(crate) mod cartesian;
 pub(crate) mod deltas;
 pub(crate) mod direct;
-pub(crate) mod direct_treelet;
 pub(crate) mod equal_codes;
 pub(crate) mod key;
 pub(crate) mod morton;

@@ -11,9 +11,9 @@ use crate::builders::phr::cut::OwnedCut;
 use crate::builders::phr::memory::CutScratch;
 use crate::builders::phr::policy::CutPolicy;
 use crate::builders::phr::recursion::CutRecursion;
+use crate::builders::wide::build;
 use crate::builders::wide::memory::Memory;
 use crate::builders::wide::optimal::Choices;
-use crate::builders::wide::top_down;
 use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
 use crate::memory::pool::Pool;
@@ -52,7 +52,7 @@ impl Optimiser {
         reinsertion.run(tree, config.rounds, wanted);
         watch.lap("reinsertion");
         choices.solve(tree, ROOT, tree.pairs.len(), &config.costs, true);
-        let wide = top_down::build(&CollapsedTree { tree, choices }, Some(ROOT), mesh, memory);
+        let wide = build::build(&CollapsedTree { tree, choices }, Some(ROOT), mesh, memory);
         watch.lap("collapse");
         wide
     }

@@ -10,7 +10,7 @@
 //! | 4.5, 4.6 wide tree, threads | [`crate::builders::wide`] |
 //! | 4.7 auxiliary BVH | [`crate::builders::lbvh`] |
 //!
-//! [`exact`] holds shortcuts to the same tree, [`extensions`] what changes the tree.
+//! [`exact`] holds shortcuts to the same tree, [`extensions`] what changes the tree. [`pipeline`] is all of it in order.
 
 pub(crate) mod clip;
 pub(crate) mod config;
@@ -19,7 +19,7 @@ pub(crate) mod exact;
 pub(crate) mod extensions;
 pub(crate) mod initial_cut;
 pub(crate) mod memory;
-mod phr;
+mod pipeline;
 pub(crate) mod policy;
 pub(crate) mod recursion;
 pub(crate) mod refine;
@@ -27,5 +27,5 @@ mod split;
 mod swept;
 
 pub use config::{Extensions, LocalThreshold, PhrConfig};
-pub use phr::Phr;
-pub(crate) use phr::begin;
+pub use pipeline::Phr;
+pub(crate) use pipeline::begin;

@@ -1,7 +1,7 @@
 //! The wide tree (paper 4.5) and its parallel construction (4.6).
 //!
 //! * [`open_largest`]: the rule of 4.5, by its definition;
-//! * [`top_down`]: what a builder supplies to be built top-down, and the recursion over wide nodes;
+//! * [`top_down`]: what a builder supplies to be built top-down; [`build`]: the recursion over wide nodes;
 //! * [`parallel`]: 4.6, the recursion divided into tasks;
 //! * [`treelet`]: the nodes and leaf blocks that one task makes;
 //! * [`binary_source`]: subtrees all of whose binary splits are known, widened at once;
@@ -10,6 +10,7 @@
 
 pub(crate) mod binary_source;
 pub(crate) mod branchless;
+pub(crate) mod build;
 pub(crate) mod memory;
 pub(crate) mod open_largest;
 pub(crate) mod optimal;

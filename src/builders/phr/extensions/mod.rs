@@ -4,7 +4,7 @@
 //! * [`small_cuts`]: `leaf_sweep` and `subtree_sweep`;
 //! * [`collapse`]: `collapse`.
 //!
-//! The rest is a line where the paper's rule stands: `cut_share` in [`super::Phr`], `local_threshold` in [`super::refine`],
+//! The rest is a line where the paper's rule stands: `cut_share` in [`super::pipeline`], `local_threshold` in [`super::refine`],
 //! `overlap_threshold`, `spatial_bias` and `clip_triangles` in [`super::split`], those of the auxiliary BVH in
 //! [`crate::builders::lbvh`].
 

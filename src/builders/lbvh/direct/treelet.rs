@@ -1,11 +1,11 @@
-//! One treelet of the builder `lbvh`, widened at once. As [`super::treelet`], but its leaves are blocks and nobody opens
+//! One treelet of the builder `lbvh`, widened at once. As [`crate::builders::lbvh::treelet`], but its leaves are blocks and nobody opens
 //! it: corners are fetched once, for leaf blocks and boxes together.
 
-use super::cartesian::cartesian_tree;
-use super::deltas::Deltas;
-use super::equal_codes::EqualCodes;
-use super::key::{MortonKey, reference};
-use super::prefetch;
+use crate::builders::lbvh::cartesian::cartesian_tree;
+use crate::builders::lbvh::deltas::Deltas;
+use crate::builders::lbvh::equal_codes::EqualCodes;
+use crate::builders::lbvh::key::{MortonKey, reference};
+use crate::builders::lbvh::prefetch;
 use crate::builders::wide::branchless::{Slot, Widen};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
 use crate::bvh::TriangleBlock;

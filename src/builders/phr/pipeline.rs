@@ -10,7 +10,7 @@ use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::builder::{Build, Builder, Stopwatch};
 use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::auxiliary::Auxiliary;
-use crate::builders::wide::top_down;
+use crate::builders::wide::build;
 use crate::bvh::Bvh4;
 use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
 use crate::geometry::Mesh;
@@ -57,7 +57,7 @@ impl Builder for Phr {
         // Initial cut (4.1).
         let (recursion, cut) = begin(auxiliary, mesh, config, *isa);
         // Split, refine, recurse (4.2 to 4.4), to a wide tree (4.5) in parallel (4.6).
-        let tree = top_down::build(&recursion, cut, mesh, memory);
+        let tree = build::build(&recursion, cut, mesh, memory);
         watch.lap("cuts and nodes");
         phases.extend(watch.phases);
         self.memory.finish(tree, phases)

@@ -8,8 +8,8 @@ use crate::builders::binary::tree::BinaryTree;
 use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
 use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::sort::MortonOrder;
+use crate::builders::wide::build;
 use crate::builders::wide::memory::Memory;
-use crate::builders::wide::top_down;
 use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
 use crate::memory::huge_pages;
@@ -57,7 +57,7 @@ impl Builder for Aac {
         watch.lap("clusters");
         let refs = self.order.refs(mesh);
         let clusters = ClusterTree { tree: &self.tree, keys: &self.order.keys, refs };
-        let tree = top_down::build(&clusters, clusters.root(), mesh, &mut self.memory);
+        let tree = build::build(&clusters, clusters.root(), mesh, &mut self.memory);
         watch.lap("nodes");
         let held = self.order.bytes() + self.tree.bytes() + self.memory.bytes();
         let counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };

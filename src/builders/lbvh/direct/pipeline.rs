@@ -1,11 +1,11 @@
 //! The builder `lbvh`: the auxiliary BVH as a wide tree, without refinement. Treelets are built, widened and written
 //! while they are in the cache; the tree over them is widened at the end.
 
-use super::direct_treelet::DirectTreelet;
-use super::sort::MortonOrder;
-use super::top_tree::{TopNode, TopTree, result_of};
+use super::treelet::DirectTreelet;
 use crate::builders::binary::kind::Kind;
 use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
+use crate::builders::lbvh::sort::MortonOrder;
+use crate::builders::lbvh::top_tree::{TopNode, TopTree, result_of};
 use crate::builders::wide::memory::Memory;
 use crate::builders::wide::open_largest::{Priority, open_largest};
 use crate::builders::wide::treelet::{self, Subtree, WideTreelet};
