@@ -83,7 +83,7 @@ const MOST_LINES: usize = 300;
 const LONG_FILES: &[(&str, &str)] = &[];
 
 /// Most files and folders of a folder.
-const MOST_ENTRIES: usize = 14;
+const MOST_ENTRIES: usize = 16;
 
 fn sources() -> Sources {
     Sources::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"))

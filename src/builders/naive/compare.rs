@@ -1,10 +1,10 @@
 //! The builders against the naive ones.
 
+use super::builders::{hunt, linear, phr};
 use super::meshes::{
     beads, clusters, coarse, concentric, geometric, grids, identical, needles, scaled, soup,
 };
 use super::wide::Wide;
-use super::{hunt, linear, phr};
 use crate::builders::lbvh::top_tree::TREELET;
 use crate::builders::{
     AuxiliaryConfig, Build, Builder, Clusters, CollapseCosts, Extensions, Hunt, HuntConfig, Lbvh,

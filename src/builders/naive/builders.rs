@@ -1,0 +1,82 @@
+//! The builders: how each refines the cuts of the one recursion.
+
+use super::auxiliary::lbvh;
+use super::cut::{self, Cut};
+use super::recursion::Naive;
+use super::wide::Wide;
+use crate::builders::hunt::HuntConfig;
+use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
+use crate::builders::phr::PhrConfig;
+use crate::builders::phr::refine::Threshold;
+use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
+use crate::geometry::{Aabb, Mesh};
+
+/// PHR.
+pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
+    let scene = mesh.bounds().half_area();
+    let (root, scale) = lbvh(mesh, &config.extensions.auxiliary)?;
+    let threshold = |depth: u32| {
+        // Equation 2.
+        let divisor = f64::from(config.alpha * depth as f32 + config.delta).exp2();
+        (f64::from(scene) / divisor) as f32
+    };
+    let builder = Naive {
+        mesh,
+        config,
+        spatial_above: scale * config.spatial_threshold,
+        overlap_above: config.extensions.overlap_threshold.map(|threshold| scale * threshold),
+        // Parts that fit a cache.
+        part: (mesh.len() / 256).clamp(512, 4096) as u32,
+        refine: &|side, clip, depth| {
+            let count: u32 = side.iter().map(|member| member.tree.count).sum();
+            let bounds: Aabb = side.iter().map(|member| member.bounds).collect();
+            let local = config.extensions.local_threshold.filter(|local| count >= local.references);
+            let threshold =
+                threshold(depth).min(local.map_or(f32::INFINITY, |local| bounds.half_area() * local.area));
+            side.into_iter()
+                .flat_map(|member| {
+                    let stays = member.is_leaf() || member.bounds.half_area() <= threshold;
+                    if stays { vec![member] } else { member.open(clip) }
+                })
+                .collect()
+        },
+    };
+    let (above, len) = config.initial_cut(mesh.len(), &Threshold::new(scene, config));
+    let members = cut::initial(root, above, len);
+    builder.subtree(&Cut::whole(members, config.max_references, mesh.len() * MAX_REFERENCES_PER_TRIANGLE))
+}
+
+/// The LBVH itself.
+pub fn linear(mesh: &Mesh) -> Option<Wide> {
+    lbvh(mesh, &AuxiliaryConfig { auxiliary_leaf: Some(4), ..AuxiliaryConfig::PAPER })
+        .map(|(root, _)| root.widened())
+}
+
+/// The method of Hunt et al. 2007 with cuts of constant length.
+pub fn hunt(mesh: &Mesh, config: &HuntConfig) -> Option<Wide> {
+    let (root, _) = lbvh(mesh, &AuxiliaryConfig::PAPER)?;
+    let cuts = PhrConfig { max_leaf: config.max_leaf, ..PhrConfig::FAST };
+    let builder = Naive {
+        mesh,
+        config: &cuts,
+        spatial_above: f32::INFINITY,
+        overlap_above: None,
+        part: 0,
+        refine: &|mut side, clip, _| {
+            loop {
+                let mut inner: Vec<usize> = (0..side.len()).filter(|&i| !side[i].is_leaf()).collect();
+                inner.sort_by(|&a, &b| side[b].bounds.half_area().total_cmp(&side[a].bounds.half_area()));
+                inner.truncate(config.cut_length.saturating_sub(side.len()));
+                if inner.is_empty() {
+                    return side;
+                }
+                let open = |(i, member): (usize, &super::cut::Member)| {
+                    if inner.contains(&i) { member.open(clip) } else { vec![member.clone()] }
+                };
+                side = side.iter().enumerate().flat_map(open).collect();
+            }
+        },
+    };
+    let members = cut::initial(root, 0.0, config.cut_length);
+    builder.subtree(&Cut::whole(members, 1.0, mesh.len()))
+}

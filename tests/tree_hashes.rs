@@ -1,0 +1,98 @@
+//! Trees are bit for bit those on record, for every builder on every built-in scene, at any number of threads and with
+//! every instruction set of this processor. A change that is meant to change trees records them again:
+//! `PHR_RECORD_TREES=1 cargo test --test tree_hashes`, and says so in the changelog.
+
+use phr::builders;
+use phr::bvh::Bvh4;
+use phr::scene;
+use phr::trace::Isa;
+use std::fmt::Write as _;
+use std::process::Command;
+
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/tree_hashes.csv");
+
+/// A hash of all bits of a tree.
+fn hash(tree: &Bvh4) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325u64;
+    let mut add = |word: u32| {
+        hash = (hash ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        hash ^= hash >> 29;
+    };
+    add(tree.root.bits());
+    let corners = [tree.bounds.min, tree.bounds.max].map(|corner| corner.to_array());
+    corners.as_flattened().iter().for_each(|x| add(x.to_bits()));
+    add(tree.nodes.len() as u32);
+    add(tree.blocks.len() as u32);
+    for node in &tree.nodes {
+        node.lower.iter().chain(&node.upper).flatten().for_each(|plane| add(plane.to_bits()));
+        node.links.iter().for_each(|link| add(link.bits()));
+    }
+    for block in &tree.blocks {
+        block.v0.iter().chain(&block.e1).chain(&block.e2).flatten().for_each(|x| add(x.to_bits()));
+        block.prims.iter().for_each(|&prim| add(prim));
+    }
+    hash
+}
+
+/// A line for each scene and builder: `scene,builder,hash`.
+fn hashes(threads: &[usize]) -> String {
+    let pool = |&n: &usize| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+    let pools: Vec<_> = threads.iter().map(pool).collect();
+    let mut lines = String::new();
+    for scene in scene::builtin() {
+        let mesh = scene.generate().mesh;
+        for name in builders::NAMES.iter().chain(builders::ABLATION) {
+            let mut builder = builders::by_name(name).unwrap();
+            let mut of_pools = pools.iter().map(|pool| {
+                let tree = pool.install(|| builder.build(&mesh)).tree;
+                let hash = hash(&tree);
+                builder.recycle(tree);
+                hash
+            });
+            let first = of_pools.next().unwrap();
+            assert!(of_pools.all(|hash| hash == first), "{}, {name}: threads differ", scene.name);
+            writeln!(lines, "{},{name},{first:016x}", scene.name).unwrap();
+        }
+    }
+    lines
+}
+
+/// The first line that differs.
+fn difference<'a>(new: &'a str, recorded: &'a str) -> Option<(&'a str, &'a str)> {
+    let recorded = recorded.lines().chain(std::iter::repeat("nothing"));
+    new.lines().zip(recorded).find(|(new, recorded)| new != recorded)
+}
+
+#[test]
+fn trees_are_those_on_record() {
+    let new = hashes(&[1, 2, 8]);
+    if std::env::var_os("PHR_RECORD_TREES").is_some() {
+        std::fs::write(FILE, &new).unwrap();
+    }
+    let recorded = std::fs::read_to_string(FILE).unwrap();
+    assert_eq!(new.lines().count(), recorded.lines().count());
+    assert_eq!(difference(&new, &recorded), None, "instruction set {}", Isa::best());
+}
+
+/// The instruction set is detected once per process: each lower one has a process of its own.
+#[test]
+fn trees_are_the_same_with_lower_instruction_sets() {
+    for isa in Isa::available().filter(|&isa| isa != Isa::best()) {
+        let output = Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", "trees_are_those_on_record"])
+            .env("PHR_ISA", isa.name())
+            .output()
+            .unwrap();
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success() && text.contains("1 passed"), "{isa}: {text}");
+    }
+}
+
+#[test]
+fn one_bit_is_a_difference() {
+    let mut tree = builders::by_name("lbvh").unwrap().build(&scene::scalable(100, 1).mesh).tree;
+    let before = hash(&tree);
+    tree.nodes[0].lower[0][0] = f32::from_bits(tree.nodes[0].lower[0][0].to_bits() ^ 1);
+    assert_ne!(hash(&tree), before);
+    assert_eq!(difference("a\nb", "a\nc"), Some(("b", "c")));
+}
