@@ -3,7 +3,7 @@
 //! The paper prints no camera positions. The originals therefore get the cameras of a `views.json` in their
 //! folder, or those placed around the geometry; stand-ins have cameras of their own.
 
-use super::{Generator, generator};
+use super::generate::{Generator, generator};
 use std::path::{Path, PathBuf};
 
 /// A scene of the paper's Table 1.

@@ -5,7 +5,7 @@
 //! in other encodings than UTF-8 away from it, so that all objects become one mesh with shared vertices.
 
 use super::error::Fault;
-use super::load::RawMesh;
+use super::raw_mesh::RawMesh;
 use std::io::{self, BufRead, Read};
 
 /// Reads `v` and `f` lines; indices may be negative (counted back from the last vertex given before).

@@ -1,7 +1,6 @@
 //! The rows of a PLY file's elements, as `serde-ply` hands them over.
 
-use super::load::RawMesh;
-use super::ply::explain;
+use super::raw_mesh::RawMesh;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_ply::PlyReader;
 use std::fmt;
@@ -20,6 +19,15 @@ pub(super) fn take<T: Rows>(
     let All { rows, stopped } = ply.next_element::<All<T>>().map_err(|e| explain(&e.0.to_string()))?;
     *out = rows;
     Ok(stopped)
+}
+
+/// `serde-ply`'s messages in the words of a reader of files.
+pub(super) fn explain(message: &str) -> String {
+    let message = message.trim_start_matches("Error while deserializing ply: ");
+    match message {
+        "failed to fill whole buffer" | "unexpected end of file" => "the data ends here".to_owned(),
+        _ => message.replacen("Failed to parse", "no number, cannot read", 1),
+    }
 }
 
 /// A collection that takes one row of an element after the other.

@@ -3,6 +3,7 @@
 //! A scene is laid out as a list of parts whose triangles can be counted without making them; the detail that
 //! gives a wanted number of triangles is found by counting alone, and the parts are made in parallel.
 
+use super::figure;
 use super::frame::{Frame, across, sin_cos};
 use super::random::{Random, fractal, mix, noise};
 use glam::Vec3;
@@ -152,7 +153,7 @@ impl Part {
                 out.grid(self.n, |u, v| at(u, 0.5 - thickness * v, -0.5));
             }
             Shape::Figure { seed, from, to } => {
-                out.grid(self.n, |u, v| frame.point(super::statue::surface(seed, u, from + (to - from) * v)));
+                out.grid(self.n, |u, v| frame.point(figure::surface(seed, u, from + (to - from) * v)));
             }
             Shape::Hair { seed, radius } => hair(out, &frame, self.n, seed, radius),
             Shape::Leaves { seed, length } => leaves(out, &frame, self.n, seed, length),
