@@ -1,5 +1,6 @@
 //! A progress bar with the time left, on stderr and at a terminal only.
 
+use super::output::say;
 use crate::bench::records::Row;
 use crate::bench::run::Progress;
 use crate::report::table;
@@ -51,6 +52,6 @@ impl Progress for Bar {
     fn scene(&mut self, rows: &[Row]) {
         // The table is in table1.md too: a closed standard output is no reason to end a long run.
         let Some(row) = rows.first() else { return };
-        self.0.suspend(|| super::say(&(table::scene(rows, &row.scene) + "\n")).unwrap_or_default());
+        self.0.suspend(|| say(&(table::scene(rows, &row.scene) + "\n")).unwrap_or_default());
     }
 }

@@ -1,6 +1,7 @@
 //! `phr compare`: two runs, figure by figure.
 
-use super::{Failure, say};
+use crate::cli::failure::Failure;
+use crate::cli::output::say;
 use crate::report::compare::{Outcome, Recorded, Verdict};
 use std::path::PathBuf;
 

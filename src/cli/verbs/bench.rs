@@ -1,10 +1,12 @@
 //! `phr bench`: times builders and traces, and writes the records.
 
-use super::progress::Bar;
-use super::{Failure, say};
 use crate::bench::plan::{Plan, Request, Set, Settings};
 use crate::bench::records::{Row, write_whole};
 use crate::bench::run::Run;
+use crate::cli::failure::Failure;
+use crate::cli::options::all_threads;
+use crate::cli::output::say;
+use crate::cli::progress::Bar;
 use crate::report::table;
 use regex::Regex;
 use std::path::{Path, PathBuf};
@@ -105,7 +107,7 @@ impl Arguments {
             max_depth: 8,
             rounds: self.rounds.unwrap_or(if quick { 4 } else { 5 }),
             seconds: self.seconds,
-            threads: self.threads.unwrap_or_else(super::all_threads),
+            threads: self.threads.unwrap_or_else(all_threads),
             seed: self.seed,
             build_only: self.build_only,
             one_thread: self.one_thread,

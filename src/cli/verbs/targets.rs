@@ -1,7 +1,8 @@
 //! `phr targets`: what the builders are to reach, and what a run shows of it.
 
-use super::{Failure, say};
 use crate::bench::folder;
+use crate::cli::failure::Failure;
+use crate::cli::output::say;
 use crate::report::targets;
 use std::path::PathBuf;
 

@@ -1,6 +1,7 @@
 //! `phr scenes`: what can be run without a file.
 
-use super::{Failure, say};
+use crate::cli::failure::Failure;
+use crate::cli::output::say;
 use crate::report::grid::Grid;
 use crate::scene;
 

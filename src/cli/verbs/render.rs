@@ -1,8 +1,10 @@
 //! `phr render`: what the path tracer sees.
 
-use super::{Failure, say};
 use crate::bench::contender::{self, Visit};
 use crate::bench::planned_scene::PlannedScene;
+use crate::cli::failure::Failure;
+use crate::cli::options::{self, all_threads, pools};
+use crate::cli::output::say;
 use crate::trace::{self, Image, PathSettings};
 use std::path::{Path, PathBuf};
 
@@ -33,13 +35,13 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let pools = super::pools(arguments.threads.unwrap_or_else(super::all_threads))?;
+    let pools = pools(arguments.threads.unwrap_or_else(all_threads))?;
     for (option, value) in [("size", arguments.size), ("samples", arguments.samples)] {
         if value == 0 || value > 1 << 14 {
             return Err(Failure::Bad(format!("--{option} {value}: give 1 to {}", 1 << 14)));
         }
     }
-    let cell = super::cell(&arguments.builder, None)?;
+    let cell = options::cell(&arguments.builder, None)?;
     check_place(&arguments.output)?;
     let scene = PlannedScene::find(&arguments.scene)?.load()?;
     let Some(view) = scene.views.get(arguments.view) else {

@@ -1,7 +1,8 @@
 //! `phr reduce`: what a repository keeps of a run.
 
-use super::{Failure, say};
 use crate::bench::folder;
+use crate::cli::failure::Failure;
+use crate::cli::output::say;
 use std::path::PathBuf;
 
 /// Write the sums over views and kinds of rays of a results folder and its subfolders to another: small enough to

@@ -1,11 +1,13 @@
 //! `phr verify`: do all trees see what the reference sees?
 
-use super::{Failure, say};
 use crate::bench::embree_side;
 use crate::bench::measure::Bench;
 use crate::bench::plan::{Plan, Request, Settings};
 use crate::bench::rays;
 use crate::bench::samples::KernelChecks;
+use crate::cli::failure::Failure;
+use crate::cli::options::{all_threads, pools};
+use crate::cli::output::say;
 use crate::report::grid::Grid;
 use std::sync::atomic::AtomicBool;
 
@@ -38,7 +40,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         max_depth: 8,
         rounds: 1,
         seconds: 0,
-        threads: arguments.threads.unwrap_or_else(super::all_threads),
+        threads: arguments.threads.unwrap_or_else(all_threads),
         seed: 1,
         one_thread: false,
         build_only: false,
@@ -53,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         settings,
     };
     let plan = Plan::new(&request)?;
-    let pools = super::pools(plan.settings.threads)?;
+    let pools = pools(plan.settings.threads)?;
     let mut wrong = 0;
     for (planned, cells) in &plan.scenes {
         let scene = planned.load()?;

@@ -1,8 +1,9 @@
 //! `phr plot`: the figures of a run, from its CSV.
 
 use super::table::under;
-use super::{Failure, say};
 use crate::bench::records::{self, write_whole};
+use crate::cli::failure::Failure;
+use crate::cli::output::say;
 use crate::report::plot::{self, raster};
 use std::path::PathBuf;
 

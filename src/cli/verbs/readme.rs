@@ -1,7 +1,8 @@
 //! `phr readme`: keeps the figures in Markdown files those of committed rows.
 
-use super::{Failure, say};
 use crate::bench::records::write_whole;
+use crate::cli::failure::Failure;
+use crate::cli::output::say;
 use crate::report::readme::{differences, regenerate};
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,9 @@
 //! `phr table`: the table of a run, from its CSV.
 
-use super::{Failure, say};
 use crate::bench::folder;
 use crate::bench::records::{self, Row};
+use crate::cli::failure::Failure;
+use crate::cli::output::say;
 use crate::report::figures::Under;
 use crate::report::table;
 use std::path::PathBuf;

@@ -1,7 +1,8 @@
 //! `phr ablation`: builders relative to one of them.
 
-use super::{Failure, say};
 use crate::bench::records;
+use crate::cli::failure::Failure;
+use crate::cli::output::say;
 use crate::report::ablation::Ablation;
 use std::path::PathBuf;
 

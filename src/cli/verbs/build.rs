@@ -1,9 +1,11 @@
 //! `phr build`: one scene, one builder, its phases and its tree.
 
-use super::{Failure, say};
 use crate::bench::contender::{self, Shown, Visit};
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::statistics::Summary;
+use crate::cli::failure::Failure;
+use crate::cli::options::{self, all_threads, pools};
+use crate::cli::output::say;
 use crate::report::grid::short;
 
 /// Build a scene and tell the phases and the tree's statistics
@@ -24,12 +26,12 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let pools = super::pools(arguments.threads.unwrap_or_else(super::all_threads))?;
+    let pools = pools(arguments.threads.unwrap_or_else(all_threads))?;
     let cells = if arguments.builders.is_empty() {
         let all = contender::cells(true);
         all.into_iter().filter(|cell| arguments.width.is_none_or(|width| cell.width == width)).collect()
     } else {
-        let cell = |name: &String| super::cell(name, arguments.width);
+        let cell = |name: &String| options::cell(name, arguments.width);
         arguments.builders.iter().map(cell).collect::<Result<Vec<_>, _>>()?
     };
     if cells.is_empty() {
