@@ -1,96 +1,19 @@
 //! Who is measured: a cell is a builder at a width with the kernels that trace its tree. A contender builds
 //! in its own way, in its own clock, and shows the finished tree to the observer who traces it.
 
-use super::facts::{Builds, Facts, OnOneThread};
-use super::load::{Accounts, least_disturbed};
-use super::plan::Settings;
+use super::build_times::{BuildTimes, OneThreadTimes};
+use super::cell::{Cell, Kernel, place};
+use super::cpu_time::{CpuClock, least_disturbed};
+use super::pools::Pools;
+use super::tree_facts::TreeFacts;
 use crate::builders::{self, Build, Builder};
 use crate::bvh::{Statistics, WideBvh};
 use crate::geometry::{Mesh, Ray, Tracer};
 use crate::trace::{self, BvhTracer, RayKind, TraversalCounts};
+use rayon::ThreadPool;
 use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
-use serde::{Deserialize, Serialize};
 use std::convert::Infallible;
 use std::time::{Duration, Instant};
-
-/// What traces a tree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kernel {
-    /// Embree's kernel on a tree of Embree's, where it built it.
-    EmbreeNative,
-    /// Embree's kernel on any tree, all laid out alike.
-    EmbreeGrafted,
-    /// Our kernel.
-    Phr,
-}
-
-impl Kernel {
-    /// All kernels, in the table's order.
-    pub const ALL: [Self; 3] = [Self::EmbreeNative, Self::EmbreeGrafted, Self::Phr];
-
-    /// The name in records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::EmbreeNative => "embree-native",
-            Self::EmbreeGrafted => "embree-grafted",
-            Self::Phr => "phr",
-        }
-    }
-
-    /// The kernel called `name`.
-    pub fn by_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kernel| kernel.name() == name)
-    }
-}
-
-/// A builder at a width.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Cell {
-    /// The builder's name.
-    pub builder: String,
-    /// Children per node.
-    pub width: u32,
-    /// Kernels that trace its tree; none if only builds are timed.
-    pub kernels: Vec<Kernel>,
-}
-
-impl Cell {
-    /// What a filter is matched against.
-    pub fn line(&self, scene: &str, kernel: &str) -> String {
-        format!("{scene} {} {} {kernel}", self.builder, self.width)
-    }
-
-    /// One line per kernel.
-    pub fn lines(&self, scene: &str) -> Vec<String> {
-        if self.kernels.is_empty() {
-            return vec![self.line(scene, super::records::NO_KERNEL)];
-        }
-        self.kernels.iter().map(|kernel| self.line(scene, kernel.name())).collect()
-    }
-}
-
-/// The order of the table: the paper's, with what it lacks at the place of its kind.
-pub const ORDER: [&str; 12] = [
-    "lbvh",
-    "embree-morton",
-    "hunt-50",
-    "aac",
-    "embree-sah",
-    "hunt-500",
-    "embree-fast-spatial",
-    "phr-fast",
-    "phr-hq",
-    "phr-speed",
-    "phr-quality",
-    "phr-best",
-];
-
-/// A builder's place in the table; those of no fixed place come last.
-pub fn place(builder: &str) -> usize {
-    ORDER.iter().position(|name| *name == builder).unwrap_or(ORDER.len())
-}
 
 /// All cells of this program, in the table's order.
 pub fn cells(build_only: bool) -> Vec<Cell> {
@@ -133,35 +56,6 @@ impl<const N: usize> Counter for BvhTracer<'_, N> {
     }
 }
 
-/// The threads that ours build with and all trace with; Embree makes as many of its own.
-pub struct Pools {
-    /// As many as were asked for.
-    pub all: ThreadPool,
-    /// One, where builds are timed on one thread too.
-    pub one: Option<ThreadPool>,
-}
-
-impl Pools {
-    /// Starts the threads.
-    ///
-    /// # Errors
-    /// The system's, if it has no more threads.
-    pub fn new(settings: &Settings) -> Result<Self, ThreadPoolBuildError> {
-        let pool = |threads| {
-            let builder = ThreadPoolBuilder::new().num_threads(threads);
-            builder.thread_name(|index| format!("phr-{index}")).build()
-        };
-        let one = settings.one_thread.then(|| pool(1)).transpose()?;
-        Ok(Self { all: pool(settings.threads)?, one })
-    }
-}
-
-impl From<ThreadPool> for Pools {
-    fn from(all: ThreadPool) -> Self {
-        Self { all, one: None }
-    }
-}
-
 /// What a visit asks of a contender.
 pub struct Visit<'a> {
     /// The geometry.
@@ -177,14 +71,14 @@ pub struct Visit<'a> {
 /// What a contender shows when its tree stands.
 pub struct Shown<'a> {
     /// Durations.
-    pub builds: Builds,
-    /// Facts, if wanted.
-    pub facts: Option<Facts>,
+    pub builds: BuildTimes,
+    /// TreeFacts, if wanted.
+    pub facts: Option<TreeFacts>,
     /// The tree under each kernel wanted.
     pub views: Vec<View<'a>>,
 }
 
-/// Builds `cell`'s tree, once cold and then warm, and shows it; it is gone when this returns.
+/// BuildTimes `cell`'s tree, once cold and then warm, and shows it; it is gone when this returns.
 ///
 /// # Errors
 /// A builder that failed or was not the one asked for, in one line.
@@ -215,7 +109,7 @@ fn ours(mut builder: Box<dyn Builder>, visit: &Visit<'_>, observer: &mut dyn FnM
     let mut repeat = |pool: &ThreadPool, built: Build| {
         let mut last = Some(built);
         let measured = least_disturbed(|| {
-            let accounts = Accounts::read();
+            let accounts = CpuClock::read();
             let mut warm = Vec::new();
             while !is_enough(&warm) {
                 let (duration, next) = build(pool, last.take());
@@ -231,12 +125,12 @@ fn ours(mut builder: Box<dyn Builder>, visit: &Visit<'_>, observer: &mut dyn FnM
     (one_thread, built) = match &visit.pools.one {
         Some(pool) => {
             let (warm_ms, load, built) = repeat(pool, built);
-            (Some(OnOneThread { warm_ms, load }), built)
+            (Some(OneThreadTimes { warm_ms, load }), built)
         }
         None => (None, built),
     };
     let (warm_ms, load, built) = repeat(&visit.pools.all, built);
-    let builds = Builds {
+    let builds = BuildTimes {
         cold_ms: ms(cold),
         warm_ms,
         phases: built.phases.iter().map(|phase| (phase.name.into(), ms(phase.duration))).collect(),
@@ -247,7 +141,7 @@ fn ours(mut builder: Box<dyn Builder>, visit: &Visit<'_>, observer: &mut dyn FnM
     let facts = visit.facts.then(|| {
         let engine = format!("phr {}", env!("CARGO_PKG_VERSION"));
         let statistics = visit.pools.all.install(|| Statistics::of(&built.tree, visit.mesh));
-        Facts::of(&statistics, engine, builder.config().to_string())
+        TreeFacts::of(&statistics, engine, builder.config().to_string())
     });
     present(visit, Ok(&built.tree), None, builds, facts, observer);
 }
@@ -258,8 +152,8 @@ pub(super) fn present<const N: usize>(
     visit: &Visit<'_>,
     tree: Result<&WideBvh<N>, String>,
     native: Option<&dyn Tracer>,
-    builds: Builds,
-    facts: Option<Facts>,
+    builds: BuildTimes,
+    facts: Option<TreeFacts>,
     observer: &mut dyn FnMut(Shown<'_>),
 ) {
     let tracer = tree.clone().map(BvhTracer::new);

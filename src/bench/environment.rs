@@ -1,7 +1,7 @@
 //! `environment.json`: on what, with what and how a run was made, and how it ended. Holds no host name
 //! and no path of the machine.
 
-use super::load::Spin;
+use super::cpu_time::Spin;
 use serde::{Deserialize, Serialize};
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -154,7 +154,7 @@ impl Moment {
 /// The whole file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Environment {
-    /// [`super::records::SCHEMA`].
+    /// [`super::row::SCHEMA`].
     pub schema: u32,
     /// Names the run.
     pub run_id: String,

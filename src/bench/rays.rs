@@ -1,7 +1,7 @@
 //! The rays of a scene, recorded once per view from a path tracer over the reference tree, with the
 //! reference's hits. Every builder traces these very rays.
 
-use super::plan::Settings;
+use super::settings::Settings;
 use crate::geometry::{Hit, Mesh, Ray, Tracer};
 use crate::scene::Scene;
 use crate::trace::verify::{self, Verdict};

@@ -1,10 +1,11 @@
 //! `samples.json`: every sample of a run, in the order in which it was taken. The rows are made from it, and
 //! a run that was stopped goes on from it.
 
-use super::contender::{Cell, Kernel};
-use super::facts::{Builds, Facts};
-use super::load::Load;
-use super::records::{RecordsError, write_whole};
+use super::build_times::BuildTimes;
+use super::cell::{Cell, Kernel};
+use super::cpu_time::CpuTime;
+use super::files::{RecordsError, read_json, write_whole};
+use super::tree_facts::TreeFacts;
 use crate::geometry::Dropped;
 use crate::trace::RayKind;
 use serde::{Deserialize, Serialize};
@@ -37,11 +38,11 @@ pub struct VisitSamples {
     /// How many cells of the scene were visited before in this round.
     pub place: usize,
     /// The builds.
-    pub builds: Builds,
+    pub builds: BuildTimes,
     /// The traces.
     pub timings: Vec<Timing>,
     /// What the processors did during the traces.
-    pub load: Load,
+    pub load: CpuTime,
 }
 
 /// What a first trace of a batch showed, untimed.
@@ -91,7 +92,7 @@ pub struct CellSamples {
     #[serde(flatten)]
     pub cell: Cell,
     /// What is known of its tree.
-    pub facts: Facts,
+    pub facts: TreeFacts,
     /// Its kernels, as first seen.
     pub checks: Vec<KernelChecks>,
     /// Its visits.
@@ -141,7 +142,7 @@ impl SceneSamples {
 /// The whole file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Samples {
-    /// [`super::records::SCHEMA`].
+    /// [`super::row::SCHEMA`].
     pub schema: u32,
     /// Names the run.
     pub run_id: String,
@@ -173,17 +174,4 @@ impl Samples {
     pub fn scene(&self, name: &str) -> Option<&SceneSamples> {
         self.scenes.iter().find(|scene| scene.name == name)
     }
-}
-
-/// Reads a JSON file of a results folder.
-///
-/// # Errors
-/// No such file, or no such content.
-pub fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, RecordsError> {
-    let bytes = std::fs::read(path).map_err(|source| RecordsError::Io {
-        path: path.to_owned(),
-        source,
-        remedy: "nothing to go on from; run without --resume",
-    })?;
-    serde_json::from_slice(&bytes).map_err(|source| RecordsError::Json { path: path.to_owned(), source })
 }

@@ -1,6 +1,6 @@
 //! Defects of a measurement, named. They stand in the rows and are told as advice below the table.
 
-use super::load::{DISTURBED, Load};
+use super::cpu_time::{CpuTime, DISTURBED};
 use super::statistics::Summary;
 use serde::{Deserialize, Serialize};
 
@@ -102,7 +102,7 @@ impl Warning {
     }
 
     /// What the processors' accounts of a timed span show, with `threads` asked for.
-    pub fn of_load(load: &Load, threads: usize) -> Vec<Self> {
+    pub fn of_load(load: &CpuTime, threads: usize) -> Vec<Self> {
         let mut warnings = Vec::new();
         if load.wall_s < SHORTEST {
             return warnings;
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn processor_time_tells_contention_and_wrong_threads() {
-        let load = |wall_s, ran_s, waited_s| Load { wall_s, ran_s, waited_s };
+        let load = |wall_s, ran_s, waited_s| CpuTime { wall_s, ran_s, waited_s };
         assert_eq!(Warning::of_load(&load(1.0, 1.9, 0.01), 2), []);
         assert_eq!(Warning::of_load(&load(1.0, 1.0, 0.9), 2), [Warning::Contended]);
         assert_eq!(Warning::of_load(&load(1.0, 3.9, 0.0), 2), [Warning::ThreadMismatch]);

@@ -1,7 +1,9 @@
 //! Options that several verbs share: threads, builder and width.
 
 use super::failure::Failure;
-use crate::bench::contender::{self, Cell, Pools};
+use crate::bench::cell::Cell;
+use crate::bench::contender;
+use crate::bench::pools::Pools;
 
 /// Processors of this machine: the default of `--threads`.
 pub fn all_threads() -> usize {

@@ -1,7 +1,7 @@
 //! A progress bar with the time left, on stderr and at a terminal only.
 
 use super::output::say;
-use crate::bench::records::Row;
+use crate::bench::row::Row;
 use crate::bench::run::Progress;
 use crate::report::table;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};

@@ -5,7 +5,7 @@ use super::details::{self, kernels_are_mixed};
 use super::figures::{BASELINE, Under, scenes};
 use super::means::means;
 use super::table1::table1;
-use crate::bench::records::{NO_KERNEL, Row};
+use crate::bench::row::{NO_KERNEL, Row};
 use crate::bench::warnings::Warning;
 
 pub use super::details::scene;
@@ -96,7 +96,7 @@ pub fn remarks(rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::records::{ALL, SCHEMA, WARM};
+    use crate::bench::row::{ALL, SCHEMA, WARM};
     use crate::report::figures::{NATIVE, PHR, trees};
 
     fn row(scene: &str, builder: &str, width: u32, kernel: &str, build: f64, trace: f64) -> Row {

@@ -1,9 +1,11 @@
 //! The driver's view of Embree where it is there.
 
-use crate::bench::contender::{Cell, Kernel, Shown, Visit, is_enough, ms, present};
+use crate::bench::build_times::{BuildTimes, OneThreadTimes};
+use crate::bench::cell::{Cell, Kernel};
+use crate::bench::contender::{Shown, Visit, is_enough, ms, present};
+use crate::bench::cpu_time::{CpuClock, CpuTime, least_disturbed};
 use crate::bench::environment::Library;
-use crate::bench::facts::{Builds, Facts, OnOneThread};
-use crate::bench::load::{Accounts, Load, least_disturbed};
+use crate::bench::tree_facts::TreeFacts;
 use crate::bvh::{Statistics, WideBvh};
 use crate::embree::{self, Config, Device, EmbreeBuilder, EmbreeError, EmbreeScene, Inspection, Width};
 use crate::geometry::{Mesh, Tracer};
@@ -26,7 +28,7 @@ pub fn kernels_of_ours() -> Vec<Kernel> {
     if cfg!(feature = "graft") { vec![Kernel::EmbreeGrafted, Kernel::Phr] } else { vec![Kernel::Phr] }
 }
 
-/// Builds with Embree. In the clock is the commit alone; what it built is asserted from another, verbose
+/// BuildTimes with Embree. In the clock is the commit alone; what it built is asserted from another, verbose
 /// one that is not timed.
 ///
 /// # Errors
@@ -40,12 +42,12 @@ pub fn visit(cell: &Cell, visit: &Visit<'_>, observer: &mut dyn FnMut(Shown<'_>)
     if visit.pools.one.is_some() {
         let device = Device::new(&Config { threads: 1, ..config }).map_err(told)?;
         let Committed { warm_ms, load, .. } = commits(&device, visit.mesh).map_err(told)?;
-        one_thread = Some(OnOneThread { warm_ms, load });
+        one_thread = Some(OneThreadTimes { warm_ms, load });
     }
     let device = Device::new(&config).map_err(told)?;
     let Committed { cold_ms, warm_ms, load, scene } = commits(&device, visit.mesh).map_err(told)?;
     let peak_bytes = Some(device.memory().peak_bytes as u64);
-    let builds = Builds { cold_ms, warm_ms, phases: Vec::new(), peak_bytes, load, one_thread };
+    let builds = BuildTimes { cold_ms, warm_ms, phases: Vec::new(), peak_bytes, load, one_thread };
     let built = Built { scene: &scene, config, inspection, builds };
     match config.width {
         Width::Four => built.show::<4>(visit, read::four, observer),
@@ -58,7 +60,7 @@ pub fn visit(cell: &Cell, visit: &Visit<'_>, observer: &mut dyn FnMut(Shown<'_>)
 struct Committed<'a> {
     cold_ms: f64,
     warm_ms: Vec<f64>,
-    load: Load,
+    load: CpuTime,
     /// What the last of them built.
     scene: EmbreeScene<'a>,
 }
@@ -78,7 +80,7 @@ fn commits<'a>(device: &'a Device, mesh: &'a Mesh) -> Result<Committed<'a>, Embr
     let (warm_ms, load) = least_disturbed(|| {
         // Two scenes at a time would count as the peak of one.
         last = None;
-        let accounts = Accounts::read();
+        let accounts = CpuClock::read();
         let mut warm = Vec::new();
         loop {
             let (duration, scene) = commit()?;
@@ -99,7 +101,7 @@ struct Built<'a> {
     scene: &'a EmbreeScene<'a>,
     config: Config,
     inspection: Option<Inspection>,
-    builds: Builds,
+    builds: BuildTimes,
 }
 
 impl Built<'_> {
@@ -125,8 +127,8 @@ impl Built<'_> {
     }
 
     /// Embree's own figures, and those of the tree that was read.
-    fn facts(&self, inspection: &Inspection, statistics: Option<Statistics>) -> Facts {
-        let printed = Facts {
+    fn facts(&self, inspection: &Inspection, statistics: Option<Statistics>) -> TreeFacts {
+        let printed = TreeFacts {
             engine: format!("embree {}", embree::version()),
             config: self.config.device_string(),
             sah: Some(inspection.sah),
@@ -135,11 +137,11 @@ impl Built<'_> {
             depth: Some(inspection.depth),
             leaf_fill: Some(inspection.leaf_fill),
             bytes: Some(inspection.bytes),
-            ..Facts::default()
+            ..TreeFacts::default()
         };
         let Some(statistics) = statistics else { return printed };
-        let read = Facts::of(&statistics, printed.engine.clone(), printed.config.clone());
-        Facts { sah: printed.sah, bytes: printed.bytes, ..read }
+        let read = TreeFacts::of(&statistics, printed.engine.clone(), printed.config.clone());
+        TreeFacts { sah: printed.sah, bytes: printed.bytes, ..read }
     }
 }
 

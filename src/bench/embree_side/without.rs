@@ -1,6 +1,7 @@
 //! The driver's view of Embree where this program was built without it.
 
-use crate::bench::contender::{Cell, Kernel, Shown, Visit};
+use crate::bench::cell::{Cell, Kernel};
+use crate::bench::contender::{Shown, Visit};
 use crate::bench::environment::Library;
 use crate::builders;
 use crate::bvh::WideBvh;

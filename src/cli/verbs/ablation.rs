@@ -1,6 +1,6 @@
 //! `phr ablation`: builders relative to one of them.
 
-use crate::bench::records;
+use crate::bench::row;
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use crate::report::ablation::Ablation;
@@ -21,7 +21,7 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let rows = records::read(&arguments.results)?;
+    let rows = row::read(&arguments.results)?;
     let names: Vec<&str> = arguments.builders.iter().map(String::as_str).collect();
     let results = arguments.results.display();
     let told = |reason| Failure::Bad(format!("{results}: {reason}"));

@@ -1,8 +1,11 @@
 //! `phr bench`: times builders and traces, and writes the records.
 
-use crate::bench::plan::{Plan, Request, Set, Settings};
-use crate::bench::records::{Row, write_whole};
+use crate::bench::files::write_whole;
+use crate::bench::plan::{Plan, Request, Set};
+use crate::bench::recorder::RecordOptions;
+use crate::bench::row::Row;
 use crate::bench::run::Run;
+use crate::bench::settings::Settings;
 use crate::cli::failure::Failure;
 use crate::cli::options::all_threads;
 use crate::cli::output::say;
@@ -165,10 +168,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     })?;
     let run = Run {
         plan: &plan,
-        folder: &folder,
-        resume: arguments.resume,
-        host: &arguments.host,
-        arguments: command_line(),
+        records: RecordOptions {
+            folder: &folder,
+            resume: arguments.resume,
+            host: &arguments.host,
+            arguments: command_line(),
+        },
         stop: &stop,
     };
     let mut bar = Bar::new();

@@ -1,7 +1,8 @@
 //! `phr plot`: the figures of a run, from its CSV.
 
 use super::table::under;
-use crate::bench::records::{self, write_whole};
+use crate::bench::files::write_whole;
+use crate::bench::row::{self};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use crate::report::plot::{self, raster};
@@ -30,7 +31,7 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let rows = records::read(&arguments.results)?;
+    let rows = row::read(&arguments.results)?;
     let under = under(arguments.kernel.as_deref(), &rows)?;
     let drawings = plot::figures(&rows, &under);
     if drawings.is_empty() {

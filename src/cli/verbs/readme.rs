@@ -1,6 +1,6 @@
 //! `phr readme`: keeps the figures in Markdown files those of committed rows.
 
-use crate::bench::records::write_whole;
+use crate::bench::files::write_whole;
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use crate::report::readme::{differences, regenerate};

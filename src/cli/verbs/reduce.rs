@@ -1,6 +1,6 @@
 //! `phr reduce`: what a repository keeps of a run.
 
-use crate::bench::folder;
+use crate::bench::results_dir;
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let written = folder::reduce(&arguments.results, &arguments.out)?;
+    let written = results_dir::reduce(&arguments.results, &arguments.out)?;
     let lines: Vec<String> = written.iter().map(|folder| folder.display().to_string()).collect();
     say(&lines.join("\n"))
 }

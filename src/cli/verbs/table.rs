@@ -1,7 +1,7 @@
 //! `phr table`: the table of a run, from its CSV.
 
-use crate::bench::folder;
-use crate::bench::records::{self, Row};
+use crate::bench::results_dir;
+use crate::bench::row::{self, Row};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use crate::report::figures::Under;
@@ -21,9 +21,9 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let rows = records::read(&arguments.results)?;
+    let rows = row::read(&arguments.results)?;
     let under = under(arguments.kernel.as_deref(), &rows)?;
-    let complete = folder::is_complete(folder::environment(&arguments.results)?.as_ref());
+    let complete = results_dir::is_complete(results_dir::environment(&arguments.results)?.as_ref());
     say(&table::document_under(&rows, complete, &under))
 }
 

@@ -1,6 +1,6 @@
 //! `phr targets`: what the builders are to reach, and what a run shows of it.
 
-use crate::bench::folder;
+use crate::bench::results_dir;
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use crate::report::targets;
@@ -19,6 +19,6 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (rows, is_complete) = folder::read_all(&arguments.results)?;
+    let (rows, is_complete) = results_dir::read_all(&arguments.results)?;
     say(&targets::document(&rows, is_complete))
 }

@@ -1,10 +1,11 @@
 //! `phr verify`: do all trees see what the reference sees?
 
 use crate::bench::embree_side;
-use crate::bench::measure::Bench;
-use crate::bench::plan::{Plan, Request, Settings};
+use crate::bench::plan::{Plan, Request};
 use crate::bench::rays;
 use crate::bench::samples::KernelChecks;
+use crate::bench::settings::Settings;
+use crate::bench::visit::Bench;
 use crate::cli::failure::Failure;
 use crate::cli::options::{all_threads, pools};
 use crate::cli::output::say;

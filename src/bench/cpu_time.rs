@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 /// Processor time over a span, summed over this process's threads, in seconds. Without such accounts
 /// (anywhere but on Linux) `ran_s` and `waited_s` stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Load {
+pub struct CpuTime {
     /// Wall clock.
     pub wall_s: f64,
     /// Time on a processor.
@@ -16,7 +16,7 @@ pub struct Load {
     pub waited_s: f64,
 }
 
-impl Load {
+impl CpuTime {
     /// The part of the time, of 1, that threads which were ready to run waited for a processor.
     pub fn waiting(&self) -> f64 {
         if self.waited_s > 0.0 { self.waited_s / (self.ran_s + self.waited_s) } else { 0.0 }
@@ -34,7 +34,9 @@ const ATTEMPTS: usize = 4;
 ///
 /// # Errors
 /// The first of `measure`.
-pub fn least_disturbed<T, E>(mut measure: impl FnMut() -> Result<(T, Load), E>) -> Result<(T, Load), E> {
+pub fn least_disturbed<T, E>(
+    mut measure: impl FnMut() -> Result<(T, CpuTime), E>,
+) -> Result<(T, CpuTime), E> {
     let mut best = measure()?;
     for _ in 1..ATTEMPTS {
         if best.1.waiting() <= DISTURBED {
@@ -48,15 +50,15 @@ pub fn least_disturbed<T, E>(mut measure: impl FnMut() -> Result<(T, Load), E>) 
     Ok(best)
 }
 
-/// A reading of the accounts, from which [`Accounts::since`] takes the difference.
+/// A reading of the accounts, from which [`CpuClock::since`] takes the difference.
 #[derive(Clone, Copy, Debug)]
-pub struct Accounts {
+pub struct CpuClock {
     at: Instant,
     ran_ns: u64,
     waited_ns: u64,
 }
 
-impl Accounts {
+impl CpuClock {
     /// Reads the accounts of all threads.
     pub fn read() -> Self {
         let (mut ran_ns, mut waited_ns) = (0, 0);
@@ -70,9 +72,9 @@ impl Accounts {
     }
 
     /// What happened since `self` was read. A thread that ended meanwhile takes its account with it.
-    pub fn since(&self) -> Load {
+    pub fn since(&self) -> CpuTime {
         let now = Self::read();
-        Load {
+        CpuTime {
             wall_s: now.at.duration_since(self.at).as_secs_f64(),
             ran_s: now.ran_ns.saturating_sub(self.ran_ns) as f64 * 1e-9,
             waited_s: now.waited_ns.saturating_sub(self.waited_ns) as f64 * 1e-9,
@@ -133,7 +135,7 @@ mod tests {
 
     #[test]
     fn accounts_see_work() {
-        let before = Accounts::read();
+        let before = CpuClock::read();
         assert!(spin(Duration::from_millis(30)) > 0.0);
         let load = before.since();
         assert!(load.wall_s >= 0.03);
@@ -148,7 +150,7 @@ mod tests {
             let mut attempts = waits.iter().enumerate();
             let measure = || {
                 let (attempt, &waited_s) = attempts.next().ok_or("one attempt too many")?;
-                Ok((attempt, Load { wall_s: 1.0, ran_s: 1.0, waited_s }))
+                Ok((attempt, CpuTime { wall_s: 1.0, ran_s: 1.0, waited_s }))
             };
             least_disturbed(measure).map(|(attempt, _)| attempt)
         };

@@ -1,8 +1,8 @@
 //! From samples to rows.
 
-use super::contender::Kernel;
-use super::load::Load;
-use super::records::{ALL, COLD, NO_KERNEL, Row, SCHEMA, WARM, figures};
+use super::cell::Kernel;
+use super::cpu_time::CpuTime;
+use super::row::{ALL, COLD, NO_KERNEL, Row, SCHEMA, WARM, figures};
 use super::samples::{CellSamples, Check, KernelChecks, Samples, SceneSamples, VisitSamples};
 use super::statistics::{Summary, median};
 use super::warnings::Warning;
@@ -234,8 +234,8 @@ pub fn times(
     cell.visits.iter().filter_map(of_visit).collect()
 }
 
-fn sum(loads: impl Iterator<Item = Load>) -> Load {
-    loads.fold(Load::default(), |a, b| Load {
+fn sum(loads: impl Iterator<Item = CpuTime>) -> CpuTime {
+    loads.fold(CpuTime::default(), |a, b| CpuTime {
         wall_s: a.wall_s + b.wall_s,
         ran_s: a.ran_s + b.ran_s,
         waited_s: a.waited_s + b.waited_s,
@@ -245,9 +245,10 @@ fn sum(loads: impl Iterator<Item = Load>) -> Load {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::contender::Cell;
-    use crate::bench::facts::{Builds, Facts, OnOneThread};
+    use crate::bench::build_times::{BuildTimes, OneThreadTimes};
+    use crate::bench::cell::Cell;
     use crate::bench::samples::Timing;
+    use crate::bench::tree_facts::TreeFacts;
     use crate::geometry::Dropped;
 
     /// Two views, shadow rays in the first only, three rounds of three passes, one of which is disturbed; primary
@@ -288,14 +289,14 @@ mod tests {
         let visit = |round| VisitSamples {
             round,
             place: 0,
-            builds: Builds { cold_ms: 30.0, warm_ms: vec![10.0, 11.0, 10.0], ..Builds::default() },
+            builds: BuildTimes { cold_ms: 30.0, warm_ms: vec![10.0, 11.0, 10.0], ..BuildTimes::default() },
             timings: timings.clone(),
-            load: Load::default(),
+            load: CpuTime::default(),
         };
         let cell = Cell { builder: "phr-hq".into(), width: 4, kernels: vec![Kernel::Phr] };
         let cells = vec![CellSamples {
             cell,
-            facts: Facts { sah: Some(12.0), ..Facts::default() },
+            facts: TreeFacts { sah: Some(12.0), ..TreeFacts::default() },
             checks: vec![checks],
             visits: (0..3).map(visit).collect(),
             error: None,
@@ -355,7 +356,7 @@ mod tests {
         let mut scene = scene();
         for (visit, ms) in scene.cells[0].visits.iter_mut().zip([19.0, 30.0, 20.0]) {
             let warm_ms = vec![ms + 1.0, ms, ms - 1.0];
-            visit.builds.one_thread = Some(OnOneThread { warm_ms, load: Load::default() });
+            visit.builds.one_thread = Some(OneThreadTimes { warm_ms, load: CpuTime::default() });
         }
         let rows = scene_rows(&scene, &header());
         let alone: Vec<&Row> = rows.iter().filter(|row| row.threads == 1).collect();

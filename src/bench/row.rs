@@ -1,10 +1,10 @@
 //! The records of a run: `rows.csv`, one row per scene x builder x width x kernel x threads x regime x view
 //! x ray kind. `results/README.md` describes the columns for readers of the files.
 
+use super::files::{RecordsError, write_whole};
 use super::statistics::Summary;
 use serde::{Deserialize, Serialize};
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Version of the columns; a reader refuses any other.
 pub const SCHEMA: u32 = 1;
@@ -161,51 +161,6 @@ impl Row {
     }
 }
 
-/// Why records could not be read or written.
-#[derive(Debug, thiserror::Error)]
-pub enum RecordsError {
-    /// The file cannot be opened, read or written.
-    #[error("{}: {source}; {remedy}", path.display())]
-    Io {
-        /// The file or folder.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-        /// What to do.
-        remedy: &'static str,
-    },
-    /// The file is not CSV of this schema.
-    #[error("{}: {source}; give a results folder written by `phr bench`", path.display())]
-    Malformed {
-        /// The file.
-        path: PathBuf,
-        /// The place and the reason.
-        source: csv::Error,
-    },
-    /// The file has no rows.
-    #[error("{}: no rows; run `phr bench` again", path.display())]
-    Empty {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Written with other columns.
-    #[error("{}: schema {found}, this program reads {SCHEMA}; run `phr bench` again", path.display())]
-    Schema {
-        /// The file.
-        path: PathBuf,
-        /// Its schema.
-        found: u32,
-    },
-    /// A JSON file does not hold what it should.
-    #[error("{}: {source}; remove the folder or run without --resume", path.display())]
-    Json {
-        /// The file.
-        path: PathBuf,
-        /// The place and the reason.
-        source: serde_json::Error,
-    },
-}
-
 /// Reads `rows.csv`, or that file in the results folder `path`.
 ///
 /// # Errors
@@ -222,7 +177,7 @@ pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
     for row in csv::Reader::from_reader(file).deserialize() {
         let row: Row = row.map_err(|source| RecordsError::Malformed { path: path.clone(), source })?;
         if row.schema != SCHEMA {
-            return Err(RecordsError::Schema { path, found: row.schema });
+            return Err(RecordsError::Schema { path, found: row.schema, expected: SCHEMA });
         }
         rows.push(row);
     }
@@ -241,39 +196,6 @@ pub fn write(path: &Path, rows: &[Row]) -> Result<(), RecordsError> {
     }
     let bytes = writer.into_inner().map_err(|error| malformed(error.into_error().into()))?;
     write_whole(path, &bytes)
-}
-
-/// Writes `value` as JSON to the file `path`, whole or not at all.
-///
-/// # Errors
-/// An unwritable place.
-pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), RecordsError> {
-    let mut bytes = serde_json::to_vec_pretty(value)
-        .map_err(|source| RecordsError::Json { path: path.to_owned(), source })?;
-    bytes.push(b'\n');
-    write_whole(path, &bytes)
-}
-
-/// Writes a file beside `path` and renames it, so that a reader, or whoever comes after a kill, finds the
-/// old file or the new one.
-///
-/// # Errors
-/// An unwritable place.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RecordsError> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    let part = path.with_file_name(name);
-    let write = || {
-        let mut file = std::fs::File::create(&part)?;
-        file.write_all(bytes)?;
-        file.sync_data()?;
-        std::fs::rename(&part, path)
-    };
-    write().map_err(|source| RecordsError::Io {
-        path: path.to_owned(),
-        source,
-        remedy: "give a writable folder with --out",
-    })
 }
 
 /// Rounded to six significant digits: more would be noise in a diff.

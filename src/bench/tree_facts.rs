@@ -1,39 +1,11 @@
-//! What a visit tells of a builder beside its traces: how long its builds took, and what its tree is like.
+//! Facts of a tree: its cost, size and shape, untimed.
 
-use super::load::Load;
 use crate::bvh::Statistics;
 use serde::{Deserialize, Serialize};
 
-/// Durations of one visit's builds.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Builds {
-    /// The first build of a fresh builder object or device, in fresh memory, ms.
-    pub cold_ms: f64,
-    /// The builds after it, ours in the memory of the tree before, ms.
-    pub warm_ms: Vec<f64>,
-    /// Parts of the last build, ms; empty for Embree, which does not tell.
-    pub phases: Vec<(String, f64)>,
-    /// Bytes held at the peak of the last build.
-    pub peak_bytes: Option<u64>,
-    /// What the processors did during the warm builds.
-    pub load: Load,
-    /// Warm builds on one thread, if wanted.
-    #[serde(default)]
-    pub one_thread: Option<OnOneThread>,
-}
-
-/// Builds on one thread, beside those on all.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct OnOneThread {
-    /// Warm builds, ms.
-    pub warm_ms: Vec<f64>,
-    /// What the processors did meanwhile.
-    pub load: Load,
-}
-
 /// What is known of a tree beside its speed; what could not be had is absent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Facts {
+pub struct TreeFacts {
     /// Who built it, with version.
     pub engine: String,
     /// The builder's parameters.
@@ -56,7 +28,7 @@ pub struct Facts {
     pub bytes: Option<u64>,
 }
 
-impl Facts {
+impl TreeFacts {
     /// Those of a tree in our own form.
     pub fn of(statistics: &Statistics, engine: String, config: String) -> Self {
         Self {

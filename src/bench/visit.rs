@@ -1,11 +1,13 @@
 //! One visit to a cell: builds in the builder's own clock, then every batch of recorded rays through every
 //! kernel. The first visit verifies each answer; every later one must hash to the same distances.
 
-use super::contender::{self, Cell, Pools, Shown, View, Visit};
-use super::load::Accounts;
-use super::plan::Settings;
+use super::cell::Cell;
+use super::contender::{self, Shown, View, Visit};
+use super::cpu_time::CpuClock;
+use super::pools::Pools;
 use super::rays::{Answers, ViewRays};
 use super::samples::{CellSamples, Check, KernelChecks, Timing, VisitSamples};
+use super::settings::Settings;
 use crate::geometry::Tracer;
 use crate::scene::Scene;
 use crate::trace::verify::Verdict;
@@ -78,7 +80,7 @@ impl<'a> Bench<'a> {
         done
     }
 
-    /// Builds `cell` and traces every batch once, untimed.
+    /// BuildTimes `cell` and traces every batch once, untimed.
     ///
     /// # Errors
     /// A builder that failed, in one line.
@@ -110,7 +112,7 @@ impl<'a> Bench<'a> {
         let kernels = shown.views.len().max(1);
         shown.views.rotate_left(round % kernels);
         let mut timings = Vec::new();
-        let accounts = Accounts::read();
+        let accounts = CpuClock::read();
         let passes = (0..PASSES).flat_map(|pass| shown.views.iter().map(move |view| (pass, view)));
         for (pass, view) in passes {
             let Ok(tracer) = view.tracer else { continue };
@@ -239,9 +241,10 @@ impl<'a> Bench<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::contender::Kernel;
-    use super::super::facts::{Builds, Facts};
+    use super::super::build_times::BuildTimes;
+    use super::super::cell::Kernel;
     use super::super::rays;
+    use super::super::tree_facts::TreeFacts;
     use super::*;
     use crate::builders;
     use crate::geometry::{Dropped, Hit, Mesh, Ray};
@@ -288,19 +291,7 @@ mod tests {
         let scene = scene();
         let built = builders::by_name("lbvh").unwrap().build(&scene.mesh);
         let tracer = BvhTracer::new(&built.tree);
-        let settings = Settings {
-            width: 16,
-            height: 16,
-            views: 1,
-            max_depth: 4,
-            rounds: 1,
-            seconds: 0,
-            threads: 1,
-            seed: 1,
-            build_only: false,
-            one_thread: false,
-            frames: true,
-        };
+        let settings = Settings { width: 16, height: 16, max_depth: 4, frames: true, ..Settings::least() };
         let pools = Pools::new(&settings).unwrap();
         let recorded = pools.all.install(|| rays::record(&tracer, &scene, &settings));
         let stop = AtomicBool::new(false);
@@ -310,12 +301,12 @@ mod tests {
 
     fn shown(tracer: &dyn Tracer, facts: bool) -> Shown<'_> {
         let view = View { kernel: Kernel::Phr, isa: String::new(), tracer: Ok(tracer), counter: None };
-        Shown { builds: Builds::default(), facts: facts.then(Facts::default), views: vec![view] }
+        Shown { builds: BuildTimes::default(), facts: facts.then(TreeFacts::default), views: vec![view] }
     }
 
     fn samples() -> CellSamples {
         let cell = Cell { builder: "liar".into(), width: 4, kernels: vec![Kernel::Phr] };
-        CellSamples { cell, facts: Facts::default(), checks: Vec::new(), visits: Vec::new(), error: None }
+        CellSamples { cell, facts: TreeFacts::default(), checks: Vec::new(), visits: Vec::new(), error: None }
     }
 
     #[test]

@@ -2,20 +2,10 @@
 //! of it that a repository keeps.
 
 use super::environment::{ENVIRONMENT, Environment, State};
-use super::records::{self, ROWS, RecordsError, Row, write_json};
-use super::samples::read_json;
+use super::error::ReduceError;
+use super::files::{RecordsError, read_json, write_json};
+use super::row::{self, ROWS, Row};
 use std::path::{Path, PathBuf};
-
-/// Why a folder cannot be reduced.
-#[derive(Debug, thiserror::Error)]
-pub enum ReduceError {
-    /// The records cannot be read or written.
-    #[error(transparent)]
-    Records(#[from] RecordsError),
-    /// The reduced rows would take the place of the whole ones, or be read along with them.
-    #[error("{}: in the folder that is reduced; give another place", .0.display())]
-    Inside(PathBuf),
-}
 
 /// The environment of the results in `folder`; `None` where there is none, as beside a lone CSV.
 ///
@@ -47,11 +37,11 @@ pub fn parts(path: &Path) -> Vec<PathBuf> {
 /// The rows of `paths` and of their subfolders, and whether all their runs were finished.
 ///
 /// # Errors
-/// Those of [`records::read`] and [`environment`].
+/// Those of [`row::read`] and [`environment`].
 pub fn read_all(paths: &[PathBuf]) -> Result<(Vec<Row>, bool), RecordsError> {
     let (mut rows, mut are_complete) = (Vec::new(), true);
     for part in paths.iter().flat_map(|path| parts(path)) {
-        rows.extend(records::read(&part)?);
+        rows.extend(row::read(&part)?);
         are_complete &= is_complete(environment(&part)?.as_ref());
     }
     Ok((rows, are_complete))
@@ -68,7 +58,7 @@ pub fn reduce(from: &Path, to: &Path) -> Result<Vec<PathBuf>, ReduceError> {
     }
     let mut reduced = Vec::new();
     for part in parts(from) {
-        let rows: Vec<Row> = records::read(&part)?.into_iter().filter(Row::is_total).collect();
+        let rows: Vec<Row> = row::read(&part)?.into_iter().filter(Row::is_total).collect();
         reduced.push((part, rows));
     }
     let mut written = Vec::new();
@@ -83,7 +73,7 @@ pub fn reduce(from: &Path, to: &Path) -> Result<Vec<PathBuf>, ReduceError> {
         if let Some(environment) = environment(&part)? {
             write_json(&folder.join(ENVIRONMENT), &environment)?;
         }
-        records::write(&folder.join(ROWS), &rows)?;
+        row::write(&folder.join(ROWS), &rows)?;
         written.push(folder);
     }
     Ok(written)
@@ -103,7 +93,7 @@ fn is_inside(to: &Path, from: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::records::{ALL, SCHEMA};
+    use crate::bench::row::{ALL, SCHEMA};
 
     fn row(scene: &str, view: &str, ray_kind: &str) -> Row {
         Row {
@@ -117,7 +107,7 @@ mod tests {
 
     fn write(folder: &Path, rows: &[Row]) {
         std::fs::create_dir_all(folder).unwrap();
-        records::write(&folder.join(ROWS), rows).unwrap();
+        row::write(&folder.join(ROWS), rows).unwrap();
     }
 
     #[test]
@@ -144,14 +134,14 @@ mod tests {
         write(&full.join("growth"), &[row("g", ALL, ALL)]);
         let written = reduce(&full, &small).unwrap();
         assert_eq!(written, [small.clone(), small.join("growth")]);
-        assert_eq!(records::read(&small).unwrap(), [row("a", ALL, ALL)]);
-        assert_eq!(records::read(&small.join("growth")).unwrap(), [row("g", ALL, ALL)]);
+        assert_eq!(row::read(&small).unwrap(), [row("a", ALL, ALL)]);
+        assert_eq!(row::read(&small.join("growth")).unwrap(), [row("g", ALL, ALL)]);
         for (from, to) in
             [(&full, full.clone()), (&full, full.join("small")), (&full.join(ROWS), full.clone())]
         {
             assert!(matches!(reduce(from, &to), Err(ReduceError::Inside(_))), "{to:?}");
         }
         assert!(!full.join("small").exists());
-        assert_eq!(records::read(&full).unwrap().len(), 3, "nothing was lost");
+        assert_eq!(row::read(&full).unwrap().len(), 3, "nothing was lost");
     }
 }

@@ -1,22 +1,36 @@
 //! The records of a run on disk, brought up to date after every visit.
 
-use super::contender::{self, Cell};
+use super::cell::{Cell, Kernel, place};
 use super::embree_side;
 use super::environment::{ENVIRONMENT, Environment, Machine, Moment, Program, State};
-use super::facts::Facts;
+use super::error::RunError;
+use super::files::{RecordsError, read_json, write_json};
+use super::plan::Plan;
 use super::planned_scene::PlannedScene;
 use super::random::SplitMix;
-use super::records::{self, ROWS, RecordsError, Row, SCHEMA};
-use super::run::{Run, RunError};
-use super::samples::{CellSamples, SAMPLES, Samples, SceneSamples, read_json};
-use super::summary::{self, Header};
+use super::row::{self, ROWS, Row, SCHEMA};
+use super::rows::{self, Header};
+use super::samples::{CellSamples, SAMPLES, Samples, SceneSamples};
+use super::tree_facts::TreeFacts;
 use super::warnings::Warning;
 use crate::scene::Scene;
 use crate::trace;
 use std::path::Path;
 
+/// Where a run is recorded, and what is recorded of its circumstances.
+pub struct RecordOptions<'a> {
+    /// The results folder.
+    pub folder: &'a Path,
+    /// Go on with the run recorded there.
+    pub resume: bool,
+    /// Name of the machine.
+    pub host: &'a str,
+    /// The command line after the program's name.
+    pub arguments: Vec<String>,
+}
+
 /// The records on disk.
-pub(super) struct Book<'a> {
+pub(super) struct Recorder<'a> {
     folder: &'a Path,
     /// All samples so far.
     pub samples: Samples,
@@ -25,27 +39,27 @@ pub(super) struct Book<'a> {
     threads: usize,
 }
 
-impl<'a> Book<'a> {
+impl<'a> Recorder<'a> {
     /// Starts the records, or takes up those of a run that was stopped.
-    pub fn open(run: &Run<'a>) -> Result<Self, RunError> {
-        let settings = &run.plan.settings;
-        let folder = run.folder;
+    pub fn open(plan: &Plan, options: &RecordOptions<'a>) -> Result<Self, RunError> {
+        let settings = &plan.settings;
+        let folder = options.folder;
         std::fs::create_dir_all(folder).map_err(|source| RecordsError::Io {
             path: folder.to_owned(),
             source,
             remedy: "give a writable folder with --out",
         })?;
-        let plan = serde_json::json!({
+        let recorded_plan = serde_json::json!({
             "settings": settings,
-            "scenes": run.plan.scenes.iter().map(|(scene, _)| &scene.name).collect::<Vec<_>>(),
+            "scenes": plan.scenes.iter().map(|(scene, _)| &scene.name).collect::<Vec<_>>(),
         });
-        let machine = Machine::this(run.host);
+        let machine = Machine::this(options.host);
         let mut environment = Environment {
             schema: SCHEMA,
             run_id: run_id(),
             state: State::Running,
-            arguments: run.arguments.clone(),
-            plan,
+            arguments: options.arguments.clone(),
+            plan: recorded_plan,
             program: Program::this(),
             library: embree_side::library(),
             isa: serde_json::json!({ "phr": trace::kernel_isa().name() }),
@@ -55,7 +69,7 @@ impl<'a> Book<'a> {
             machine,
         };
         let mut samples = Samples { schema: SCHEMA, run_id: environment.run_id.clone(), scenes: Vec::new() };
-        if run.resume {
+        if options.resume {
             let old: Environment = read_json(&folder.join(ENVIRONMENT))?;
             same(&old, &environment, folder)?;
             samples = Samples::read(folder)?;
@@ -64,9 +78,10 @@ impl<'a> Book<'a> {
             environment.notes = old.notes;
         }
         environment.before.push(Moment::now(settings.threads));
-        let book = Self { folder, samples, environment, rounds: settings.rounds, threads: settings.threads };
-        book.write_environment()?;
-        if !run.resume {
+        let recorder =
+            Self { folder, samples, environment, rounds: settings.rounds, threads: settings.threads };
+        recorder.write_environment()?;
+        if !options.resume {
             // Nothing of an older run may pass for part of this one.
             for file in [ROWS, SAMPLES, "table1.md"] {
                 let path = folder.join(file);
@@ -80,7 +95,7 @@ impl<'a> Book<'a> {
                 }
             }
         }
-        Ok(book)
+        Ok(recorder)
     }
 
     /// The scene's place among the samples, with all its cells.
@@ -115,18 +130,18 @@ impl<'a> Book<'a> {
             if !samples.cells.iter().any(|known| known.cell == *cell) {
                 samples.cells.push(CellSamples {
                     cell: cell.clone(),
-                    facts: Facts::default(),
+                    facts: TreeFacts::default(),
                     checks: Vec::new(),
                     visits: Vec::new(),
                     error: None,
                 });
             }
         }
-        samples.cells.sort_by_key(|cell| (contender::place(&cell.cell.builder), cell.cell.width));
+        samples.cells.sort_by_key(|cell| (place(&cell.cell.builder), cell.cell.width));
         Ok(index)
     }
 
-    /// The samples of a cell that [`Book::scene`] has entered.
+    /// The samples of a cell that [`Recorder::scene`] has entered.
     pub fn cell(&mut self, scene: usize, cell: &Cell) -> &mut CellSamples {
         let cells = &mut self.samples.scenes[scene].cells;
         match cells.iter().position(|known| known.cell == *cell) {
@@ -158,18 +173,18 @@ impl<'a> Book<'a> {
 
     /// All rows so far.
     pub fn rows(&self) -> Vec<Row> {
-        summary::rows(&self.samples, &self.header())
+        rows::rows(&self.samples, &self.header())
     }
 
     /// Brings samples and rows on disk up to date.
     pub fn save(&self) -> Result<(), RunError> {
         self.samples.write(self.folder)?;
-        records::write(&self.folder.join(ROWS), &self.rows())?;
+        row::write(&self.folder.join(ROWS), &self.rows())?;
         Ok(())
     }
 
     fn write_environment(&self) -> Result<(), RunError> {
-        records::write_json(&self.folder.join(ENVIRONMENT), &self.environment)?;
+        write_json(&self.folder.join(ENVIRONMENT), &self.environment)?;
         Ok(())
     }
 
@@ -198,7 +213,7 @@ impl<'a> Book<'a> {
     fn embree_isa(&self) -> Option<String> {
         let cells = self.samples.scenes.iter().flat_map(|scene| &scene.cells);
         let mut kernels = cells.flat_map(|cell| &cell.checks);
-        let native = kernels.find(|kernel| kernel.kernel == contender::Kernel::EmbreeNative)?;
+        let native = kernels.find(|kernel| kernel.kernel == Kernel::EmbreeNative)?;
         Some(native.isa.clone())
     }
 }
