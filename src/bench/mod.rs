@@ -5,7 +5,7 @@ pub mod build_times;
 pub mod cell;
 pub mod contender;
 pub mod cpu_time;
-pub mod embree_side;
+
 pub mod environment;
 pub mod error;
 pub mod files;

@@ -1,7 +1,7 @@
 //! The records of a run on disk, brought up to date after every visit.
 
 use super::cell::{Cell, Kernel, place};
-use super::embree_side;
+use super::contender;
 use super::environment::{ENVIRONMENT, Environment, Machine, Moment, Program, State};
 use super::error::RunError;
 use super::files::{RecordsError, read_json, write_json};
@@ -61,7 +61,7 @@ impl<'a> Recorder<'a> {
             arguments: options.arguments.clone(),
             plan: recorded_plan,
             program: Program::this(),
-            library: embree_side::library(),
+            library: contender::library(),
             isa: serde_json::json!({ "phr": trace::kernel_isa().name() }),
             before: Vec::new(),
             after: None,

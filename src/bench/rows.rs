@@ -91,14 +91,14 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
 
     let warms = builds(cell, WARM);
     let mut warnings = of_run(&warms);
-    let load = sum(cell.visits.iter().map(|visit| visit.builds.load));
+    let load = sum(cell.visits.iter().map(|visit| visit.builds.warm.cpu_time));
     warnings.extend(Warning::of_load(&load, header.threads));
     let warm = with_builds(known, &warms, warnings.clone());
     if cell.checks.is_empty() {
         rows.push(warm);
         return rows;
     }
-    let load = sum(cell.visits.iter().map(|visit| visit.load));
+    let load = sum(cell.visits.iter().map(|visit| visit.cpu_time));
     warnings.extend(Warning::of_load(&load, header.threads));
     for kernel in &cell.checks {
         let row = Row { kernel: kernel.kernel.name().into(), isa: kernel.isa.clone(), ..warm.clone() };
@@ -116,9 +116,9 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
 /// The row of warm builds on one thread, where they were timed.
 fn one_thread(cell: &CellSamples, row: &Row, of_run: &dyn Fn(&[f64]) -> Vec<Warning>) -> Option<Row> {
     let visits = || cell.visits.iter().filter_map(|visit| visit.builds.one_thread.as_ref());
-    let samples: Vec<f64> = visits().filter_map(|builds| median(&builds.warm_ms)).collect();
+    let samples: Vec<f64> = visits().filter_map(|builds| median(&builds.ms)).collect();
     let mut warnings = of_run(&samples);
-    warnings.extend(Warning::of_load(&sum(visits().map(|builds| builds.load)), 1));
+    warnings.extend(Warning::of_load(&sum(visits().map(|builds| builds.cpu_time)), 1));
     // The peak is that of the builds on all threads.
     let row = Row { threads: 1, peak_bytes: None, ..row.clone() };
     (!samples.is_empty()).then(|| with_builds(row, &samples, warnings))
@@ -207,7 +207,7 @@ pub fn builds(cell: &CellSamples, regime: &str) -> Vec<f64> {
     if regime == COLD {
         return cell.visits.iter().map(|visit| visit.builds.cold_ms).collect();
     }
-    cell.visits.iter().filter_map(|visit| median(&visit.builds.warm_ms)).collect()
+    cell.visits.iter().filter_map(|visit| median(&visit.builds.warm.ms)).collect()
 }
 
 /// Per visit, the time of all matching traces of a pass together, the median of its passes; visits without any are
@@ -245,11 +245,15 @@ fn sum(loads: impl Iterator<Item = CpuTime>) -> CpuTime {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::build_times::{BuildTimes, OneThreadTimes};
+    use crate::bench::build_times::{BuildTimes, WarmTimes};
     use crate::bench::cell::Cell;
     use crate::bench::samples::Timing;
     use crate::bench::tree_facts::TreeFacts;
     use crate::geometry::Dropped;
+
+    fn warm(ms: [f64; 3]) -> WarmTimes {
+        WarmTimes { ms: ms.into(), cpu_time: CpuTime::default() }
+    }
 
     /// Two views, shadow rays in the first only, three rounds of three passes, one of which is disturbed; primary
     /// rays take 1 ms a view, shadow 2 ms.
@@ -289,9 +293,9 @@ mod tests {
         let visit = |round| VisitSamples {
             round,
             place: 0,
-            builds: BuildTimes { cold_ms: 30.0, warm_ms: vec![10.0, 11.0, 10.0], ..BuildTimes::default() },
+            builds: BuildTimes { cold_ms: 30.0, warm: warm([10.0, 11.0, 10.0]), ..BuildTimes::default() },
             timings: timings.clone(),
-            load: CpuTime::default(),
+            cpu_time: CpuTime::default(),
         };
         let cell = Cell { builder: "phr-hq".into(), width: 4, kernels: vec![Kernel::Phr] };
         let cells = vec![CellSamples {
@@ -355,8 +359,7 @@ mod tests {
     fn builds_on_one_thread_have_a_row_of_their_own() {
         let mut scene = scene();
         for (visit, ms) in scene.cells[0].visits.iter_mut().zip([19.0, 30.0, 20.0]) {
-            let warm_ms = vec![ms + 1.0, ms, ms - 1.0];
-            visit.builds.one_thread = Some(OneThreadTimes { warm_ms, load: CpuTime::default() });
+            visit.builds.one_thread = Some(warm([ms + 1.0, ms, ms - 1.0]));
         }
         let rows = scene_rows(&scene, &header());
         let alone: Vec<&Row> = rows.iter().filter(|row| row.threads == 1).collect();

@@ -2,6 +2,7 @@
 //! visit so that neither Ctrl-C nor a kill loses a finished one.
 
 use super::cell::Cell;
+use super::contender::{REFERENCE_KERNEL, TreeUnderKernel};
 use super::error::RunError;
 use super::plan::Plan;
 use super::planned_scene::PlannedScene;
@@ -9,8 +10,8 @@ use super::pools::Pools;
 use super::random::SplitMix;
 use super::recorder::{RecordOptions, Recorder};
 use super::row::Row;
-use super::visit::Bench;
-use super::{embree_side, rays, rows};
+use super::visit::{Bench, Turn};
+use super::{contender, rays, rows};
 use crate::geometry::Tracer;
 use crate::scene::Scene;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -113,13 +114,11 @@ impl Run<'_> {
             );
         }
         progress.at(&format!("{}: reference tree", planned.name));
-        let mut done = Ok(());
-        embree_side::reference(&scene.mesh, &pools.all, &mut |tracer| {
-            let measured = Measured { planned, cells, scene: &scene, reference: Some(tracer) };
-            done = self.rounds(&measured, pools, recorder, progress);
-        })
-        .map_err(|reason| RunError::Reference { scene: planned.name.clone(), reason })?;
-        done
+        let no_reference = |reason| RunError::Reference { scene: planned.name.clone(), reason };
+        let built = contender::reference(&scene.mesh, &pools.all).map_err(no_reference)?;
+        let tree = TreeUnderKernel::new(&built, REFERENCE_KERNEL, settings.threads).map_err(no_reference)?;
+        let reference = Some(tree.tracer().map_err(|reason| no_reference(reason.to_owned()))?);
+        self.rounds(&Measured { planned, cells, scene: &scene, reference }, pools, recorder, progress)
     }
 
     fn rounds(
@@ -149,7 +148,7 @@ impl Run<'_> {
                 if samples.error.is_none() && !samples.visits.iter().any(|visit| visit.round == round) {
                     let (name, builder, width) = (&planned.name, &cell.builder, cell.width);
                     progress.at(&format!("{name}: {builder}/{width}, round {}", round + 1));
-                    if bench.visit(cell, round, place, samples).is_err() {
+                    if bench.visit(cell, Turn { round, place }, samples).is_err() {
                         return Ok(());
                     }
                     recorder.save()?;

@@ -41,8 +41,9 @@ pub struct VisitSamples {
     pub builds: BuildTimes,
     /// The traces.
     pub timings: Vec<Timing>,
-    /// What the processors did during the traces.
-    pub load: CpuTime,
+    /// CPU time of the traces.
+    #[serde(rename = "load")]
+    pub cpu_time: CpuTime,
 }
 
 /// What a first trace of a batch showed, untimed.

@@ -30,7 +30,7 @@ pub struct Settings {
     pub seed: u64,
     /// Only builds are timed.
     pub build_only: bool,
-    /// BuildTimes are timed on one thread too.
+    /// Builds are timed on one thread too.
     #[serde(default)]
     pub one_thread: bool,
     /// Whole path-traced frames are timed beside the recorded rays.

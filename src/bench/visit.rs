@@ -1,13 +1,15 @@
-//! One visit to a cell: builds in the builder's own clock, then every batch of recorded rays through every
-//! kernel. The first visit verifies each answer; every later one must hash to the same distances.
+//! One visit to a cell: its builds, then every batch of recorded rays under every kernel. The first visit
+//! verifies each answer; later ones must give the same distances.
 
+use super::build_times::BuildTimes;
 use super::cell::Cell;
-use super::contender::{self, Shown, View, Visit};
+use super::contender::{BuildRequest, BuiltTree, Contender, TreeUnderKernel};
 use super::cpu_time::CpuClock;
 use super::pools::Pools;
 use super::rays::{Answers, ViewRays};
 use super::samples::{CellSamples, Check, KernelChecks, Timing, VisitSamples};
 use super::settings::Settings;
+use super::tree_facts::TreeFacts;
 use crate::geometry::Tracer;
 use crate::scene::Scene;
 use crate::trace::verify::Verdict;
@@ -34,9 +36,39 @@ pub struct Bench<'a> {
     scratch: Vec<Vec<Answers>>,
 }
 
-/// The visit was broken off: nothing of it is kept.
+/// When a cell is visited.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Turn {
+    /// The round, from 0.
+    pub round: usize,
+    /// Place within the round, from 0.
+    pub place: usize,
+}
+
+/// The run was told to stop: nothing of the visit is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stopped;
+
+/// Why a visit did not come to its end.
+#[derive(Debug, PartialEq, Eq)]
+enum Unfinished {
+    /// The run was told to stop.
+    Stopped,
+    /// The builder failed.
+    Failed(String),
+}
+
+impl From<Stopped> for Unfinished {
+    fn from(_: Stopped) -> Self {
+        Self::Stopped
+    }
+}
+
+impl From<String> for Unfinished {
+    fn from(reason: String) -> Self {
+        Self::Failed(reason)
+    }
+}
 
 impl<'a> Bench<'a> {
     /// Makes room for the answers.
@@ -52,79 +84,104 @@ impl<'a> Bench<'a> {
         Self { scene, rays, reference, settings, pools, stop, scratch }
     }
 
-    /// Visits `cell` in `round`, as the `place`-th of it, and adds the samples to `samples`. A builder that
-    /// fails leaves its reason there.
+    /// Visits `cell` in its `turn` and adds the samples to `samples`. A builder that fails leaves its reason
+    /// there.
     ///
     /// # Errors
     /// [`Stopped`] if the run was told to stop meanwhile.
-    pub fn visit(
-        &mut self,
-        cell: &Cell,
-        round: usize,
-        place: usize,
-        samples: &mut CellSamples,
-    ) -> Result<(), Stopped> {
-        let visit = Visit {
-            mesh: &self.scene.mesh,
-            pools: self.pools,
-            kernels: &cell.kernels,
-            facts: samples.visits.is_empty(),
-        };
-        let mut done = Ok(());
-        let built = contender::visit(cell, &visit, &mut |shown| {
-            done = self.trace(shown, round, place, samples);
-        });
-        if let Err(reason) = built {
-            samples.error = Some(reason);
+    pub fn visit(&mut self, cell: &Cell, turn: Turn, samples: &mut CellSamples) -> Result<(), Stopped> {
+        let visited = Contender::of(cell)
+            .map_err(Unfinished::Failed)
+            .and_then(|mut contender| self.visit_contender(&mut contender, cell, turn, samples));
+        match visited {
+            Ok(()) => Ok(()),
+            Err(Unfinished::Stopped) => Err(Stopped),
+            Err(Unfinished::Failed(reason)) => {
+                samples.error = Some(reason);
+                Ok(())
+            }
         }
-        done
     }
 
-    /// BuildTimes `cell` and traces every batch once, untimed.
+    fn visit_contender(
+        &mut self,
+        contender: &mut Contender,
+        cell: &Cell,
+        turn: Turn,
+        samples: &mut CellSamples,
+    ) -> Result<(), Unfinished> {
+        let built = self.build(contender, cell, samples.visits.is_empty())?;
+        let trees = self.under_kernels(&built, cell)?;
+        self.trace((built.times.clone(), built.facts.clone()), trees, turn, samples)?;
+        Ok(())
+    }
+
+    /// Builds `cell` and traces every batch once, untimed.
     ///
     /// # Errors
     /// A builder that failed, in one line.
     pub fn verify(&mut self, cell: &Cell) -> Result<Vec<KernelChecks>, String> {
-        let visit = Visit { mesh: &self.scene.mesh, pools: self.pools, kernels: &cell.kernels, facts: true };
-        let mut checks = Vec::new();
-        contender::visit(cell, &visit, &mut |shown| {
-            checks = shown.views.iter().filter_map(|view| self.check(view).ok()).collect();
-        })?;
-        Ok(checks)
+        let mut contender = Contender::of(cell)?;
+        let built = self.build(&mut contender, cell, true)?;
+        let trees = self.under_kernels(&built, cell)?;
+        Ok(trees.iter().filter_map(|tree| self.check(tree).ok()).collect())
     }
 
+    fn build<'b>(
+        &self,
+        contender: &mut Contender,
+        cell: &'b Cell,
+        wants_facts: bool,
+    ) -> Result<BuiltTree<'b>, String>
+    where
+        'a: 'b,
+    {
+        let (mesh, pools) = (&self.scene.mesh, self.pools);
+        contender.build(&BuildRequest { mesh, pools, kernels: &cell.kernels, wants_facts })
+    }
+
+    fn under_kernels<'b>(
+        &self,
+        built: &'b BuiltTree<'_>,
+        cell: &Cell,
+    ) -> Result<Vec<TreeUnderKernel<'b>>, String> {
+        TreeUnderKernel::all(built, &cell.kernels, self.pools.all.current_num_threads())
+    }
+
+    /// Traces a tree, just built, under its kernels; facts come with the first visit, which verifies.
     fn trace(
         &mut self,
-        mut shown: Shown<'_>,
-        round: usize,
-        place: usize,
+        (builds, facts): (BuildTimes, Option<TreeFacts>),
+        mut trees: Vec<TreeUnderKernel<'_>>,
+        turn: Turn,
         samples: &mut CellSamples,
     ) -> Result<(), Stopped> {
-        if let Some(facts) = shown.facts.take() {
+        if let Some(facts) = facts {
             samples.facts = facts;
             samples.checks.clear();
-            for view in &shown.views {
-                let checks = self.check(view)?;
+            for tree in &trees {
+                let checks = self.check(tree)?;
                 samples.checks.push(checks);
             }
         }
         // Each kernel is first in its turn.
-        let kernels = shown.views.len().max(1);
-        shown.views.rotate_left(round % kernels);
+        let kernels = trees.len().max(1);
+        trees.rotate_left(turn.round % kernels);
         let mut timings = Vec::new();
-        let accounts = CpuClock::read();
-        let passes = (0..PASSES).flat_map(|pass| shown.views.iter().map(move |view| (pass, view)));
-        for (pass, view) in passes {
-            let Ok(tracer) = view.tracer else { continue };
-            let Some(checks) = samples.checks.iter_mut().find(|checks| checks.kernel == view.kernel) else {
+        let clock = CpuClock::read();
+        let passes = (0..PASSES).flat_map(|pass| trees.iter().map(move |tree| (pass, tree)));
+        for (pass, tree) in passes {
+            let Ok(tracer) = tree.tracer() else { continue };
+            let Some(checks) = samples.checks.iter_mut().find(|checks| checks.kernel == tree.kernel) else {
                 continue;
             };
             if checks.mismatch.is_none() && checks.unavailable.is_none() {
                 timings.extend(self.time(tracer, pass, checks)?);
             }
         }
-        let load = accounts.since();
-        samples.visits.push(VisitSamples { round, place, builds: shown.builds, timings, load });
+        let cpu_time = clock.since();
+        let Turn { round, place } = turn;
+        samples.visits.push(VisitSamples { round, place, builds, timings, cpu_time });
         self.go_on()
     }
 
@@ -133,18 +190,18 @@ impl<'a> Bench<'a> {
     }
 
     /// Traces each batch once, untimed, and compares with the reference.
-    fn check(&mut self, view: &View<'_>) -> Result<KernelChecks, Stopped> {
+    fn check(&mut self, tree: &TreeUnderKernel<'_>) -> Result<KernelChecks, Stopped> {
         let mut kernel = KernelChecks {
-            kernel: view.kernel,
-            isa: view.isa.clone(),
+            kernel: tree.kernel,
+            isa: tree.isa.clone(),
             unavailable: None,
             checks: Vec::new(),
             mismatch: None,
         };
-        let tracer = match &view.tracer {
-            Ok(tracer) => *tracer,
+        let tracer = match tree.tracer() {
+            Ok(tracer) => tracer,
             Err(reason) => {
-                kernel.unavailable = Some(reason.clone());
+                kernel.unavailable = Some(reason.to_owned());
                 return Ok(kernel);
             }
         };
@@ -157,7 +214,7 @@ impl<'a> Bench<'a> {
                 self.pools.all.install(|| answers.fill(tracer, rays));
                 let verdict = self.verdict(tracer, index, slot);
                 let answers = &self.scratch[index][slot];
-                let counts = view.counter.map(|counter| self.pools.all.install(|| counter.count(kind, rays)));
+                let counts = self.pools.all.install(|| tree.count(kind, rays));
                 kernel.checks.push(Check {
                     view: index,
                     kind: Some(kind),
@@ -241,12 +298,12 @@ impl<'a> Bench<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::build_times::BuildTimes;
-    use super::super::cell::Kernel;
-    use super::super::rays;
-    use super::super::tree_facts::TreeFacts;
     use super::*;
-    use crate::builders;
+    use crate::bench::cell::Kernel;
+    use crate::bench::contender::Ours;
+    use crate::bench::rays;
+    use crate::builders::{self, Build, Builder};
+    use crate::bvh::Bvh4;
     use crate::geometry::{Dropped, Hit, Mesh, Ray};
     use crate::trace::BvhTracer;
 
@@ -299,13 +356,24 @@ mod tests {
         test(&mut bench, &tracer);
     }
 
-    fn shown(tracer: &dyn Tracer, facts: bool) -> Shown<'_> {
-        let view = View { kernel: Kernel::Phr, isa: String::new(), tracer: Ok(tracer), counter: None };
-        Shown { builds: BuildTimes::default(), facts: facts.then(TreeFacts::default), views: vec![view] }
+    /// Traces with `tracer` in `round`; the first verifies.
+    fn trace(
+        bench: &mut Bench<'_>,
+        tracer: &dyn Tracer,
+        round: usize,
+        samples: &mut CellSamples,
+    ) -> Result<(), Stopped> {
+        let facts = (round == 0).then(TreeFacts::default);
+        let tree = TreeUnderKernel::of_tracer(tracer);
+        bench.trace((BuildTimes::default(), facts), vec![tree], Turn { round, place: 0 }, samples)
+    }
+
+    fn cell(builder: &str) -> Cell {
+        Cell { builder: builder.into(), width: 4, kernels: vec![Kernel::Phr] }
     }
 
     fn samples() -> CellSamples {
-        let cell = Cell { builder: "liar".into(), width: 4, kernels: vec![Kernel::Phr] };
+        let cell = cell("liar");
         CellSamples { cell, facts: TreeFacts::default(), checks: Vec::new(), visits: Vec::new(), error: None }
     }
 
@@ -313,8 +381,8 @@ mod tests {
     fn honest_tracers_are_timed_in_every_batch() {
         with_bench(|bench, honest| {
             let mut samples = samples();
-            bench.trace(shown(honest, true), 0, 0, &mut samples).unwrap();
-            bench.trace(shown(honest, false), 1, 0, &mut samples).unwrap();
+            trace(bench, honest, 0, &mut samples).unwrap();
+            trace(bench, honest, 1, &mut samples).unwrap();
             assert!(!samples.failed());
             assert_eq!(samples.checks[0].checks.len(), RayKind::ALL.len());
             assert!(samples.checks[0].checks.iter().all(|check| check.equal == check.rays));
@@ -330,16 +398,16 @@ mod tests {
             let lies = AtomicBool::new(true);
             let liar = Liar { honest, lies: &lies };
             let mut at_first = samples();
-            bench.trace(shown(&liar, true), 0, 0, &mut at_first).unwrap();
+            trace(bench, &liar, 0, &mut at_first).unwrap();
             assert!(at_first.checks[0].mismatch.as_ref().is_some_and(|why| why.contains("1 of")));
             assert!(at_first.failed() && at_first.visits[0].timings.is_empty());
 
             lies.store(false, Ordering::Relaxed);
             let mut later = samples();
-            bench.trace(shown(&liar, true), 0, 0, &mut later).unwrap();
+            trace(bench, &liar, 0, &mut later).unwrap();
             assert!(!later.failed());
             lies.store(true, Ordering::Relaxed);
-            bench.trace(shown(&liar, false), 1, 0, &mut later).unwrap();
+            trace(bench, &liar, 1, &mut later).unwrap();
             assert!(later.checks[0].mismatch.as_ref().is_some_and(|why| why.contains("later round")));
         });
     }
@@ -353,7 +421,7 @@ mod tests {
         }
         with_bench(|bench, _| {
             let mut samples = samples();
-            bench.trace(shown(&Idle, true), 0, 0, &mut samples).unwrap();
+            trace(bench, &Idle, 0, &mut samples).unwrap();
             assert!(samples.failed());
         });
     }
@@ -363,8 +431,54 @@ mod tests {
         with_bench(|bench, honest| {
             let mut samples = samples();
             bench.stop.store(true, Ordering::Relaxed);
-            assert_eq!(bench.trace(shown(honest, true), 0, 0, &mut samples), Err(Stopped));
+            assert_eq!(trace(bench, honest, 0, &mut samples), Err(Stopped));
             assert!(samples.visits.is_empty());
+        });
+    }
+
+    /// A builder with a bug.
+    struct Panicking;
+
+    impl Builder for Panicking {
+        fn name(&self) -> &'static str {
+            "panicking"
+        }
+
+        fn config(&self) -> serde_json::Value {
+            serde_json::Value::Null
+        }
+
+        fn build(&mut self, _: &Mesh) -> Build {
+            let (build, ()) = rayon::join(|| panic!("node {} has no parent", 7), || ());
+            build
+        }
+
+        fn recycle(&mut self, _: Bvh4) {}
+    }
+
+    #[test]
+    fn a_builder_that_panics_fails_and_the_bench_goes_on() {
+        with_bench(|bench, _| {
+            let mut failed = samples();
+            let mut contender = Contender::Ours(Ours::new(Box::new(Panicking)));
+            let visit =
+                bench.visit_contender(&mut contender, &cell("panicking"), Turn::default(), &mut failed);
+            let reason = "the builder panicked: node 7 has no parent";
+            assert_eq!(visit, Err(Unfinished::Failed(reason.into())));
+            assert!(failed.visits.is_empty());
+
+            let mut good = samples();
+            bench.visit(&cell("lbvh"), Turn::default(), &mut good).unwrap();
+            assert!(!good.failed() && good.visits.len() == 1 && good.facts.sah.is_some());
+        });
+    }
+
+    #[test]
+    fn a_cell_without_a_builder_leaves_its_reason() {
+        with_bench(|bench, _| {
+            let mut samples = samples();
+            assert_eq!(bench.visit(&cell("bvh"), Turn::default(), &mut samples), Ok(()));
+            assert!(samples.error.is_some_and(|why| why.contains("no builder is called bvh")));
         });
     }
 }

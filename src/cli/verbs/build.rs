@@ -1,6 +1,6 @@
 //! `phr build`: one scene, one builder, its phases and its tree.
 
-use crate::bench::contender::{self, Shown, Visit};
+use crate::bench::contender::{self, BuildRequest, BuiltTree, Contender};
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::statistics::Summary;
 use crate::cli::failure::Failure;
@@ -43,31 +43,31 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         eprintln!("phr: {}: {}", scene.name, scene.dropped);
     }
     say(&format!("{}: {} triangles ({})", scene.name, scene.mesh.len(), scene.source))?;
-    let visit = Visit { mesh: &scene.mesh, pools: &pools, kernels: &[], facts: true };
+    let request = BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &[], wants_facts: true };
     for cell in cells {
-        let mut text = String::new();
-        contender::visit(&cell, &visit, &mut |shown| text = describe(&shown)).map_err(Failure::Wrong)?;
+        let built = Contender::of(&cell).and_then(|mut contender| contender.build(&request));
+        let text = describe(&built.map_err(Failure::Wrong)?);
         say(&format!("\n{}, width {}\n{text}", cell.builder, cell.width))?;
     }
     Ok(())
 }
 
-fn describe(shown: &Shown<'_>) -> String {
-    let builds = &shown.builds;
+fn describe(built: &BuiltTree<'_>) -> String {
+    let times = &built.times;
     let mut text = String::new();
     let mut line = |name: &str, value: String| text += &format!("  {name:<24} {value}\n");
-    if let Some(warm) = Summary::of(&builds.warm_ms) {
+    if let Some(warm) = Summary::of(&times.warm.ms) {
         let (median, min) = (short(warm.median), short(warm.min));
         line("build, warm", format!("{median} ms (median of {}, least {min})", warm.count));
     }
-    line("build, cold", format!("{} ms", short(builds.cold_ms)));
-    for (name, ms) in &builds.phases {
+    line("build, cold", format!("{} ms", short(times.cold_ms)));
+    for (name, ms) in &times.phases {
         line(&format!("  {name}"), format!("{} ms", short(*ms)));
     }
-    if let Some(bytes) = builds.peak_bytes {
+    if let Some(bytes) = times.peak_bytes {
         line("peak memory", mebibytes(bytes));
     }
-    let facts = shown.facts.clone().unwrap_or_default();
+    let facts = built.facts.clone().unwrap_or_default();
     let mut figure = |name: &str, value: Option<String>| {
         if let Some(value) = value {
             line(name, value);

@@ -1,6 +1,6 @@
 //! `phr render`: what the path tracer sees.
 
-use crate::bench::contender::{self, Visit};
+use crate::bench::contender::{BuildRequest, Contender, TreeUnderKernel};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
 use crate::cli::options::{self, all_threads, pools};
@@ -52,24 +52,21 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             views - 1
         )));
     };
-    let mut image = Err("the builder has no kernel".to_owned());
-    let visit = Visit { mesh: &scene.mesh, pools: &pools, kernels: &cell.kernels[..1], facts: false };
-    contender::visit(&cell, &visit, &mut |shown| {
-        let Some(seen) = shown.views.first() else { return };
-        image = seen.tracer.clone().map(|tracer| {
-            let mut sum = Image::new(arguments.size, arguments.size);
-            for sample in 0..arguments.samples {
-                let seed = 1 + u64::from(sample);
-                let settings =
-                    PathSettings { width: arguments.size, height: arguments.size, max_depth: 8, seed };
-                let frame = pools.all.install(|| trace::render(tracer, &scene.mesh, view, &settings));
-                sum.add(&frame, 1.0 / arguments.samples as f32);
-            }
-            sum
-        });
-    })
-    .map_err(Failure::Wrong)?;
-    image.map_err(Failure::Wrong)?.write_png(&arguments.output)?;
+    let request =
+        BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &cell.kernels[..1], wants_facts: false };
+    let mut contender = Contender::of(&cell).map_err(Failure::Wrong)?;
+    let built = contender.build(&request).map_err(Failure::Wrong)?;
+    let threads = pools.all.current_num_threads();
+    let tree = TreeUnderKernel::new(&built, cell.kernels[0], threads).map_err(Failure::Wrong)?;
+    let tracer = tree.tracer().map_err(|reason| Failure::Wrong(reason.to_owned()))?;
+    let mut image = Image::new(arguments.size, arguments.size);
+    for sample in 0..arguments.samples {
+        let seed = 1 + u64::from(sample);
+        let settings = PathSettings { width: arguments.size, height: arguments.size, max_depth: 8, seed };
+        let frame = pools.all.install(|| trace::render(tracer, &scene.mesh, view, &settings));
+        image.add(&frame, 1.0 / arguments.samples as f32);
+    }
+    image.write_png(&arguments.output)?;
     say(&format!("{}: {} view {}, {}", arguments.output.display(), scene.name, arguments.view, cell.builder))
 }
 

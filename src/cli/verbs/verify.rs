@@ -1,6 +1,6 @@
 //! `phr verify`: do all trees see what the reference sees?
 
-use crate::bench::embree_side;
+use crate::bench::contender::{self, REFERENCE_KERNEL, TreeUnderKernel};
 use crate::bench::plan::{Plan, Request};
 use crate::bench::rays;
 use crate::bench::samples::KernelChecks;
@@ -65,32 +65,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         let mut grid = Grid::new([&scene.name, "kernel", "rays", "equal", "ties", "edges", "verdict"]);
         let stop = AtomicBool::new(false);
-        embree_side::reference(&scene.mesh, &pools.all, &mut |reference| {
-            let rays = pools.all.install(|| rays::record(reference, &scene, &plan.settings));
-            let mut bench = Bench::new(&scene, &rays, Some(reference), &plan.settings, &pools, &stop);
-            for cell in cells {
-                let name = format!("{} / {}", cell.builder, cell.width);
-                match bench.verify(cell) {
-                    Ok(kernels) => kernels.iter().for_each(|kernel| {
-                        wrong += usize::from(kernel.mismatch.is_some());
-                        grid.push(line(&name, kernel));
-                    }),
-                    Err(reason) => {
-                        wrong += 1;
-                        grid.push(vec![
-                            name,
-                            "-".into(),
-                            "-".into(),
-                            "-".into(),
-                            "-".into(),
-                            "-".into(),
-                            reason,
-                        ]);
-                    }
+        let built = contender::reference(&scene.mesh, &pools.all).map_err(Failure::Wrong)?;
+        let tree = TreeUnderKernel::new(&built, REFERENCE_KERNEL, plan.settings.threads);
+        let tree = tree.map_err(Failure::Wrong)?;
+        let reference = tree.tracer().map_err(|reason| Failure::Wrong(reason.to_owned()))?;
+        let rays = pools.all.install(|| rays::record(reference, &scene, &plan.settings));
+        let mut bench = Bench::new(&scene, &rays, Some(reference), &plan.settings, &pools, &stop);
+        for cell in cells {
+            let name = format!("{} / {}", cell.builder, cell.width);
+            match bench.verify(cell) {
+                Ok(kernels) => kernels.iter().for_each(|kernel| {
+                    wrong += usize::from(kernel.mismatch.is_some());
+                    grid.push(line(&name, kernel));
+                }),
+                Err(reason) => {
+                    wrong += 1;
+                    let nothing = std::iter::repeat_n("-".to_owned(), 5);
+                    grid.push([name].into_iter().chain(nothing).chain([reason]).collect());
                 }
             }
-        })
-        .map_err(Failure::Wrong)?;
+        }
         say(&(grid.markdown() + "\n"))?;
     }
     if wrong > 0 { Err(Failure::Wrong(format!("{wrong} trees give wrong hits, see above"))) } else { Ok(()) }
