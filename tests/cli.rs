@@ -89,7 +89,20 @@ fn a_run_writes_verified_rows_and_its_table() {
     let mut files: Vec<String> =
         std::fs::read_dir(&out).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap()).collect();
     files.sort();
-    assert_eq!(files, [ENVIRONMENT, ROWS, SAMPLES, "table1.md"]);
+    let figures = ["figure6-scenes.png", "figure6-scenes.svg", "figure6.png", "figure6.svg"];
+    let mut expected = vec![ENVIRONMENT, ROWS, SAMPLES, "table1.md"];
+    if cfg!(feature = "embree") {
+        expected.extend(figures);
+    }
+    expected.sort_unstable();
+    assert_eq!(files, expected);
+
+    let told = text(&output.stdout);
+    let summary = &told[told.find("## out: 1 scene").expect("a summary at the end")..];
+    for part in ["fastest build:", "fastest trace:", "table: out/table1.md", "rows: out/rows.csv", "plot: "] {
+        assert!(summary.contains(part), "no {part:?} in {summary}");
+    }
+    assert_eq!(summary.contains("plot: out/figure6.svg"), cfg!(feature = "embree"), "{summary}");
 
     let rows = row::read(&out).unwrap();
     let totals: Vec<&Row> = rows.iter().filter(|row| row.is_total() && row.verified == Some(true)).collect();

@@ -17,6 +17,17 @@ use crate::scene::Scene;
 use crate::trace;
 use std::path::Path;
 
+/// What the command makes of the rows when a run ends.
+const MADE_OF_ROWS: [&str; 7] = [
+    "table1.md",
+    "figure6.svg",
+    "figure6.png",
+    "figure6-scenes.svg",
+    "figure6-scenes.png",
+    "growth.svg",
+    "growth.png",
+];
+
 /// Where a run is recorded, and what is recorded of its circumstances.
 pub struct RecordOptions<'a> {
     /// The results folder.
@@ -83,7 +94,7 @@ impl<'a> Recorder<'a> {
         recorder.write_environment()?;
         if !options.resume {
             // Nothing of an older run may pass for part of this one.
-            for file in [ROWS, SAMPLES, "table1.md"] {
+            for file in MADE_OF_ROWS.into_iter().chain([ROWS, SAMPLES]) {
                 let path = folder.join(file);
                 if path.exists() {
                     let remedy = "give another folder with --out";

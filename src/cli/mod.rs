@@ -5,6 +5,7 @@ mod failure;
 mod options;
 mod output;
 mod progress;
+mod summary;
 mod verbs;
 
 use clap::{Parser, Subcommand};

@@ -29,10 +29,9 @@ pub fn document_under(rows: &[Row], complete: bool, under: &Under) -> String {
     text + &legend(rows) + &remarks(rows)
 }
 
-/// What follows the scenes where these were told one by one: means, what the columns mean, errors and
-/// warnings.
+/// What follows the scenes where these were told one by one: means, and what the columns mean.
 pub fn closing(rows: &[Row]) -> String {
-    means_of_scenes(rows, &Under::best(rows)) + &legend(rows) + &remarks(rows)
+    means_of_scenes(rows, &Under::best(rows)) + &legend(rows)
 }
 
 fn means_of_scenes(rows: &[Row], under: &Under) -> String {

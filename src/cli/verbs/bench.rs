@@ -1,5 +1,6 @@
 //! `phr bench`: times builders and traces, and writes the records.
 
+use super::plot::draw;
 use crate::bench::files::write_whole;
 use crate::bench::plan::{Plan, Request, Set};
 use crate::bench::recorder::RecordOptions;
@@ -10,13 +11,16 @@ use crate::cli::failure::Failure;
 use crate::cli::options::all_threads;
 use crate::cli::output::say;
 use crate::cli::progress::Bar;
+use crate::cli::summary::{TABLE, summary};
+use crate::report::figures::Under;
+use crate::report::plot;
 use crate::report::table;
 use regex::Regex;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Build and trace scenes with every builder, in interleaved rounds, and write results/NAME/
+/// Build and trace scenes with every builder, in interleaved rounds, and write rows, table and plot to results/NAME/
 ///
 /// Without scenes, the built-in generated set is run.
 #[derive(Debug, clap::Args)]
@@ -183,9 +187,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Interrupted("stopped before the first visit was done; no rows".into()));
     }
     let document = table::document(&outcome.rows, outcome.complete);
-    write_whole(&folder.join("table1.md"), document.as_bytes())?;
+    write_whole(&folder.join(TABLE), document.as_bytes())?;
     say(&table::closing(&outcome.rows))?;
-    say(&format!("{}: {} rows", folder.display(), outcome.rows.len()))?;
+    let plots = draw(&plot::figures(&outcome.rows, &Under::best(&outcome.rows)), &folder)?;
+    say(&summary(&outcome.rows, &folder, &plots))?;
     verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)
 }
 

@@ -2,11 +2,11 @@
 
 use super::table::under;
 use crate::bench::files::write_whole;
-use crate::bench::row::{self};
+use crate::bench::row;
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
-use crate::report::plot::{self, raster};
-use std::path::PathBuf;
+use crate::report::plot::{self, Drawing, raster};
+use std::path::{Path, PathBuf};
 
 /// Pixels of a PNG for each of the drawing's.
 const SCALE: f32 = 2.0;
@@ -45,22 +45,39 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let results = &arguments.results;
     let beside = if results.is_dir() { results.clone() } else { results.with_file_name("") };
     let folder = arguments.out.clone().unwrap_or(beside);
+    if arguments.check {
+        return check(&drawings, &folder);
+    }
+    for file in draw(&drawings, &folder)? {
+        say(&file.display().to_string())?;
+    }
+    Ok(())
+}
+
+/// Writes each drawing to `folder` as SVG and PNG; returns the files.
+///
+/// # Errors
+/// An unwritable place.
+pub fn draw(drawings: &[Drawing], folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = Vec::new();
     for drawing in drawings {
-        let (svg, png) = (
-            folder.join(drawing.name).with_extension("svg"),
-            folder.join(drawing.name).with_extension("png"),
-        );
-        if arguments.check {
-            let found = std::fs::read_to_string(&svg).unwrap_or_default();
-            if found != drawing.svg {
-                let svg = svg.display();
-                return Err(Failure::Wrong(format!("{svg}: not the figure of these rows; run `phr plot`")));
-            }
-            continue;
-        }
+        let svg = folder.join(drawing.name).with_extension("svg");
+        let png = svg.with_extension("png");
         write_whole(&svg, drawing.svg.as_bytes())?;
         write_whole(&png, &raster::png(&drawing.svg, SCALE)?)?;
-        say(&format!("{}\n{}", svg.display(), png.display()))?;
+        files.extend([svg, png]);
+    }
+    Ok(files)
+}
+
+/// Fails at the first SVG in `folder` that differs from its drawing.
+fn check(drawings: &[Drawing], folder: &Path) -> Result<(), Failure> {
+    for drawing in drawings {
+        let svg = folder.join(drawing.name).with_extension("svg");
+        if std::fs::read_to_string(&svg).unwrap_or_default() != drawing.svg {
+            let svg = svg.display();
+            return Err(Failure::Wrong(format!("{svg}: not the figure of these rows; run `phr plot`")));
+        }
     }
     Ok(())
 }
