@@ -12,7 +12,7 @@ pub struct BuildTimes {
     /// The builds after it.
     #[serde(flatten)]
     pub warm: WarmTimes,
-    /// Phases of the last build, ms; empty for Embree, which does not tell them.
+    /// Phases of the last build, ms; empty for Embree, which reports none.
     pub phases: Vec<(String, f64)>,
     /// Bytes held at the peak of the last build.
     pub peak_bytes: Option<u64>,

@@ -3,13 +3,13 @@
 use super::row::NO_KERNEL;
 use serde::{Deserialize, Serialize};
 
-/// What traces a tree.
+/// The code that traces a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kernel {
-    /// Embree's kernel on a tree of Embree's, where it built it.
+    /// Embree's kernel on Embree's own tree, in Embree's own memory.
     EmbreeNative,
-    /// Embree's kernel on any tree, all laid out alike.
+    /// Embree's kernel on any tree, all trees in one memory layout.
     EmbreeGrafted,
     /// Our kernel.
     Phr,
@@ -46,7 +46,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// What a filter is matched against.
+    /// The text that `--filter` is matched against.
     pub fn line(&self, scene: &str, kernel: &str) -> String {
         format!("{scene} {} {} {kernel}", self.builder, self.width)
     }
@@ -60,7 +60,7 @@ impl Cell {
     }
 }
 
-/// The order of the table: the paper's, with what it lacks at the place of its kind.
+/// The order of the table: the paper's, with our other builders beside their relatives.
 pub const ORDER: [&str; 12] = [
     "lbvh",
     "embree-morton",
@@ -76,7 +76,7 @@ pub const ORDER: [&str; 12] = [
     "phr-best",
 ];
 
-/// A builder's place in the table; those of no fixed place come last.
+/// A builder's place in the table; builders not in [`ORDER`] come last.
 pub fn place(builder: &str) -> usize {
     ORDER.iter().position(|name| *name == builder).unwrap_or(ORDER.len())
 }

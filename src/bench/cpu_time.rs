@@ -1,11 +1,11 @@
-//! Whether the processors were ours: the kernel's accounts of this process, and a spin check.
+//! CPU time of this process as the system counts it, and a spin check: did other programs hold the processors?
 
 use serde::{Deserialize, Serialize};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-/// Processor time over a span, summed over this process's threads, in seconds. Without such accounts
-/// (anywhere but on Linux) `ran_s` and `waited_s` stay 0.
+/// CPU time over a span, summed over this process's threads, in seconds. Systems other than Linux do not report
+/// it: `ran_s` and `waited_s` stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CpuTime {
     /// Wall clock.
@@ -17,23 +17,23 @@ pub struct CpuTime {
 }
 
 impl CpuTime {
-    /// The part of the time, of 1, that threads which were ready to run waited for a processor.
+    /// Fraction of their runnable time that threads waited for a processor, 0 to 1.
     pub fn waiting(&self) -> f64 {
         if self.waited_s > 0.0 { self.waited_s / (self.ran_s + self.waited_s) } else { 0.0 }
     }
 }
 
-/// Most of the time that threads may wait for a processor before a measurement is taken to be disturbed.
+/// Above this [`CpuTime::waiting`] a measurement counts as disturbed.
 pub const DISTURBED: f64 = 0.05;
 /// Attempts at an undisturbed measurement.
 const ATTEMPTS: usize = 4;
 
-/// Measures until threads hardly waited for a processor, some times at most, and returns what was measured while they
-/// waited least: with as many threads as processors the system at times keeps two on one for a while and leaves another
-/// idle, whoever it is that is measured. Durations have no part in the choice.
+/// Measures until an attempt is undisturbed, four times at most, and returns the attempt with the least waiting. With
+/// as many threads as processors, the scheduler at times keeps two threads on one processor and leaves another idle, no
+/// matter which builder runs. Durations play no part in the choice.
 ///
 /// # Errors
-/// The first of `measure`.
+/// The first error of `measure`.
 pub fn least_disturbed<T, E>(
     mut measure: impl FnMut() -> Result<(T, CpuTime), E>,
 ) -> Result<(T, CpuTime), E> {
@@ -50,7 +50,7 @@ pub fn least_disturbed<T, E>(
     Ok(best)
 }
 
-/// A reading of the accounts, from which [`CpuClock::since`] takes the difference.
+/// A reading of this process's CPU time; [`CpuClock::since`] takes the difference.
 #[derive(Clone, Copy, Debug)]
 pub struct CpuClock {
     at: Instant,
@@ -59,7 +59,7 @@ pub struct CpuClock {
 }
 
 impl CpuClock {
-    /// Reads the accounts of all threads.
+    /// Reads the CPU time of all threads.
     pub fn read() -> Self {
         let (mut ran_ns, mut waited_ns) = (0, 0);
         for task in std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten() {
@@ -71,7 +71,7 @@ impl CpuClock {
         Self { at: Instant::now(), ran_ns, waited_ns }
     }
 
-    /// What happened since `self` was read. A thread that ended meanwhile takes its account with it.
+    /// CPU time since `self` was read. The time of threads that ended meanwhile is lost.
     pub fn since(&self) -> CpuTime {
         let now = Self::read();
         CpuTime {
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn accounts_see_work() {
+    fn the_clock_sees_work() {
         let before = CpuClock::read();
         assert!(spin(Duration::from_millis(30)) > 0.0);
         let load = before.since();

@@ -1,4 +1,4 @@
-//! `environment.json`: on what, with what and how a run was made, and how it ended. Holds no host name
+//! `environment.json`: the machine, the program and the settings of a run, and how it ended. Holds no host name
 //! and no path of the machine.
 
 use super::cpu_time::Spin;
@@ -55,7 +55,7 @@ impl Program {
     }
 }
 
-/// The machine and its system; "unknown" where it does not tell.
+/// The machine and its system; "unknown" where the system does not say.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     /// A name given on the command line, else "anonymous".
@@ -83,7 +83,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Looks around.
+    /// The machine that this runs on.
     pub fn this(host: &str) -> Self {
         Self {
             host: host.into(),
@@ -128,7 +128,7 @@ impl Library {
     }
 }
 
-/// What the machine did besides, at one moment.
+/// Load of the machine at one moment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moment {
     /// ISO 8601.
@@ -162,7 +162,7 @@ pub struct Environment {
     pub state: State,
     /// The command line after the program's name, paths without their folders.
     pub arguments: Vec<String>,
-    /// What was asked for: sizes, rounds, threads, seed, scenes.
+    /// The settings (sizes, rounds, threads, seed) and the scenes.
     pub plan: serde_json::Value,
     /// This program.
     pub program: Program,
@@ -176,7 +176,7 @@ pub struct Environment {
     pub before: Vec<Moment>,
     /// After the last.
     pub after: Option<Moment>,
-    /// What to know when reading the figures.
+    /// Remarks for the reader of the figures.
     pub notes: Vec<String>,
 }
 
@@ -199,7 +199,7 @@ fn utc(seconds: u64) -> String {
     format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", rest / 3600, rest / 60 % 60, rest % 60)
 }
 
-/// Memory that could be had now, in bytes, if the system tells.
+/// Memory available now, bytes, if the system reports it.
 pub fn available_memory() -> Option<u64> {
     Some(memory_kib("MemAvailable:") * 1024).filter(|&bytes| bytes > 0)
 }
@@ -240,7 +240,7 @@ fn text(path: &str) -> String {
     if text.trim().is_empty() { UNKNOWN.into() } else { text.trim().into() }
 }
 
-/// What follows `key` on the first line that starts with it.
+/// The rest of the first line that starts with `key`.
 fn line_of(path: &str, key: &str) -> String {
     let text = std::fs::read_to_string(path).unwrap_or_default();
     let value = text.lines().find_map(|line| line.strip_prefix(key)).map(str::trim);
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn the_machine_tells_something_and_no_name() {
+    fn the_machine_is_described_without_its_name() {
         let machine = Machine::this("anonymous");
         assert!(machine.processors >= 1);
         assert_eq!(machine.host, "anonymous");

@@ -13,7 +13,7 @@ pub enum PlanError {
     /// A folder in place of a file.
     #[error("{}: is a directory; name a scene file in it (.obj or .ply, plain, .gz or .zst)", .0.display())]
     Directory(PathBuf),
-    /// Two scenes whose rows could not be told apart.
+    /// Two scenes of the same name.
     #[error("two scenes are called {0}; rename one of the files")]
     SameName(String),
     /// A scene file that cannot be used.
@@ -22,15 +22,15 @@ pub enum PlanError {
     /// Not a builder.
     #[error("no builder is called {name}; there are {known}")]
     NoSuchBuilder {
-        /// What was asked for.
+        /// The name given.
         name: String,
-        /// What there is.
+        /// The builders of this program.
         known: String,
     },
     /// A count that must be positive.
     #[error("--{0} 0: nothing would be measured; give 1 or more")]
     Zero(&'static str),
-    /// A count beyond reason.
+    /// A count above its limit.
     #[error("--{option} {value}: more than {most}; give less")]
     TooMuch {
         /// The option's name.
@@ -40,13 +40,13 @@ pub enum PlanError {
         /// The most it may be.
         most: usize,
     },
-    /// One thread is all there is, or Embree's devices that trace would keep more of its threads awake.
+    /// `--one-thread` beside `--threads 1`, or without `--build-only`.
     #[error("--one-thread {0}")]
     OneThread(&'static str),
-    /// The filter leaves nothing.
+    /// The filter matches nothing.
     #[error("--filter {0}: matches no \"scene builder width kernel\"; see `phr bench --list`")]
     NothingLeft(String),
-    /// The folder of `--scenes` is none.
+    /// `--scenes` does not name a folder.
     #[error("{}: not a folder; --scenes takes the folder that holds the paper's scene files", .0.display())]
     NotAFolder(PathBuf),
 }
@@ -65,15 +65,15 @@ pub enum RunError {
     Reference {
         /// The scene.
         scene: String,
-        /// Embree's words.
+        /// Embree's message.
         reason: String,
     },
-    /// The threads cannot be had.
+    /// The threads cannot be started.
     #[error("--threads {threads}: {reason}; give fewer")]
     Threads {
         /// Threads asked for.
         threads: usize,
-        /// What the system says.
+        /// The system's message.
         reason: String,
     },
     /// `--resume` with other settings.
@@ -81,7 +81,7 @@ pub enum RunError {
     Resume {
         /// The folder.
         folder: PathBuf,
-        /// What differs.
+        /// The setting that differs.
         what: String,
     },
 }

@@ -12,9 +12,9 @@ pub enum RecordsError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's message.
         source: std::io::Error,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
     /// The file is not CSV of this schema.
@@ -41,7 +41,7 @@ pub enum RecordsError {
         /// The schema of this program.
         expected: u32,
     },
-    /// A JSON file does not hold what it should.
+    /// The file is not JSON of the expected content.
     #[error("{}: {source}; remove the folder or run without --resume", path.display())]
     Json {
         /// The file.
@@ -59,7 +59,7 @@ pub fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, RecordsEr
     let bytes = std::fs::read(path).map_err(|source| RecordsError::Io {
         path: path.to_owned(),
         source,
-        remedy: "nothing to go on from; run without --resume",
+        remedy: "there is no run to resume; run without --resume",
     })?;
     serde_json::from_slice(&bytes).map_err(|source| RecordsError::Json { path: path.to_owned(), source })
 }
@@ -75,8 +75,8 @@ pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), RecordsErr
     write_whole(path, &bytes)
 }
 
-/// Writes a file beside `path` and renames it, so that a reader, or whoever comes after a kill, finds the
-/// old file or the new one.
+/// Writes a file beside `path` and renames it: at any time, also after a kill, `path` is the old file or the new
+/// one, whole.
 ///
 /// # Errors
 /// An unwritable place.

@@ -1,11 +1,11 @@
-//! The benchmark driver: what is run ([`plan`]), who is measured ([`contender`]), how ([`run`], [`measure`])
-//! and what is written ([`samples`], [`row`], [`environment`]).
+//! The benchmark driver. A [`plan`] lists scenes and [`cell`]s; a [`run`] visits each cell in interleaved rounds;
+//! a [`visit`] has a [`contender`] build its tree and times it under each kernel; the [`recorder`] keeps
+//! [`samples`], [`rows`] and [`environment`] on disk.
 
 pub mod build_times;
 pub mod cell;
 pub mod contender;
 pub mod cpu_time;
-
 pub mod environment;
 pub mod error;
 pub mod files;
@@ -22,6 +22,8 @@ pub mod run;
 pub mod samples;
 pub mod settings;
 pub mod statistics;
+pub mod traces;
 pub mod tree_facts;
 pub mod visit;
+pub mod visit_times;
 pub mod warnings;

@@ -11,7 +11,7 @@ use regex::Regex;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// The sets of scenes that have a name.
+/// Named sets of scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Set {
@@ -21,7 +21,7 @@ pub enum Set {
     Paper,
 }
 
-/// What is asked of a run.
+/// The request for a run, not checked yet.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// Files and generators by name.
@@ -38,7 +38,7 @@ pub struct Request {
     pub settings: Settings,
 }
 
-/// A run that can be made.
+/// A checked request: the scenes and cells to run.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The scenes, in order, with their cells.
@@ -51,7 +51,7 @@ impl Plan {
     /// Checks a request.
     ///
     /// # Errors
-    /// Whatever is wrong with it.
+    /// The first fault found.
     pub fn new(request: &Request) -> Result<Self, PlanError> {
         request.settings.check()?;
         let mut scenes = Vec::new();

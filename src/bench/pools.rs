@@ -3,11 +3,12 @@
 use super::settings::Settings;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
-/// The threads that ours build with and all trace with; Embree makes as many of its own.
+/// The thread pools: our builders build with them and every kernel traces with them. Embree starts as many threads of
+/// its own.
 pub struct Pools {
-    /// As many as were asked for.
+    /// As many threads as the settings say.
     pub all: ThreadPool,
-    /// One, where builds are timed on one thread too.
+    /// One thread, where builds are timed on one thread too.
     pub one: Option<ThreadPool>,
 }
 

@@ -1,5 +1,5 @@
 //! The rays of a scene, recorded once per view from a path tracer over the reference tree, with the
-//! reference's hits. Every builder traces these very rays.
+//! reference's hits. All trees are traced with these rays.
 
 use super::settings::Settings;
 use crate::geometry::{Hit, Mesh, Ray, Tracer};
@@ -22,7 +22,7 @@ impl Answers {
         if kind.is_any_hit() { Self::Any(vec![false; rays]) } else { Self::Closest(vec![Hit::MISS; rays]) }
     }
 
-    /// Forgets all answers, so that none can stand from before.
+    /// Resets all answers, so that none is left from an earlier trace.
     pub fn reset(&mut self) {
         match self {
             Self::Closest(hits) => hits.fill(Hit::MISS),

@@ -17,7 +17,7 @@ use crate::scene::Scene;
 use crate::trace;
 use std::path::Path;
 
-/// What the command makes of the rows when a run ends.
+/// Files that the command makes from the rows when a run ends.
 const MADE_OF_ROWS: [&str; 7] = [
     "table1.md",
     "figure6.svg",
@@ -28,7 +28,7 @@ const MADE_OF_ROWS: [&str; 7] = [
     "growth.png",
 ];
 
-/// Where a run is recorded, and what is recorded of its circumstances.
+/// Where and how a run is recorded.
 pub struct RecordOptions<'a> {
     /// The results folder.
     pub folder: &'a Path,
@@ -51,7 +51,7 @@ pub(super) struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Starts the records, or takes up those of a run that was stopped.
+    /// Starts the records, or continues those of the run in the folder.
     pub fn open(plan: &Plan, options: &RecordOptions<'a>) -> Result<Self, RunError> {
         let settings = &plan.settings;
         let folder = options.folder;
@@ -93,7 +93,7 @@ impl<'a> Recorder<'a> {
             Self { folder, samples, environment, rounds: settings.rounds, threads: settings.threads };
         recorder.write_environment()?;
         if !options.resume {
-            // Nothing of an older run may pass for part of this one.
+            // No file of an older run may be taken for part of this one.
             for file in MADE_OF_ROWS.into_iter().chain([ROWS, SAMPLES]) {
                 let path = folder.join(file);
                 if path.exists() {
@@ -109,7 +109,7 @@ impl<'a> Recorder<'a> {
         Ok(recorder)
     }
 
-    /// The scene's place among the samples, with all its cells.
+    /// The scene's index among the samples; adds the scene and its cells where they are new.
     pub fn scene(
         &mut self,
         planned: &PlannedScene,
@@ -161,7 +161,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// What all rows share.
+    /// The columns that all rows share.
     pub fn header(&self) -> Header {
         let mut warnings = Vec::new();
         if self.threads > self.environment.machine.processors {
@@ -247,7 +247,7 @@ fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunEr
     }
 }
 
-/// Twelve hexadecimal digits that hardly two runs share.
+/// Twelve hexadecimal digits, from the time and the process.
 fn run_id() -> String {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     let nanoseconds = now.map_or(0, |duration| duration.as_nanos() as u64);

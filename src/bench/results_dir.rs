@@ -1,5 +1,5 @@
-//! A results folder after the run: the rows of it and of its subfolders, whether it is whole, and the little
-//! of it that a repository keeps.
+//! A results folder after the run: its rows and those of its subfolders, whether the run was completed, and the
+//! reduced rows that a repository keeps.
 
 use super::environment::{ENVIRONMENT, Environment, State};
 use super::error::ReduceError;
@@ -16,13 +16,13 @@ pub fn environment(folder: &Path) -> Result<Option<Environment>, RecordsError> {
     if path.is_file() { read_json(&path).map(Some) } else { Ok(None) }
 }
 
-/// False if the environment tells of a run that was stopped. A lone CSV tells by its warnings only.
+/// False if the environment is that of a stopped run. For a lone CSV only the warnings can tell.
 pub fn is_complete(environment: Option<&Environment>) -> bool {
     environment.is_none_or(|found| found.state == State::Complete)
 }
 
 /// The folders with rows among `path` and its subfolders, itself first and the others by name; a file, or a
-/// folder without any, is returned alone, so that reading it says what is missing.
+/// folder without any, is returned alone, so that reading it reports the missing file.
 pub fn parts(path: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(path).into_iter().flatten().filter_map(Result::ok);
     let mut found: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
@@ -47,8 +47,8 @@ pub fn read_all(paths: &[PathBuf]) -> Result<(Vec<Row>, bool), RecordsError> {
     Ok((rows, are_complete))
 }
 
-/// Writes what a repository keeps of the results in `from` and its subfolders to `to`: the rows that sum over
-/// views and kinds of rays, with the environment as it is. Returns the folders written.
+/// Reduces the results in `from` and its subfolders to the rows that sum over views and kinds of rays, and writes
+/// them to `to` with the environment as it is. Returns the folders written.
 ///
 /// # Errors
 /// Those of [`ReduceError`].

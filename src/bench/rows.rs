@@ -1,14 +1,14 @@
-//! From samples to rows.
+//! The rows that the samples give: medians, spreads and warnings.
 
-use super::cell::Kernel;
 use super::cpu_time::CpuTime;
 use super::row::{ALL, COLD, NO_KERNEL, Row, SCHEMA, WARM, figures};
-use super::samples::{CellSamples, Check, KernelChecks, Samples, SceneSamples, VisitSamples};
+use super::samples::{CellSamples, Check, KernelChecks, Samples, SceneSamples};
 use super::statistics::{Summary, median};
+use super::visit_times::{builds, times};
 use super::warnings::Warning;
 use crate::trace::RayKind;
 
-/// What all rows of a run share.
+/// The columns that all rows of a run share.
 #[derive(Clone, Debug, Default)]
 pub struct Header {
     /// Names the run.
@@ -23,7 +23,7 @@ pub struct Header {
     pub threads: usize,
     /// Rounds asked for.
     pub rounds: usize,
-    /// What is wrong with the whole run.
+    /// Warnings that concern the whole run.
     pub warnings: Vec<Warning>,
 }
 
@@ -92,14 +92,14 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
     let warms = builds(cell, WARM);
     let mut warnings = of_run(&warms);
     let load = sum(cell.visits.iter().map(|visit| visit.builds.warm.cpu_time));
-    warnings.extend(Warning::of_load(&load, header.threads));
+    warnings.extend(Warning::of_cpu_time(&load, header.threads));
     let warm = with_builds(known, &warms, warnings.clone());
     if cell.checks.is_empty() {
         rows.push(warm);
         return rows;
     }
     let load = sum(cell.visits.iter().map(|visit| visit.cpu_time));
-    warnings.extend(Warning::of_load(&load, header.threads));
+    warnings.extend(Warning::of_cpu_time(&load, header.threads));
     for kernel in &cell.checks {
         let row = Row { kernel: kernel.kernel.name().into(), isa: kernel.isa.clone(), ..warm.clone() };
         if let Some(reason) = &kernel.unavailable {
@@ -118,7 +118,7 @@ fn one_thread(cell: &CellSamples, row: &Row, of_run: &dyn Fn(&[f64]) -> Vec<Warn
     let visits = || cell.visits.iter().filter_map(|visit| visit.builds.one_thread.as_ref());
     let samples: Vec<f64> = visits().filter_map(|builds| median(&builds.ms)).collect();
     let mut warnings = of_run(&samples);
-    warnings.extend(Warning::of_load(&sum(visits().map(|builds| builds.cpu_time)), 1));
+    warnings.extend(Warning::of_cpu_time(&sum(visits().map(|builds| builds.cpu_time)), 1));
     // The peak is that of the builds on all threads.
     let row = Row { threads: 1, peak_bytes: None, ..row.clone() };
     (!samples.is_empty()).then(|| with_builds(row, &samples, warnings))
@@ -201,41 +201,8 @@ fn batch_row(
     }
 }
 
-/// Per visit, the build time in a regime. A visit's warm builds count as one sample, their median, as its
-/// traces do.
-pub fn builds(cell: &CellSamples, regime: &str) -> Vec<f64> {
-    if regime == COLD {
-        return cell.visits.iter().map(|visit| visit.builds.cold_ms).collect();
-    }
-    cell.visits.iter().filter_map(|visit| median(&visit.builds.warm.ms)).collect()
-}
-
-/// Per visit, the time of all matching traces of a pass together, the median of its passes; visits without any are
-/// left out.
-pub fn times(
-    cell: &CellSamples,
-    kernel: Kernel,
-    view: Option<usize>,
-    kind: impl Fn(Option<RayKind>) -> bool,
-) -> Vec<f64> {
-    let of_visit = |visit: &VisitSamples| {
-        let matching = visit.timings.iter().filter(|timing| {
-            timing.kernel == kernel && view.is_none_or(|view| view == timing.view) && kind(timing.kind)
-        });
-        let mut passes = Vec::new();
-        for timing in matching {
-            if passes.len() <= timing.pass {
-                passes.resize(timing.pass + 1, 0.0);
-            }
-            passes[timing.pass] += timing.ms;
-        }
-        median(&passes)
-    };
-    cell.visits.iter().filter_map(of_visit).collect()
-}
-
-fn sum(loads: impl Iterator<Item = CpuTime>) -> CpuTime {
-    loads.fold(CpuTime::default(), |a, b| CpuTime {
+fn sum(times: impl Iterator<Item = CpuTime>) -> CpuTime {
+    times.fold(CpuTime::default(), |a, b| CpuTime {
         wall_s: a.wall_s + b.wall_s,
         ran_s: a.ran_s + b.ran_s,
         waited_s: a.waited_s + b.waited_s,
@@ -247,7 +214,9 @@ mod tests {
     use super::*;
     use crate::bench::build_times::{BuildTimes, WarmTimes};
     use crate::bench::cell::Cell;
+    use crate::bench::cell::Kernel;
     use crate::bench::samples::Timing;
+    use crate::bench::samples::VisitSamples;
     use crate::bench::tree_facts::TreeFacts;
     use crate::geometry::Dropped;
 

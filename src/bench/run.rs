@@ -17,15 +17,15 @@ use crate::scene::Scene;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Told of a run's course.
+/// Receives the progress of a run.
 pub trait Progress {
     /// Work in all, in arbitrary units.
     fn begin(&mut self, total: u64);
-    /// What is being done.
+    /// The current step.
     fn at(&mut self, doing: &str);
     /// Units done since the last call.
     fn advance(&mut self, units: u64);
-    /// Something the user should know.
+    /// A remark for the user.
     fn note(&mut self, text: &str);
     /// A scene is done, with these rows.
     fn scene(&mut self, rows: &[Row]);
@@ -44,7 +44,7 @@ pub struct Outcome {
 
 /// A run about to be made.
 pub struct Run<'a> {
-    /// What is run.
+    /// The scenes and cells to run.
     pub plan: &'a Plan,
     /// How it is recorded.
     pub records: RecordOptions<'a>,
@@ -53,10 +53,10 @@ pub struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Makes the run and writes its records.
+    /// Visits all cells in all rounds and records the samples.
     ///
     /// # Errors
-    /// Those of [`RunError`]; what was finished before stays on disk, marked as part of a run.
+    /// Those of [`RunError`]; finished visits stay on disk, marked as part of a run.
     pub fn make(&self, progress: &mut dyn Progress) -> Result<Outcome, RunError> {
         let threads = self.plan.settings.threads;
         let pools = Pools::new(&self.plan.settings)
@@ -179,7 +179,7 @@ fn order<'a>(cells: &'a [Cell], scene: &str, seed: u64, round: usize) -> Vec<&'a
     order
 }
 
-/// What a visit weighs on the progress bar: triangles to build, and some rays.
+/// Weight of a visit on the progress bar: triangles to build, and some rays.
 fn weight(scene: &PlannedScene) -> u64 {
     scene.triangles as u64 + 300_000
 }

@@ -46,7 +46,7 @@ pub struct VisitSamples {
     pub cpu_time: CpuTime,
 }
 
-/// What a first trace of a batch showed, untimed.
+/// The result of the first trace of a batch, untimed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Check {
     /// The view, from 0.
@@ -80,7 +80,7 @@ pub struct KernelChecks {
     pub isa: String,
     /// Why the kernel cannot trace this tree, where it cannot.
     pub unavailable: Option<String>,
-    /// What the first trace of each batch showed.
+    /// The results of the first trace of each batch.
     pub checks: Vec<Check>,
     /// The first wrong answer: such a kernel has no figures.
     pub mismatch: Option<String>,
@@ -92,7 +92,7 @@ pub struct CellSamples {
     /// The cell.
     #[serde(flatten)]
     pub cell: Cell,
-    /// What is known of its tree.
+    /// Facts of its tree.
     pub facts: TreeFacts,
     /// Its kernels, as first seen.
     pub checks: Vec<KernelChecks>,
@@ -116,7 +116,7 @@ pub struct SceneSamples {
     pub name: String,
     /// Hash of the geometry.
     pub sha: String,
-    /// Where it came from, without folders.
+    /// Its origin, without folders.
     pub source: String,
     /// Triangles.
     pub triangles: u64,

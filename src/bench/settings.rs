@@ -8,7 +8,7 @@ use std::time::Duration;
 /// A day.
 const MOST_SECONDS: u64 = 24 * 60 * 60;
 
-/// What can be set about a run, and must be the same where one is resumed (but for `rounds` and `seconds`).
+/// The settings of a run. A resumed run must have the same, except for `rounds` and `seconds`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Settings {
     /// Pixels across.
@@ -43,7 +43,7 @@ impl Settings {
         PathSettings { width: self.width, height: self.height, max_depth: self.max_depth, seed: self.seed }
     }
 
-    /// Whether a scene that has been measured for `spent`, in rounds before `round`, is to have that too.
+    /// Whether `round` is to be run in a scene whose rounds so far took `spent`.
     pub fn wants(&self, round: usize, spent: Duration) -> bool {
         round < self.rounds || spent < Duration::from_secs(self.seconds)
     }

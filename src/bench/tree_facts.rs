@@ -3,10 +3,10 @@
 use crate::bvh::Statistics;
 use serde::{Deserialize, Serialize};
 
-/// What is known of a tree beside its speed; what could not be had is absent.
+/// Facts of a tree; `None` where a figure is unavailable.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TreeFacts {
-    /// Who built it, with version.
+    /// The engine that built it, with version.
     pub engine: String,
     /// The builder's parameters.
     pub config: String,
@@ -29,7 +29,7 @@ pub struct TreeFacts {
 }
 
 impl TreeFacts {
-    /// Those of a tree in our own form.
+    /// The facts of a tree in our form.
     pub fn of(statistics: &Statistics, engine: String, config: String) -> Self {
         Self {
             engine,

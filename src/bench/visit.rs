@@ -6,34 +6,23 @@ use super::cell::Cell;
 use super::contender::{BuildRequest, BuiltTree, Contender, TreeUnderKernel};
 use super::cpu_time::CpuClock;
 use super::pools::Pools;
-use super::rays::{Answers, ViewRays};
-use super::samples::{CellSamples, Check, KernelChecks, Timing, VisitSamples};
+use super::rays::ViewRays;
+use super::samples::{CellSamples, KernelChecks, VisitSamples};
 use super::settings::Settings;
+use super::traces::{SceneTraces, Stopped};
 use super::tree_facts::TreeFacts;
 use crate::geometry::Tracer;
 use crate::scene::Scene;
-use crate::trace::verify::Verdict;
-use crate::trace::{self, RayKind};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::sync::atomic::AtomicBool;
 
-/// Pause before each trace, in which the threads of the builder go to sleep.
-const SETTLE: Duration = Duration::from_millis(3);
-
-/// Times that a visit traces everything, as it repeats builds: the median of them is rid of single disturbances.
+/// How often a visit traces all batches; the median of the passes is robust against single disturbances.
 const PASSES: usize = 3;
 
 /// A scene under measurement.
 pub struct Bench<'a> {
     scene: &'a Scene,
-    rays: &'a [ViewRays],
-    /// Whose hits are right; absent where nothing is traced.
-    reference: Option<&'a dyn Tracer>,
-    settings: &'a Settings,
     pools: &'a Pools,
-    stop: &'a AtomicBool,
-    /// Where tracers write, kept so that no page is touched for the first time in a timed trace.
-    scratch: Vec<Vec<Answers>>,
+    traces: SceneTraces<'a>,
 }
 
 /// When a cell is visited.
@@ -44,10 +33,6 @@ pub struct Turn {
     /// Place within the round, from 0.
     pub place: usize,
 }
-
-/// The run was told to stop: nothing of the visit is kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stopped;
 
 /// Why a visit did not come to its end.
 #[derive(Debug, PartialEq, Eq)]
@@ -71,7 +56,7 @@ impl From<String> for Unfinished {
 }
 
 impl<'a> Bench<'a> {
-    /// Makes room for the answers.
+    /// Visits will trace `rays` and compare with the hits of `reference`, until told to `stop`.
     pub fn new(
         scene: &'a Scene,
         rays: &'a [ViewRays],
@@ -80,8 +65,7 @@ impl<'a> Bench<'a> {
         pools: &'a Pools,
         stop: &'a AtomicBool,
     ) -> Self {
-        let scratch = rays.iter().map(|view| view.reference.clone()).collect();
-        Self { scene, rays, reference, settings, pools, stop, scratch }
+        Self { scene, pools, traces: SceneTraces::new(scene, rays, reference, settings, pools, stop) }
     }
 
     /// Visits `cell` in its `turn` and adds the samples to `samples`. A builder that fails leaves its reason
@@ -124,7 +108,7 @@ impl<'a> Bench<'a> {
         let mut contender = Contender::of(cell)?;
         let built = self.build(&mut contender, cell, true)?;
         let trees = self.under_kernels(&built, cell)?;
-        Ok(trees.iter().filter_map(|tree| self.check(tree).ok()).collect())
+        Ok(trees.iter().filter_map(|tree| self.traces.check(tree).ok()).collect())
     }
 
     fn build<'b>(
@@ -160,7 +144,7 @@ impl<'a> Bench<'a> {
             samples.facts = facts;
             samples.checks.clear();
             for tree in &trees {
-                let checks = self.check(tree)?;
+                let checks = self.traces.check(tree)?;
                 samples.checks.push(checks);
             }
         }
@@ -176,123 +160,13 @@ impl<'a> Bench<'a> {
                 continue;
             };
             if checks.mismatch.is_none() && checks.unavailable.is_none() {
-                timings.extend(self.time(tracer, pass, checks)?);
+                timings.extend(self.traces.time(tracer, pass, checks)?);
             }
         }
         let cpu_time = clock.since();
         let Turn { round, place } = turn;
         samples.visits.push(VisitSamples { round, place, builds, timings, cpu_time });
-        self.go_on()
-    }
-
-    fn go_on(&self) -> Result<(), Stopped> {
-        if self.stop.load(Ordering::Relaxed) { Err(Stopped) } else { Ok(()) }
-    }
-
-    /// Traces each batch once, untimed, and compares with the reference.
-    fn check(&mut self, tree: &TreeUnderKernel<'_>) -> Result<KernelChecks, Stopped> {
-        let mut kernel = KernelChecks {
-            kernel: tree.kernel,
-            isa: tree.isa.clone(),
-            unavailable: None,
-            checks: Vec::new(),
-            mismatch: None,
-        };
-        let tracer = match tree.tracer() {
-            Ok(tracer) => tracer,
-            Err(reason) => {
-                kernel.unavailable = Some(reason.to_owned());
-                return Ok(kernel);
-            }
-        };
-        for (index, view_rays) in self.rays.iter().enumerate() {
-            for (slot, kind) in RayKind::ALL.into_iter().enumerate() {
-                self.go_on()?;
-                let rays = view_rays.batches.get(kind);
-                let answers = &mut self.scratch[index][slot];
-                answers.reset();
-                self.pools.all.install(|| answers.fill(tracer, rays));
-                let verdict = self.verdict(tracer, index, slot);
-                let answers = &self.scratch[index][slot];
-                let counts = self.pools.all.install(|| tree.count(kind, rays));
-                kernel.checks.push(Check {
-                    view: index,
-                    kind: Some(kind),
-                    rays: rays.len() as u64,
-                    hits: answers.hits(),
-                    hash: format!("{:016x}", answers.hash()),
-                    equal: verdict.equal as u64,
-                    ties: verdict.ties as u64,
-                    edge: verdict.edge as u64,
-                    node_visits: counts.map(|counts| counts.node_visits),
-                    block_tests: counts.map(|counts| counts.block_tests),
-                });
-                if let Some(first) = verdict.mismatches.first() {
-                    let wrong = verdict.mismatched;
-                    kernel.mismatch = Some(format!(
-                        "view {index}, {}: {wrong} of {} answers are wrong, first {first}",
-                        kind.name(),
-                        rays.len()
-                    ));
-                    return Ok(kernel);
-                }
-            }
-        }
-        Ok(kernel)
-    }
-
-    /// Compares the answers of `tracer` to a batch with the reference's.
-    fn verdict(&self, tracer: &dyn Tracer, view: usize, slot: usize) -> Verdict {
-        let rays = self.rays[view].batches.get(RayKind::ALL[slot]);
-        let (answers, right) = (&self.scratch[view][slot], &self.rays[view].reference[slot]);
-        let tracers = [self.reference.unwrap_or(tracer), tracer];
-        self.pools.all.install(|| answers.compare(&self.scene.mesh, rays, right, tracers))
-    }
-
-    /// Traces each batch against the clock, and in the first pass frames where they are asked for. Answers that hash
-    /// to other distances than at first are compared again: trees of parallel builders may differ, but not so that a hit is wrong.
-    fn time(
-        &mut self,
-        tracer: &dyn Tracer,
-        pass: usize,
-        checks: &mut KernelChecks,
-    ) -> Result<Vec<Timing>, Stopped> {
-        let mut timings = Vec::new();
-        for (index, view_rays) in self.rays.iter().enumerate() {
-            for (slot, kind) in RayKind::ALL.into_iter().enumerate() {
-                self.go_on()?;
-                let rays = view_rays.batches.get(kind);
-                let answers = &mut self.scratch[index][slot];
-                answers.reset();
-                std::thread::sleep(SETTLE);
-                let start = Instant::now();
-                self.pools.all.install(|| answers.fill(tracer, rays));
-                let ms = start.elapsed().as_secs_f64() * 1e3;
-                timings.push(Timing { kernel: checks.kernel, view: index, kind: Some(kind), pass, ms });
-
-                let first =
-                    checks.checks.iter().find(|check| check.view == index && check.kind == Some(kind));
-                if first.is_none_or(|first| first.hash != format!("{:016x}", answers.hash())) {
-                    let verdict = self.verdict(tracer, index, slot);
-                    if let Some(wrong) = verdict.mismatches.first() {
-                        checks.mismatch =
-                            Some(format!("view {index}, {}: in a later round {wrong}", kind.name()));
-                        return Ok(timings);
-                    }
-                }
-            }
-            if self.settings.frames && pass == 0 {
-                let view = &self.scene.views[index];
-                std::thread::sleep(SETTLE);
-                let start = Instant::now();
-                let path = self.settings.path();
-                let image = self.pools.all.install(|| trace::render(tracer, &self.scene.mesh, view, &path));
-                let ms = start.elapsed().as_secs_f64() * 1e3;
-                drop(image);
-                timings.push(Timing { kernel: checks.kernel, view: index, kind: None, pass, ms });
-            }
-        }
-        Ok(timings)
+        self.traces.go_on()
     }
 }
 
@@ -305,7 +179,8 @@ mod tests {
     use crate::builders::{self, Build, Builder};
     use crate::bvh::Bvh4;
     use crate::geometry::{Dropped, Hit, Mesh, Ray};
-    use crate::trace::BvhTracer;
+    use crate::trace::{BvhTracer, RayKind};
+    use std::sync::atomic::Ordering;
 
     /// A hilly sheet seen from above.
     fn scene() -> Scene {
@@ -322,7 +197,7 @@ mod tests {
         Scene::new("sheet".into(), mesh, Dropped::default(), Vec::new(), "test".into())
     }
 
-    /// Answers as another does, but for one ray of each batch while it lies.
+    /// Answers like `honest`, with one wrong hit in each batch while `lies` is set.
     struct Liar<'a> {
         honest: &'a dyn Tracer,
         lies: &'a AtomicBool,
@@ -344,15 +219,14 @@ mod tests {
     }
 
     /// Runs `test` with a bench over the sheet and the reference's own tree.
-    fn with_bench(test: impl FnOnce(&mut Bench<'_>, &dyn Tracer)) {
+    fn with_bench(stop: &AtomicBool, test: impl FnOnce(&mut Bench<'_>, &dyn Tracer)) {
         let scene = scene();
         let built = builders::by_name("lbvh").unwrap().build(&scene.mesh);
         let tracer = BvhTracer::new(&built.tree);
         let settings = Settings { width: 16, height: 16, max_depth: 4, frames: true, ..Settings::least() };
         let pools = Pools::new(&settings).unwrap();
         let recorded = pools.all.install(|| rays::record(&tracer, &scene, &settings));
-        let stop = AtomicBool::new(false);
-        let mut bench = Bench::new(&scene, &recorded, Some(&tracer), &settings, &pools, &stop);
+        let mut bench = Bench::new(&scene, &recorded, Some(&tracer), &settings, &pools, stop);
         test(&mut bench, &tracer);
     }
 
@@ -379,7 +253,7 @@ mod tests {
 
     #[test]
     fn honest_tracers_are_timed_in_every_batch() {
-        with_bench(|bench, honest| {
+        with_bench(&AtomicBool::new(false), |bench, honest| {
             let mut samples = samples();
             trace(bench, honest, 0, &mut samples).unwrap();
             trace(bench, honest, 1, &mut samples).unwrap();
@@ -394,7 +268,7 @@ mod tests {
 
     #[test]
     fn a_wrong_hit_is_found_at_first_and_in_later_rounds() {
-        with_bench(|bench, honest| {
+        with_bench(&AtomicBool::new(false), |bench, honest| {
             let lies = AtomicBool::new(true);
             let liar = Liar { honest, lies: &lies };
             let mut at_first = samples();
@@ -419,7 +293,7 @@ mod tests {
             fn closest(&self, _: &[Ray], _: &mut [Hit]) {}
             fn any(&self, _: &[Ray], _: &mut [bool]) {}
         }
-        with_bench(|bench, _| {
+        with_bench(&AtomicBool::new(false), |bench, _| {
             let mut samples = samples();
             trace(bench, &Idle, 0, &mut samples).unwrap();
             assert!(samples.failed());
@@ -428,9 +302,8 @@ mod tests {
 
     #[test]
     fn a_stopped_visit_leaves_no_samples() {
-        with_bench(|bench, honest| {
+        with_bench(&AtomicBool::new(true), |bench, honest| {
             let mut samples = samples();
-            bench.stop.store(true, Ordering::Relaxed);
             assert_eq!(trace(bench, honest, 0, &mut samples), Err(Stopped));
             assert!(samples.visits.is_empty());
         });
@@ -458,7 +331,7 @@ mod tests {
 
     #[test]
     fn a_builder_that_panics_fails_and_the_bench_goes_on() {
-        with_bench(|bench, _| {
+        with_bench(&AtomicBool::new(false), |bench, _| {
             let mut failed = samples();
             let mut contender = Contender::Ours(Ours::new(Box::new(Panicking)));
             let visit =
@@ -475,7 +348,7 @@ mod tests {
 
     #[test]
     fn a_cell_without_a_builder_leaves_its_reason() {
-        with_bench(|bench, _| {
+        with_bench(&AtomicBool::new(false), |bench, _| {
             let mut samples = samples();
             assert_eq!(bench.visit(&cell("bvh"), Turn::default(), &mut samples), Ok(()));
             assert!(samples.error.is_some_and(|why| why.contains("no builder is called bvh")));

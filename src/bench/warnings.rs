@@ -1,10 +1,10 @@
-//! Defects of a measurement, named. They stand in the rows and are told as advice below the table.
+//! Named defects of a measurement. Rows carry the names; the table and the summary add advice.
 
 use super::cpu_time::{CpuTime, DISTURBED};
 use super::statistics::Summary;
 use serde::{Deserialize, Serialize};
 
-/// What is wrong with a figure.
+/// A defect of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Warning {
     /// Fewer than [`ENOUGH_SAMPLES`] samples.
@@ -15,7 +15,7 @@ pub enum Warning {
     SlowFirst,
     /// Some sample lies far outside the others.
     Outliers,
-    /// Other programs took the processors away.
+    /// Other programs held the processors.
     Contended,
     /// More or fewer threads ran than were asked for.
     ThreadMismatch,
@@ -23,7 +23,7 @@ pub enum Warning {
     Unfinished,
 }
 
-/// Samples below which a median says little.
+/// With fewer samples a median means little.
 pub const ENOUGH_SAMPLES: usize = 3;
 /// Largest share of the median that its absolute deviation may have.
 pub const SPREAD: f64 = 0.05;
@@ -31,7 +31,7 @@ pub const SPREAD: f64 = 0.05;
 const FIRST: f64 = 1.25;
 /// Largest distance from the median, in deviations that equal sigma for normal noise.
 const OUTLYING: f64 = 7.0;
-/// Shortest wall time, seconds, over which processor time tells anything.
+/// Shortest wall time, seconds, for which CPU time is meaningful.
 const SHORTEST: f64 = 0.02;
 
 impl Warning {
@@ -59,7 +59,7 @@ impl Warning {
         }
     }
 
-    /// What it means and what to do.
+    /// Its meaning and the remedy.
     pub fn advice(self) -> &'static str {
         match self {
             Self::TooFewSamples => {
@@ -80,7 +80,7 @@ impl Warning {
         }
     }
 
-    /// What the samples of one figure show, in the order in which they were taken.
+    /// The defects of the samples of one figure, in the order in which they were taken.
     pub fn of_samples(samples: &[f64]) -> Vec<Self> {
         let Some(summary) = Summary::of(samples) else { return vec![Self::TooFewSamples] };
         if samples.len() < ENOUGH_SAMPLES {
@@ -101,16 +101,16 @@ impl Warning {
         warnings
     }
 
-    /// What the processors' accounts of a timed span show, with `threads` asked for.
-    pub fn of_load(load: &CpuTime, threads: usize) -> Vec<Self> {
+    /// The defects that the CPU time of a span shows, with `threads` asked for.
+    pub fn of_cpu_time(time: &CpuTime, threads: usize) -> Vec<Self> {
         let mut warnings = Vec::new();
-        if load.wall_s < SHORTEST {
+        if time.wall_s < SHORTEST {
             return warnings;
         }
-        if load.waiting() > DISTURBED {
+        if time.waiting() > DISTURBED {
             warnings.push(Self::Contended);
         }
-        if load.ran_s > 1.1 * threads as f64 * load.wall_s {
+        if time.ran_s > 1.1 * threads as f64 * time.wall_s {
             warnings.push(Self::ThreadMismatch);
         }
         warnings
@@ -149,12 +149,12 @@ mod tests {
     }
 
     #[test]
-    fn processor_time_tells_contention_and_wrong_threads() {
-        let load = |wall_s, ran_s, waited_s| CpuTime { wall_s, ran_s, waited_s };
-        assert_eq!(Warning::of_load(&load(1.0, 1.9, 0.01), 2), []);
-        assert_eq!(Warning::of_load(&load(1.0, 1.0, 0.9), 2), [Warning::Contended]);
-        assert_eq!(Warning::of_load(&load(1.0, 3.9, 0.0), 2), [Warning::ThreadMismatch]);
-        assert_eq!(Warning::of_load(&load(0.001, 1.0, 1.0), 2), []);
+    fn cpu_time_shows_contention_and_wrong_threads() {
+        let time = |wall_s, ran_s, waited_s| CpuTime { wall_s, ran_s, waited_s };
+        assert_eq!(Warning::of_cpu_time(&time(1.0, 1.9, 0.01), 2), []);
+        assert_eq!(Warning::of_cpu_time(&time(1.0, 1.0, 0.9), 2), [Warning::Contended]);
+        assert_eq!(Warning::of_cpu_time(&time(1.0, 3.9, 0.0), 2), [Warning::ThreadMismatch]);
+        assert_eq!(Warning::of_cpu_time(&time(0.001, 1.0, 1.0), 2), []);
     }
 
     #[test]

@@ -22,7 +22,7 @@ impl<E: std::error::Error> From<E> for Failure {
 }
 
 impl Failure {
-    /// Tells the reason in one line on stderr.
+    /// Prints the reason in one line on stderr.
     pub fn report(self) -> ExitCode {
         let (text, code) = match self {
             Self::Bad(text) => (text, 2),

@@ -48,7 +48,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
-            // Help and version come this way too, with code 0. Nothing is left to do if they cannot be shown.
+            // Help and version arrive here too, with code 0. If they cannot be printed, nothing is left to do.
             let _ = error.print();
             return ExitCode::from(error.exit_code() as u8);
         }

@@ -1,4 +1,4 @@
-//! The end of `phr bench`: the best builders, where the results are, and what to make of the warnings.
+//! The end of `phr bench`: the best builders, where the results are, and advice on the warnings.
 
 use crate::bench::row::{ROWS, Row};
 use crate::bench::samples::SAMPLES;
@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 
 /// The file of the table in a results folder.
 pub const TABLE: &str = "table1.md";
-/// Warnings that are told; the table has all.
-const TOLD: usize = 3;
+/// Warnings shown; the table has all.
+const SHOWN: usize = 3;
 
 /// About ten lines on the run whose `rows` are in `folder`, with the `plots` drawn from them.
 pub fn summary(rows: &[Row], folder: &Path, plots: &[PathBuf]) -> String {
@@ -97,12 +97,12 @@ fn advice(rows: &[Row]) -> String {
     let mut found: Vec<(Warning, usize)> = Warning::ALL.map(|warning| (warning, count(warning))).into();
     found.retain(|(_, count)| *count > 0);
     found.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
-    let told = found.iter().take(TOLD).map(|(warning, count)| {
+    let shown_warnings = found.iter().take(SHOWN).map(|(warning, count)| {
         format!("{}: {count} of {} rows; {}\n", warning.name(), totals.len(), warning.advice())
     });
-    let mut text: String = told.collect();
-    if found.len() > TOLD {
-        let names: Vec<&str> = found[TOLD..].iter().map(|(warning, _)| warning.name()).collect();
+    let mut text: String = shown_warnings.collect();
+    if found.len() > SHOWN {
+        let names: Vec<&str> = found[SHOWN..].iter().map(|(warning, _)| warning.name()).collect();
         text += &format!("also, see {TABLE}: {}\n", names.join(", "));
     }
     text

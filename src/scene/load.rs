@@ -27,8 +27,8 @@ const BUFFER: usize = 1 << 20;
 const ZSTD_WINDOW_LOG: u32 = 27;
 
 /// Loads `path`: PLY (binary or ASCII) or OBJ, either with `.gz` or `.zst` after it. Polygons become fans of
-/// triangles. Triangles that no builder can hold are left out and counted in [`Scene::dropped`]. Cameras come
-/// from `views.json` beside the file, or are placed around the geometry where it names none for this scene.
+/// triangles. Triangles that no builder accepts are dropped and counted in [`Scene::dropped`]. Cameras come
+/// from `views.json` beside the file, or are placed around the geometry where it has none for this scene.
 ///
 /// # Errors
 /// [`SceneError`], one line each.

@@ -1,7 +1,7 @@
-//! Scenes: a mesh, its cameras and where it came from.
+//! Scenes: a mesh, its cameras and its origin.
 //!
 //! A scene is read from a file (`load`, with the feature `files`) or made by a [`Generator`]. [`paper`] lists
-//! the nine scenes of the paper, whose files few people have, and the generated stand-ins for them.
+//! the paper's nine scenes, which are hard to obtain, and their generated stand-ins.
 
 mod catalog;
 #[cfg(feature = "files")]

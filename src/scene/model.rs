@@ -1,4 +1,4 @@
-//! A scene: a mesh, its cameras and where it came from.
+//! A scene: a mesh, its cameras and its origin.
 
 use super::fingerprint;
 use super::views::{View, views_around};
@@ -15,7 +15,7 @@ pub struct Scene {
     pub dropped: Dropped,
     /// At least one camera.
     pub views: Vec<View>,
-    /// 16 hex digits of a hash of the mesh (vertices and triangles), which names the very geometry.
+    /// 16 hex digits of a hash of the mesh (vertices and triangles), which identifies the geometry.
     pub sha: String,
     /// "file PATH" or "generated, seed N".
     pub source: String,

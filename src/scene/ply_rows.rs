@@ -1,4 +1,4 @@
-//! The rows of a PLY file's elements, as `serde-ply` hands them over.
+//! The rows of a PLY file's elements, as `serde-ply` deserializes them.
 
 use super::raw_mesh::RawMesh;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
@@ -6,12 +6,12 @@ use serde_ply::PlyReader;
 use std::fmt;
 use std::io::BufRead;
 
-/// The most elements room is made for before one is read: headers lie.
+/// Elements for which memory is reserved at most before one is read: a header may lie.
 const TRUSTED_COUNT: usize = 1 << 20;
-/// The names under which exporters write a face's list.
+/// The names that exporters give a face's list.
 pub(super) const INDEX_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// Reads the next element into `out`; the row that failed and why, if one did.
+/// Reads the next element into `out`. Returns the index of the row that failed and the reason, if one did.
 pub(super) fn take<T: Rows>(
     ply: &mut PlyReader<impl BufRead>,
     out: &mut T,
@@ -21,7 +21,7 @@ pub(super) fn take<T: Rows>(
     Ok(stopped)
 }
 
-/// `serde-ply`'s messages in the words of a reader of files.
+/// `serde-ply`'s messages in plain words.
 pub(super) fn explain(message: &str) -> String {
     let message = message.trim_start_matches("Error while deserializing ply: ");
     match message {
@@ -30,7 +30,7 @@ pub(super) fn explain(message: &str) -> String {
     }
 }
 
-/// A collection that takes one row of an element after the other.
+/// A collection filled row by row.
 pub(super) trait Rows: Default {
     fn reserve(&mut self, rows: usize);
     fn take<'de, A: SeqAccess<'de>>(&mut self, rows: &mut A) -> Result<Option<()>, A::Error>;

@@ -4,13 +4,13 @@
 pub(super) struct RawMesh {
     /// x, y, z.
     pub vertices: Vec<[f32; 3]>,
-    /// Vertex indices; [`RawMesh::NO_VERTEX`] stands for one that 32 bits cannot hold.
+    /// Vertex indices; [`RawMesh::NO_VERTEX`] stands for an index beyond 32 bits.
     pub triangles: Vec<[u32; 3]>,
     /// Triangles already left out because of such an index.
     pub out_of_range: usize,
 }
 
 impl RawMesh {
-    /// An index that is beyond the vertices of every mesh.
+    /// An index out of range in every mesh.
     pub const NO_VERTEX: u32 = u32::MAX;
 }

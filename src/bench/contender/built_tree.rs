@@ -1,4 +1,4 @@
-//! What a contender is asked for and what it returns.
+//! The request to a contender, and the tree that it returns.
 
 use crate::bench::build_times::BuildTimes;
 use crate::bench::cell::Kernel;
@@ -7,7 +7,7 @@ use crate::bench::tree_facts::TreeFacts;
 use crate::bvh::{Bvh4, Bvh8};
 use crate::geometry::{Mesh, Tracer};
 
-/// What is asked of a contender.
+/// A request to a contender.
 #[derive(Clone, Copy)]
 pub struct BuildRequest<'a> {
     /// The geometry.
@@ -36,7 +36,7 @@ pub struct BuiltTree<'a> {
     pub facts: Option<TreeFacts>,
     /// The geometry.
     pub(super) mesh: &'a Mesh,
-    /// The tree in our form, or why it is not to be had.
+    /// The tree in our form, or why it is unavailable.
     pub(super) tree: Result<EitherWidth, String>,
     /// Embree's own scene, where Embree built it.
     pub(super) native: Option<Box<dyn Tracer + 'a>>,

@@ -73,7 +73,7 @@ impl<'a> TreeUnderKernel<'a> {
         kernels.iter().map(|&kernel| Self::new(built, kernel, threads)).collect()
     }
 
-    /// What traces the tree.
+    /// The tracer.
     ///
     /// # Errors
     /// Why the kernel cannot trace it.
@@ -88,7 +88,7 @@ impl<'a> TreeUnderKernel<'a> {
     }
 
     /// Counts the node visits and block tests for `rays` of `kind` on the current rayon pool, untimed; `None`
-    /// under Embree's kernels, which do not count.
+    /// under Embree's kernels, which have no counters.
     pub fn count(&self, kind: RayKind, rays: &[Ray]) -> Option<TraversalCounts> {
         match &self.traversal {
             Ok(Traversal::Four(tracer)) => Some(count(tracer, kind, rays)),
@@ -97,7 +97,7 @@ impl<'a> TreeUnderKernel<'a> {
         }
     }
 
-    /// Whatever `tracer` answers, as if by our kernel.
+    /// A tree that answers as `tracer` does.
     #[cfg(test)]
     pub fn of_tracer(tracer: &'a dyn Tracer) -> Self {
         Self { kernel: Kernel::Phr, isa: String::new(), traversal: Ok(Traversal::Native(tracer)) }

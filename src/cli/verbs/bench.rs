@@ -49,7 +49,7 @@ pub struct Arguments {
     /// Visits to each builder [default: 5; 4 for the built-in set]
     #[arg(long, value_name = "N")]
     rounds: Option<usize>,
-    /// Seconds for each scene, at least: rounds are added until they are over
+    /// Seconds per scene, at least: rounds are added until they have passed
     #[arg(long, default_value_t = 0, value_name = "N")]
     seconds: u64,
     /// Threads for each side [default: all processors]
@@ -76,13 +76,13 @@ pub struct Arguments {
     /// Name of this machine in the records
     #[arg(long, default_value = "anonymous")]
     host: String,
-    /// Go on with a run that was stopped, or add rounds, scenes or builders to it
+    /// Continue a stopped run, or add rounds, scenes or builders to a run
     #[arg(long)]
     resume: bool,
     /// List what would be run, one "scene builder width kernel" per line
     #[arg(long)]
     list: bool,
-    /// Check everything and say what would be done, without doing it
+    /// Check everything and print the plan without running it
     #[arg(long)]
     dry_run: bool,
 }
@@ -165,7 +165,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     let heard = Arc::clone(&stop);
     ctrlc::set_handler(move || {
-        // Asked twice, it ends at once: what is on disk is whole at any time.
+        // A second Ctrl-C ends at once: the files on disk are whole at any time.
         if heard.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
@@ -209,13 +209,13 @@ fn verdict(rows: &[Row], failures: usize, complete: bool, folder: &Path) -> Resu
     if !complete {
         let folder = folder.display();
         return Err(Failure::Interrupted(format!(
-            "{folder}: stopped; finished visits are kept, go on with --resume"
+            "{folder}: stopped; finished visits are kept, continue with --resume"
         )));
     }
     Ok(())
 }
 
-/// What would be done.
+/// The plan in words.
 fn outline(plan: &Plan, folder: &Path) -> String {
     let settings = &plan.settings;
     let mut text = String::new();

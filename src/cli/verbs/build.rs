@@ -8,7 +8,7 @@ use crate::cli::options::{self, all_threads, pools};
 use crate::cli::output::say;
 use crate::report::grid::short;
 
-/// Build a scene and tell the phases and the tree's statistics
+/// Build a scene and print the phases and the tree's statistics
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene file or name of a generated scene

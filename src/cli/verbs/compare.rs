@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 /// Compare the times of results B with those of A; exit code 0 if none is slower, 1 if some are, 3 if undecided
 ///
-/// A verdict is drawn from the 95 % interval of the ratio of medians: by bootstrap over samples.json, widened
+/// Each verdict follows from the 95 % interval of the ratio of medians: by bootstrap over samples.json, widened
 /// where samples are few, or from median and deviation in rows.csv where there are no samples.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -15,7 +15,7 @@ pub struct Arguments {
     a: PathBuf,
     /// Results after
     b: PathBuf,
-    /// Changes up to this are none
+    /// Changes up to this count as the same
     #[arg(long, default_value = "5%", value_name = "PERCENT", value_parser = percent)]
     threshold: f64,
     /// Compare sums over views and kinds of rays only

@@ -1,4 +1,4 @@
-//! `phr readme`: keeps the figures in Markdown files those of committed rows.
+//! `phr readme`: regenerates the figures in Markdown files from committed rows.
 
 use crate::bench::files::write_whole;
 use crate::cli::failure::Failure;
@@ -6,13 +6,13 @@ use crate::cli::output::say;
 use crate::report::readme::{differences, regenerate};
 use std::path::{Path, PathBuf};
 
-/// Make the figures between markers in Markdown files anew from the rows they name
+/// Regenerate the figures between markers in Markdown files from the rows that the markers name
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Markdown files
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// Write nothing; show what differs and fail if anything does
+    /// Write nothing; show the differences and fail if there are any
     #[arg(long)]
     check: bool,
 }

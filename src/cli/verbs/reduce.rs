@@ -1,4 +1,4 @@
-//! `phr reduce`: what a repository keeps of a run.
+//! `phr reduce`: the rows of a run that a repository keeps.
 
 use crate::bench::results_dir;
 use crate::cli::failure::Failure;
@@ -6,7 +6,7 @@ use crate::cli::output::say;
 use std::path::PathBuf;
 
 /// Write the sums over views and kinds of rays of a results folder and its subfolders to another: small enough to
-/// be committed
+/// commit
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Results folder

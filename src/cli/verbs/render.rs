@@ -1,4 +1,4 @@
-//! `phr render`: what the path tracer sees.
+//! `phr render`: a path-traced image of a scene.
 
 use crate::bench::contender::{BuildRequest, Contender, TreeUnderKernel};
 use crate::bench::planned_scene::PlannedScene;
@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     say(&format!("{}: {} view {}, {}", arguments.output.display(), scene.name, arguments.view, cell.builder))
 }
 
-/// Finds a place that cannot be written before the work is done.
+/// Refuses a place that cannot be written before any work is done.
 fn check_place(path: &Path) -> Result<(), Failure> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if path.is_dir() {

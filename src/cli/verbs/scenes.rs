@@ -1,4 +1,4 @@
-//! `phr scenes`: what can be run without a file.
+//! `phr scenes`: the generated scenes, which need no file.
 
 use crate::cli::failure::Failure;
 use crate::cli::output::say;

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Print the targets of the builders, met or not, from results folders and their subfolders
 ///
 /// Build and trace time against Embree's builders, memory, two threads against one (where there are rows of both),
-/// growth (where there are scalable scenes). The exit code does not tell of the verdicts.
+/// growth (where there are scalable scenes). The exit code does not depend on the verdicts.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Results folders

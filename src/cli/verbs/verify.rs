@@ -1,4 +1,4 @@
-//! `phr verify`: do all trees see what the reference sees?
+//! `phr verify`: are the hits of all trees those of the reference?
 
 use crate::bench::contender::{self, REFERENCE_KERNEL, TreeUnderKernel};
 use crate::bench::plan::{Plan, Request};

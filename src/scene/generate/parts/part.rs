@@ -1,4 +1,4 @@
-//! Parts: the simple surfaces that generated scenes are put together from.
+//! Parts: the simple surfaces of which generated scenes consist.
 //!
 //! A scene is laid out as a list of parts whose triangles can be counted without making them; the detail that
 //! gives a wanted number of triangles is found by counting alone, and the parts are made in parallel.
@@ -36,18 +36,18 @@ pub enum Shape {
     Leaves { seed: u64, length: f32 },
 }
 
-/// A shape, where it stands, and how finely it is cut.
+/// A shape with its place and tessellation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// What.
+    /// The shape.
     pub shape: Shape,
-    /// Where.
+    /// The place.
     pub frame: Frame,
-    /// How fine.
+    /// The tessellation.
     pub n: [u32; 2],
 }
 
-/// Vertices and triangles in the making.
+/// Vertices and triangles of the parts so far.
 #[derive(Clone, Debug, Default)]
 pub struct Draft {
     /// x, y, z.
