@@ -29,7 +29,7 @@ pub struct Row {
     pub run_id: String,
     /// Start of the run, ISO 8601.
     pub utc: String,
-    /// A name given to the machine, "anonymous" unless told.
+    /// A name given to the machine, "anonymous" by default.
     pub host: String,
     /// Revision of this program, `-dirty` if the sources differed from it.
     pub git_rev: String,

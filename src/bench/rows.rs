@@ -355,7 +355,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_rounds_are_told() {
+    fn missing_rounds_are_named() {
         let rows = scene_rows(&scene(), &Header { rounds: 5, ..header() });
         assert!(rows.iter().all(|row| row.warnings.contains("Unfinished") && row.rounds == 3));
         let rows = scene_rows(&scene(), &header());

@@ -19,9 +19,9 @@ pub struct Settings {
     pub views: usize,
     /// Longest path, in segments.
     pub max_depth: u32,
-    /// Visits to each cell,
+    /// Visits to each cell, at least.
     pub rounds: usize,
-    /// and further ones until the scene has been measured for so many seconds: small scenes get more rounds.
+    /// Seconds to spend in each scene, at least: rounds are added until they have passed.
     #[serde(default)]
     pub seconds: u64,
     /// Threads of each side.

@@ -74,7 +74,7 @@ mod tests {
         assert!(generator("no such scene").is_none());
     }
 
-    /// Only counts: what is then missing is made up for by halving, which the layout's tests prove exact.
+    /// Counts only: the rest comes from halving triangles, which the layout's tests prove exact.
     #[test]
     fn layouts_come_close_to_their_size() {
         for generator in generators() {
