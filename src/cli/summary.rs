@@ -3,7 +3,7 @@
 use crate::bench::row::{ROWS, Row};
 use crate::bench::samples::SAMPLES;
 use crate::bench::warnings::Warning;
-use crate::report::figures::{BASELINE, Figure, Tree, Under, scenes, tree_name, trees};
+use crate::report::figures::{BASELINE, Figure, Tree, Under, WIDTH, scenes, tree_name, trees};
 use crate::report::means::Ratios;
 use crate::report::plot::pareto::front;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ fn heading(rows: &[Row], folder: &Path) -> String {
     let counted = |count: usize, noun: &str| format!("{count} {noun}{}", if count == 1 { "" } else { "s" });
     let threads = rows.iter().map(|row| row.threads).max().unwrap_or(0);
     format!(
-        "## {}: {}, {}, {}\n\n",
+        "\n## {}: {}, {}, {}\n\n",
         folder.display(),
         counted(scenes(rows).len(), "scene"),
         counted(trees(rows).len(), "tree"),
@@ -35,7 +35,8 @@ fn heading(rows: &[Row], folder: &Path) -> String {
 
 /// The best tree by each figure, and the trees that no other beats in both build and trace time.
 fn best_builders(rows: &[Row], under: &Under) -> String {
-    let trees = trees(rows);
+    // SAH costs of different widths do not compare; the plot, too, has trees of one width.
+    let trees: Vec<Tree<'_>> = trees(rows).into_iter().filter(|tree| tree.1 == WIDTH).collect();
     let Some(&base) = trees.iter().find(|&&tree| tree == BASELINE).or(trees.first()) else {
         return String::new();
     };
@@ -45,7 +46,8 @@ fn best_builders(rows: &[Row], under: &Under) -> String {
         least.map_or_else(String::new, |(tree, mean)| format!("{title} {}, {mean:.2}\n", tree_name(*tree)))
     };
     let (builds, traces) = (means(Figure::Build), means(Figure::Trace));
-    let mut text = format!("Relative to {}, geometric means over scenes:\n", tree_name(base));
+    let mut text =
+        format!("{WIDTH}-wide trees relative to {}, geometric means over scenes:\n", tree_name(base));
     text += &best("fastest build:", &builds);
     text += &best("fastest trace:", &traces);
     text += &best("lowest SAH cost:", &means(Figure::Cost));
@@ -148,6 +150,8 @@ mod tests {
             row("b", "embree-sah", 10.0, 10.0),
             row("b", "phr-fast", 8.0, 11.0),
             row("b", "phr-hq", 8.0, 5.0),
+            Row { width: 8, ..row("a", "embree-sah", 1.0, 1.0) },
+            Row { width: 8, ..row("b", "embree-sah", 1.0, 1.0) },
         ]
     }
 
@@ -155,17 +159,18 @@ mod tests {
     fn the_best_builders_are_named() {
         let text = summary(&rows(), Path::new("out"), &[PathBuf::from("out/figure6.svg")]);
         for line in [
-            "## out: 2 scenes, 4 trees, 2 threads",
+            "## out: 2 scenes, 5 trees, 2 threads",
+            "4-wide trees relative to embree-sah, geometric means over scenes:",
             "fastest build: phr-fast, 0.40",
             "fastest trace: phr-hq, 0.50",
             "no other builds and traces as fast: phr-fast, phr-hq",
             "table: out/table1.md",
-            "rows: out/rows.csv (7), every sample in samples.json",
+            "rows: out/rows.csv (9), every sample in samples.json",
             "plot: out/figure6.svg",
         ] {
             assert!(text.lines().any(|found| found == line), "no {line:?} in\n{text}");
         }
-        // Measured in one scene of two, `lbvh` has no mean that compares.
+        // `lbvh` was measured in one scene of two: its mean does not compare.
         assert!(!text.contains("lbvh"), "{text}");
         let lines = text.lines().filter(|line| !line.is_empty()).count();
         assert!((8..=12).contains(&lines), "{lines} lines:\n{text}");
@@ -175,7 +180,7 @@ mod tests {
     fn without_embree_the_first_tree_is_the_base() {
         let ours: Vec<Row> = rows().into_iter().filter(|row| row.builder.starts_with("phr-")).collect();
         let text = summary(&ours, Path::new("out"), &[]);
-        assert!(text.contains("Relative to phr-fast") && text.contains("plot: none"), "{text}");
+        assert!(text.contains("relative to phr-fast") && text.contains("plot: none"), "{text}");
         assert!(summary(&[], Path::new("out"), &[]).contains("0 scenes"));
     }
 
@@ -188,6 +193,6 @@ mod tests {
         let text = advice(&rows);
         let names: Vec<&str> = text.lines().map(|line| line.split(':').next().unwrap()).collect();
         assert_eq!(names, ["Outliers", "HighSpread", "SlowFirst", "also, see table1.md"], "{text}");
-        assert!(text.contains(Warning::HighSpread.advice()) && text.contains("3 of 7 rows"), "{text}");
+        assert!(text.contains(Warning::HighSpread.advice()) && text.contains("3 of 9 rows"), "{text}");
     }
 }
