@@ -5,7 +5,7 @@ mod failure;
 mod options;
 mod output;
 mod progress;
-mod summary;
+mod run_summary;
 mod verbs;
 
 use clap::{Parser, Subcommand};

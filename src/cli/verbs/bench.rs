@@ -11,7 +11,7 @@ use crate::cli::failure::Failure;
 use crate::cli::options::all_threads;
 use crate::cli::output::say;
 use crate::cli::progress::Bar;
-use crate::cli::summary::{TABLE, summary};
+use crate::cli::run_summary::{TABLE, run_summary};
 use crate::report::figures::Under;
 use crate::report::plot;
 use crate::report::table;
@@ -190,7 +190,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     write_whole(&folder.join(TABLE), document.as_bytes())?;
     say(&table::closing(&outcome.rows))?;
     let plots = draw(&plot::figures(&outcome.rows, &Under::best(&outcome.rows)), &folder)?;
-    say(&summary(&outcome.rows, &folder, &plots))?;
+    say(&run_summary(&outcome.rows, &folder, &plots))?;
     verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)
 }
 

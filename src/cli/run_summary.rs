@@ -14,7 +14,7 @@ pub const TABLE: &str = "table1.md";
 const SHOWN: usize = 3;
 
 /// About ten lines on the run whose `rows` are in `folder`, with the `plots` drawn from them.
-pub fn summary(rows: &[Row], folder: &Path, plots: &[PathBuf]) -> String {
+pub fn run_summary(rows: &[Row], folder: &Path, plots: &[PathBuf]) -> String {
     let under = Under::best(rows);
     let lines =
         [heading(rows, folder), best_builders(rows, &under), places(rows, folder, plots), advice(rows)];
@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn the_best_builders_are_named() {
-        let text = summary(&rows(), Path::new("out"), &[PathBuf::from("out/figure6.svg")]);
+        let text = run_summary(&rows(), Path::new("out"), &[PathBuf::from("out/figure6.svg")]);
         for line in [
             "## out: 2 scenes, 5 trees, 2 threads",
             "4-wide trees relative to embree-sah, geometric means over scenes:",
@@ -179,9 +179,9 @@ mod tests {
     #[test]
     fn without_embree_the_first_tree_is_the_base() {
         let ours: Vec<Row> = rows().into_iter().filter(|row| row.builder.starts_with("phr-")).collect();
-        let text = summary(&ours, Path::new("out"), &[]);
+        let text = run_summary(&ours, Path::new("out"), &[]);
         assert!(text.contains("relative to phr-fast") && text.contains("plot: none"), "{text}");
-        assert!(summary(&[], Path::new("out"), &[]).contains("0 scenes"));
+        assert!(run_summary(&[], Path::new("out"), &[]).contains("0 scenes"));
     }
 
     #[test]
