@@ -6,6 +6,7 @@ mod caught;
 #[cfg(feature = "embree")]
 mod embree;
 mod ours;
+pub mod pools;
 mod tree_under_kernel;
 #[cfg(not(feature = "embree"))]
 mod without_embree;

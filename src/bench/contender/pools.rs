@@ -1,6 +1,6 @@
 //! The threads of a run.
 
-use super::settings::Settings;
+use crate::bench::settings::Settings;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 /// The thread pools: our builders build with them and every kernel traces with them. Embree starts as many threads of

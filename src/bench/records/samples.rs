@@ -2,10 +2,10 @@
 //! a run that was stopped goes on from it.
 
 use super::build_times::BuildTimes;
-use super::cell::{Cell, Kernel};
-use super::cpu_time::CpuTime;
 use super::files::{RecordsError, read_json, write_whole};
 use super::tree_facts::TreeFacts;
+use crate::bench::cell::{Cell, Kernel};
+use crate::bench::cpu_time::CpuTime;
 use crate::geometry::Dropped;
 use crate::trace::RayKind;
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,7 @@
 //! `environment.json`: the machine, the program and the settings of a run, and how it ended. Holds no host name
 //! and no path of the machine.
 
-use super::cpu_time::Spin;
+use crate::bench::cpu_time::Spin;
 use serde::{Deserialize, Serialize};
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};

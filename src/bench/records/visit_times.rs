@@ -1,9 +1,9 @@
 //! One time per visit from its samples: the unit over which medians and spreads are taken.
 
-use super::cell::Kernel;
 use super::row::COLD;
 use super::samples::{CellSamples, VisitSamples};
 use super::statistics::median;
+use crate::bench::cell::Kernel;
 use crate::trace::RayKind;
 
 /// Per visit, the build time in a regime. A visit's warm builds count as one sample, their median, as its

@@ -1,18 +1,18 @@
 //! The records of a run on disk, brought up to date after every visit.
 
-use super::cell::{Cell, Kernel, place};
-use super::contender;
 use super::environment::{ENVIRONMENT, Environment, Machine, Moment, Program, State};
-use super::error::RunError;
 use super::files::{RecordsError, read_json, write_json};
-use super::plan::Plan;
-use super::planned_scene::PlannedScene;
-use super::random::SplitMix;
 use super::row::{self, ROWS, Row, SCHEMA};
 use super::rows::{self, Header};
 use super::samples::{CellSamples, SAMPLES, Samples, SceneSamples};
 use super::tree_facts::TreeFacts;
 use super::warnings::Warning;
+use crate::bench::cell::{Cell, Kernel, place};
+use crate::bench::contender;
+use crate::bench::error::RunError;
+use crate::bench::plan::Plan;
+use crate::bench::planned_scene::PlannedScene;
+use crate::bench::random::SplitMix;
 use crate::scene::Scene;
 use crate::trace;
 use std::path::Path;
@@ -41,7 +41,7 @@ pub struct RecordOptions<'a> {
 }
 
 /// The records on disk.
-pub(super) struct Recorder<'a> {
+pub struct Recorder<'a> {
     folder: &'a Path,
     /// All samples so far.
     pub samples: Samples,

@@ -2,9 +2,9 @@
 //! reduced rows that a repository keeps.
 
 use super::environment::{ENVIRONMENT, Environment, State};
-use super::error::ReduceError;
 use super::files::{RecordsError, read_json, write_json};
 use super::row::{self, ROWS, Row};
+use crate::bench::error::ReduceError;
 use std::path::{Path, PathBuf};
 
 /// The environment of the results in `folder`; `None` where there is none, as beside a lone CSV.

@@ -1,10 +1,10 @@
 //! The recorded rays of a scene, traced by one tree after the other: checked against the reference, then timed.
 
-use super::contender::TreeUnderKernel;
-use super::pools::Pools;
-use super::rays::{Answers, ViewRays};
-use super::samples::{Check, KernelChecks, Timing};
-use super::settings::Settings;
+use crate::bench::contender::TreeUnderKernel;
+use crate::bench::pools::Pools;
+use crate::bench::rays::{Answers, ViewRays};
+use crate::bench::samples::{Check, KernelChecks, Timing};
+use crate::bench::settings::Settings;
 use crate::geometry::Tracer;
 use crate::scene::Scene;
 use crate::trace::verify::Verdict;

@@ -1,6 +1,6 @@
 //! How long the builds of one visit took.
 
-use super::cpu_time::CpuTime;
+use crate::bench::cpu_time::CpuTime;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 

@@ -1,7 +1,7 @@
 //! Named defects of a measurement. Rows carry the names; the table and the summary add advice.
 
-use super::cpu_time::{CpuTime, DISTURBED};
 use super::statistics::Summary;
+use crate::bench::cpu_time::{CpuTime, DISTURBED};
 use serde::{Deserialize, Serialize};
 
 /// A defect of a figure.
