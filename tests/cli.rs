@@ -2,8 +2,9 @@
 #![cfg(feature = "harness")]
 
 use phr::bench::environment::{ENVIRONMENT, Environment, State};
-use phr::bench::records::{self, ALL, COLD, ROWS, Row, WARM};
-use phr::bench::samples::{SAMPLES, Samples, read_json};
+use phr::bench::files::read_json;
+use phr::bench::row::{self, ALL, COLD, ROWS, Row, WARM};
+use phr::bench::samples::{SAMPLES, Samples};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -88,9 +89,22 @@ fn a_run_writes_verified_rows_and_its_table() {
     let mut files: Vec<String> =
         std::fs::read_dir(&out).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap()).collect();
     files.sort();
-    assert_eq!(files, [ENVIRONMENT, ROWS, SAMPLES, "table1.md"]);
+    let figures = ["figure6-scenes.png", "figure6-scenes.svg", "figure6.png", "figure6.svg"];
+    let mut expected = vec![ENVIRONMENT, ROWS, SAMPLES, "table1.md"];
+    if cfg!(feature = "embree") {
+        expected.extend(figures);
+    }
+    expected.sort_unstable();
+    assert_eq!(files, expected);
 
-    let rows = records::read(&out).unwrap();
+    let told = text(&output.stdout);
+    let summary = &told[told.find("## out: 1 scene").expect("a summary at the end")..];
+    for part in ["fastest build:", "fastest trace:", "table: out/table1.md", "rows: out/rows.csv", "plot: "] {
+        assert!(summary.contains(part), "no {part:?} in {summary}");
+    }
+    assert_eq!(summary.contains("plot: out/figure6.svg"), cfg!(feature = "embree"), "{summary}");
+
+    let rows = row::read(&out).unwrap();
     let totals: Vec<&Row> = rows.iter().filter(|row| row.is_total() && row.verified == Some(true)).collect();
     let mut seen: Vec<(&str, u32)> = totals.iter().map(|row| (row.builder.as_str(), row.width)).collect();
     seen.dedup();
@@ -129,7 +143,7 @@ fn a_run_writes_verified_rows_and_its_table() {
 #[test]
 fn the_columns_are_documented() {
     let folder = tempfile::tempdir().unwrap();
-    records::write(&folder.path().join(ROWS), &[Row::default()]).unwrap();
+    row::write(&folder.path().join(ROWS), &[Row::default()]).unwrap();
     let header = std::fs::read_to_string(folder.path().join(ROWS)).unwrap();
     let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/README.md");
     let readme = std::fs::read_to_string(readme).unwrap();
@@ -147,7 +161,7 @@ fn a_generated_scene_needs_no_file() {
     let name = phr::scene::builtin()[0].name;
     let output = phr(&folder, &tiny(name, &["--rounds", "1", "--filter", "phr-fast|embree-sah 4"]));
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let rows = records::read(&folder.join("out")).unwrap();
+    let rows = row::read(&folder.join("out")).unwrap();
     assert!(rows.iter().all(|row| row.scene == name && row.is_good()));
     assert!(rows.iter().all(|row| row.width == 4 && row.builder != "lbvh"));
 }
@@ -157,7 +171,7 @@ fn builds_alone_are_timed_without_rays() {
     let (_keep, folder) = workplace();
     let output = phr(&folder, &tiny("sheet.ply", &["--rounds", "3", "--build-only"]));
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let rows = records::read(&folder.join("out")).unwrap();
+    let rows = row::read(&folder.join("out")).unwrap();
     assert_eq!(rows.len(), 2 * trees());
     assert!(rows.iter().all(|row| row.rounds == 3 && row.verified.is_none() && row.rays.is_none()));
 }
@@ -204,7 +218,7 @@ fn stopped_by(signal: &str, folder: &Path) -> Option<i32> {
 fn ctrl_c_keeps_what_is_finished_and_says_so() {
     let (_keep, folder) = workplace();
     assert_eq!(stopped_by("-INT", &folder), Some(130));
-    let rows = records::read(&folder.join("out")).unwrap();
+    let rows = row::read(&folder.join("out")).unwrap();
     assert!(rows.iter().all(|row| row.warnings.contains("Unfinished")));
     assert_eq!(environment(&folder).state, State::Interrupted);
     let table = text(&phr(&folder, &["table", "out"]).stdout);
@@ -219,7 +233,7 @@ fn ctrl_c_keeps_what_is_finished_and_says_so() {
 fn a_kill_loses_no_finished_row() {
     let (_keep, folder) = workplace();
     assert_eq!(stopped_by("-KILL", &folder), None);
-    assert!(!records::read(&folder.join("out")).unwrap().is_empty());
+    assert!(!row::read(&folder.join("out")).unwrap().is_empty());
     assert_eq!(environment(&folder).state, State::Running);
     let resumed = phr(&folder, &tiny("sheet.ply", &["--rounds", "1", "--resume"]));
     assert!(resumed.status.success(), "{}", text(&resumed.stderr));

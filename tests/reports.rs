@@ -2,7 +2,7 @@
 
 #![cfg(feature = "harness")]
 
-use phr::bench::records::{self, ALL, NO_KERNEL, ROWS, Row, SCHEMA, WARM};
+use phr::bench::row::{self, ALL, NO_KERNEL, ROWS, Row, SCHEMA, WARM};
 use phr::report::figures::Under;
 use phr::report::plot::{self, raster};
 use phr::report::{readme, table};
@@ -99,7 +99,7 @@ fn phr(arguments: &[&str], folder: &Path) -> (i32, Output) {
 
 fn written(rows: &[Row]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    records::write(&folder.path().join(ROWS), rows).unwrap();
+    row::write(&folder.path().join(ROWS), rows).unwrap();
     folder
 }
 
@@ -204,7 +204,7 @@ fn the_command_draws_and_checks() {
 
     let mut changed = rows();
     changed.iter_mut().filter(|row| row.builder == "phr-hq").for_each(|row| row.trace_ms_median = Some(17.0));
-    records::write(&folder.path().join(ROWS), &changed).unwrap();
+    row::write(&folder.path().join(ROWS), &changed).unwrap();
     assert_eq!(phr(&["plot", ".", "--check"], folder.path()).0, 1);
 }
 

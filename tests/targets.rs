@@ -2,7 +2,7 @@
 
 #![cfg(feature = "harness")]
 
-use phr::bench::records::{self, ALL, ROWS, Row, SCHEMA, WARM};
+use phr::bench::row::{self, ALL, ROWS, Row, SCHEMA, WARM};
 use phr::report::ablation::Ablation;
 use phr::report::figures::{Place, Under};
 use phr::report::targets::growth::{Growth, growth};
@@ -92,7 +92,7 @@ fn phr(arguments: &[&str], folder: &Path) -> (i32, Output) {
 
 fn written(folder: &Path, rows: &[Row]) {
     std::fs::create_dir_all(folder).unwrap();
-    records::write(&folder.join(ROWS), rows).unwrap();
+    row::write(&folder.join(ROWS), rows).unwrap();
 }
 
 const BUILD: Measure = Measure::Build("embree-morton");
@@ -329,8 +329,8 @@ fn the_commands_read_subfolders_and_say_what_is_wrong() {
     assert_eq!((code, text), (0, Ablation::of(&rows(), "embree-sah", &["phr-speed"]).unwrap().text()));
 
     assert_eq!(phr(&["reduce", "run", "kept"], place.path()).0, 0);
-    assert_eq!(records::read(&place.path().join("kept")).unwrap(), rows());
-    assert_eq!(records::read(&place.path().join("kept/growth")).unwrap(), growing());
+    assert_eq!(row::read(&place.path().join("kept")).unwrap(), rows());
+    assert_eq!(row::read(&place.path().join("kept/growth")).unwrap(), growing());
     for arguments in [
         &["targets", "nowhere"][..],
         &["ablation", "run", "--base", "nobody", "phr-speed"],

@@ -1,21 +1,22 @@
-//! The benchmark driver: what is run ([`plan`]), who is measured ([`contender`]), how ([`run`], [`measure`])
-//! and what is written ([`samples`], [`records`], [`environment`]).
+//! The benchmark driver. A [`plan`] lists scenes and [`cell`]s; a [`run`] visits each cell in interleaved rounds;
+//! a [`visit`] has a [`contender`] build its tree and times it under each kernel; the [`recorder`] keeps
+//! [`samples`], [`rows`] and [`environment`] on disk.
 
-mod book;
+pub mod cell;
 pub mod contender;
-pub mod embree_side;
-pub mod environment;
-pub mod facts;
-pub mod folder;
-pub mod load;
-pub mod measure;
+pub mod cpu_time;
+pub mod error;
 pub mod plan;
 pub mod planned_scene;
 pub mod random;
 pub mod rays;
 pub mod records;
 pub mod run;
-pub mod samples;
-pub mod statistics;
-pub mod summary;
-pub mod warnings;
+pub mod settings;
+pub mod visit;
+
+pub use contender::pools;
+pub use records::{
+    build_times, environment, files, recorder, results_dir, row, rows, samples, statistics, tree_facts,
+    visit_times, warnings,
+};

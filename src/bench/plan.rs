@@ -1,142 +1,17 @@
 //! What a run consists of: scenes, cells (a builder at a width) with their kernels, and settings.
 //! Everything that can be wrong with a request is found here, before anything is timed or written.
 
-use super::contender::{self, Cell};
+use super::cell::{Cell, Kernel};
+use super::contender;
+use super::error::PlanError;
 use super::planned_scene::{PlannedScene, Source};
+use super::settings::Settings;
 use crate::scene::{self, SceneError};
-use crate::trace::PathSettings;
 use regex::Regex;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
-/// Why a request cannot be run.
-#[derive(Debug, thiserror::Error)]
-pub enum PlanError {
-    /// Neither a file nor a generated scene.
-    #[error("{0}: no such file, nor a generated scene of that name; `phr scenes` lists those")]
-    NoSuchScene(String),
-    /// A folder in place of a file.
-    #[error("{}: is a directory; name a scene file in it (.obj or .ply, plain, .gz or .zst)", .0.display())]
-    Directory(PathBuf),
-    /// Two scenes whose rows could not be told apart.
-    #[error("two scenes are called {0}; rename one of the files")]
-    SameName(String),
-    /// A scene file that cannot be used.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// Not a builder.
-    #[error("no builder is called {name}; there are {known}")]
-    NoSuchBuilder {
-        /// What was asked for.
-        name: String,
-        /// What there is.
-        known: String,
-    },
-    /// A count that must be positive.
-    #[error("--{0} 0: nothing would be measured; give 1 or more")]
-    Zero(&'static str),
-    /// A count beyond reason.
-    #[error("--{option} {value}: more than {most}; give less")]
-    TooMuch {
-        /// The option's name.
-        option: &'static str,
-        /// Its value.
-        value: usize,
-        /// The most it may be.
-        most: usize,
-    },
-    /// One thread is all there is, or Embree's devices that trace would keep more of its threads awake.
-    #[error("--one-thread {0}")]
-    OneThread(&'static str),
-    /// The filter leaves nothing.
-    #[error("--filter {0}: matches no \"scene builder width kernel\"; see `phr bench --list`")]
-    NothingLeft(String),
-    /// The folder of `--scenes` is none.
-    #[error("{}: not a folder; --scenes takes the folder that holds the paper's scene files", .0.display())]
-    NotAFolder(PathBuf),
-}
-
-/// A day.
-const MOST_SECONDS: u64 = 24 * 60 * 60;
-
-/// What can be set about a run, and must be the same where one is resumed (but for `rounds` and `seconds`).
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Settings {
-    /// Pixels across.
-    pub width: u32,
-    /// Pixels down.
-    pub height: u32,
-    /// Views per scene, at most.
-    pub views: usize,
-    /// Longest path, in segments.
-    pub max_depth: u32,
-    /// Visits to each cell,
-    pub rounds: usize,
-    /// and further ones until the scene has been measured for so many seconds: small scenes get more rounds.
-    #[serde(default)]
-    pub seconds: u64,
-    /// Threads of each side.
-    pub threads: usize,
-    /// Seed of the paths and of the order of visits.
-    pub seed: u64,
-    /// Only builds are timed.
-    pub build_only: bool,
-    /// Builds are timed on one thread too.
-    #[serde(default)]
-    pub one_thread: bool,
-    /// Whole path-traced frames are timed beside the recorded rays.
-    pub frames: bool,
-}
-
-impl Settings {
-    /// The path tracer's settings.
-    pub fn path(&self) -> PathSettings {
-        PathSettings { width: self.width, height: self.height, max_depth: self.max_depth, seed: self.seed }
-    }
-
-    /// Whether a scene that has been measured for `spent`, in rounds before `round`, is to have that too.
-    pub fn wants(&self, round: usize, spent: Duration) -> bool {
-        round < self.rounds || spent < Duration::from_secs(self.seconds)
-    }
-
-    fn check(&self) -> Result<(), PlanError> {
-        let counts = [
-            ("size", self.width as usize, 1 << 14),
-            ("size", self.height as usize, 1 << 14),
-            ("views", self.views, 1 << 10),
-            ("rounds", self.rounds, 1 << 16),
-            ("threads", self.threads, 1 << 10),
-        ];
-        if self.seconds > MOST_SECONDS {
-            return Err(PlanError::TooMuch {
-                option: "seconds",
-                value: self.seconds as usize,
-                most: MOST_SECONDS as usize,
-            });
-        }
-        for (option, value, most) in counts {
-            if value == 0 {
-                return Err(PlanError::Zero(option));
-            }
-            if value > most {
-                return Err(PlanError::TooMuch { option, value, most });
-            }
-        }
-        match self {
-            Self { one_thread: true, threads: 1, .. } => {
-                Err(PlanError::OneThread("beside --threads 1: the same twice; leave it out"))
-            }
-            // Embree's devices share threads, as many as the device of most: what traces would lend its own.
-            Self { one_thread: true, build_only: false, .. } => Err(PlanError::OneThread(
-                "without --build-only: Embree would build with the threads that trace",
-            )),
-            _ => Ok(()),
-        }
-    }
-}
-
-/// The sets of scenes that have a name.
+/// Named sets of scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Set {
@@ -146,7 +21,7 @@ pub enum Set {
     Paper,
 }
 
-/// What is asked of a run.
+/// The request for a run, not checked yet.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// Files and generators by name.
@@ -163,7 +38,7 @@ pub struct Request {
     pub settings: Settings,
 }
 
-/// A run that can be made.
+/// A checked request: the scenes and cells to run.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The scenes, in order, with their cells.
@@ -176,7 +51,7 @@ impl Plan {
     /// Checks a request.
     ///
     /// # Errors
-    /// Whatever is wrong with it.
+    /// The first fault found.
     pub fn new(request: &Request) -> Result<Self, PlanError> {
         request.settings.check()?;
         let mut scenes = Vec::new();
@@ -251,7 +126,7 @@ fn filtered(cell: &Cell, scene: &str, filter: Option<&Regex>) -> Option<Cell> {
     if cell.kernels.is_empty() {
         return cell.lines(scene).iter().any(|line| filter.is_match(line)).then(|| cell.clone());
     }
-    let passes = |kernel: &contender::Kernel| filter.is_match(&cell.line(scene, kernel.name()));
+    let passes = |kernel: &Kernel| filter.is_match(&cell.line(scene, kernel.name()));
     let kernels: Vec<_> = cell.kernels.iter().copied().filter(passes).collect();
     (!kernels.is_empty()).then(|| Cell { kernels, ..cell.clone() })
 }
@@ -277,30 +152,8 @@ mod tests {
             folder: None,
             builders: Vec::new(),
             filter: filter.map(|filter| Regex::new(filter).unwrap()),
-            settings: Settings {
-                width: 8,
-                height: 8,
-                views: 1,
-                max_depth: 8,
-                rounds: 1,
-                seconds: 0,
-                threads: 1,
-                seed: 1,
-                build_only: false,
-                one_thread: false,
-                frames: false,
-            },
+            settings: Settings::least(),
         }
-    }
-
-    #[test]
-    fn rounds_are_added_until_the_time_is_over() {
-        let settings = Settings { rounds: 3, seconds: 60, ..request(&[], None).settings };
-        let wants = |round, seconds| settings.wants(round, Duration::from_secs(seconds));
-        assert!(wants(2, 1000) && !wants(3, 1000));
-        assert!(wants(2, 10) && wants(3, 59) && wants(300, 59) && !wants(3, 60));
-        let settings = Settings { seconds: 0, ..settings };
-        assert!(!settings.wants(3, Duration::ZERO));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A scene of a plan: a file or a generator, found by its name and loaded when its turn comes.
 
-use super::plan::PlanError;
+use super::error::PlanError;
 use crate::scene::{self, Scene, SceneError};
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ pub enum Source {
     Scalable(usize),
 }
 
-/// Seed of the scenes of any size: one of a size, so that its name says which.
+/// Seed of the scenes of any size; fixed, so that the name determines the scene.
 const SCALABLE_SEED: u64 = 1;
 
 /// A scene to be run.
@@ -33,7 +33,7 @@ impl PlannedScene {
     /// The scene called `name` on a command line: a file if there is one, else a generator's.
     ///
     /// # Errors
-    /// Neither, or a folder.
+    /// Neither exists, or the path is a folder.
     pub fn find(name: &str) -> Result<Self, PlanError> {
         let path = Path::new(name);
         if let Some(generator) = scene::generator(name).filter(|_| !path.is_file()) {

@@ -1,7 +1,7 @@
 //! The rays of a scene, recorded once per view from a path tracer over the reference tree, with the
-//! reference's hits. Every builder traces these very rays.
+//! reference's hits. All trees are traced with these rays.
 
-use super::plan::Settings;
+use super::settings::Settings;
 use crate::geometry::{Hit, Mesh, Ray, Tracer};
 use crate::scene::Scene;
 use crate::trace::verify::{self, Verdict};
@@ -22,7 +22,7 @@ impl Answers {
         if kind.is_any_hit() { Self::Any(vec![false; rays]) } else { Self::Closest(vec![Hit::MISS; rays]) }
     }
 
-    /// Forgets all answers, so that none can stand from before.
+    /// Resets all answers, so that none is left from an earlier trace.
     pub fn reset(&mut self) {
         match self {
             Self::Closest(hits) => hits.fill(Hit::MISS),

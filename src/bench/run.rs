@@ -1,64 +1,31 @@
 //! A whole run: scene by scene, rounds in random order within a scene, records kept on disk after every
 //! visit so that neither Ctrl-C nor a kill loses a finished one.
 
-use super::book::Book;
-use super::contender::{Cell, Pools};
-use super::measure::Bench;
+use super::cell::Cell;
+use super::contender::{REFERENCE_KERNEL, TreeUnderKernel};
+use super::error::RunError;
 use super::plan::Plan;
 use super::planned_scene::PlannedScene;
+use super::pools::Pools;
 use super::random::SplitMix;
-use super::records::{RecordsError, Row};
-use super::{embree_side, rays, summary};
+use super::recorder::{RecordOptions, Recorder};
+use super::row::Row;
+use super::visit::{Bench, Turn};
+use super::{contender, rays, rows};
 use crate::geometry::Tracer;
-use crate::scene::{Scene, SceneError};
-use std::path::{Path, PathBuf};
+use crate::scene::Scene;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Why a run could not be made or finished.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    /// The results cannot be read or written.
-    #[error(transparent)]
-    Records(#[from] RecordsError),
-    /// A scene cannot be loaded.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// The reference tree cannot be built.
-    #[error("{scene}: no reference hits: {reason}")]
-    Reference {
-        /// The scene.
-        scene: String,
-        /// Embree's words.
-        reason: String,
-    },
-    /// The threads cannot be had.
-    #[error("--threads {threads}: {reason}; give fewer")]
-    Threads {
-        /// Threads asked for.
-        threads: usize,
-        /// What the system says.
-        reason: String,
-    },
-    /// `--resume` with other settings.
-    #[error("{}: made with another {what}; give the same, or run without --resume", folder.display())]
-    Resume {
-        /// The folder.
-        folder: PathBuf,
-        /// What differs.
-        what: String,
-    },
-}
-
-/// Told of a run's course.
+/// Receives the progress of a run.
 pub trait Progress {
     /// Work in all, in arbitrary units.
     fn begin(&mut self, total: u64);
-    /// What is being done.
+    /// The current step.
     fn at(&mut self, doing: &str);
     /// Units done since the last call.
     fn advance(&mut self, units: u64);
-    /// Something the user should know.
+    /// A remark for the user.
     fn note(&mut self, text: &str);
     /// A scene is done, with these rows.
     fn scene(&mut self, rows: &[Row]);
@@ -77,48 +44,47 @@ pub struct Outcome {
 
 /// A run about to be made.
 pub struct Run<'a> {
-    /// What is run.
+    /// The scenes and cells to run.
     pub plan: &'a Plan,
-    /// Where records go.
-    pub folder: &'a Path,
-    /// Go on from what is there.
-    pub resume: bool,
-    /// Name of the machine for the records.
-    pub host: &'a str,
-    /// The command line, for the records.
-    pub arguments: Vec<String>,
+    /// How it is recorded.
+    pub records: RecordOptions<'a>,
     /// Set when the run is to stop.
     pub stop: &'a AtomicBool,
 }
 
 impl Run<'_> {
-    /// Makes the run and writes its records.
+    /// Visits all cells in all rounds and records the samples.
     ///
     /// # Errors
-    /// Those of [`RunError`]; what was finished before stays on disk, marked as part of a run.
+    /// Those of [`RunError`]; finished visits stay on disk, marked as part of a run.
     pub fn make(&self, progress: &mut dyn Progress) -> Result<Outcome, RunError> {
         let threads = self.plan.settings.threads;
         let pools = Pools::new(&self.plan.settings)
             .map_err(|error| RunError::Threads { threads, reason: error.to_string() })?;
-        let mut book = Book::open(self)?;
+        let mut recorder = Recorder::open(self.plan, &self.records)?;
         let visits = |cells: &[Cell]| cells.len() as u64 * self.plan.settings.rounds as u64;
         progress.begin(self.plan.scenes.iter().map(|(scene, cells)| weight(scene) * visits(cells)).sum());
         let mut ended = Ok(());
         for (scene, cells) in &self.plan.scenes {
-            if book.samples.scene(&scene.name).is_some_and(|s| s.is_done(cells, self.plan.settings.rounds)) {
+            if recorder
+                .samples
+                .scene(&scene.name)
+                .is_some_and(|s| s.is_done(cells, self.plan.settings.rounds))
+            {
                 progress.advance(weight(scene) * visits(cells));
                 continue;
             }
-            ended = self.scene(scene, cells, &pools, &mut book, progress);
+            ended = self.scene(scene, cells, &pools, &mut recorder, progress);
             if ended.is_err() || self.stopped() {
                 break;
             }
         }
         let complete = ended.is_ok() && !self.stopped();
-        book.close(complete)?;
+        recorder.close(complete)?;
         ended?;
-        let failures = book.samples.scenes.iter().flat_map(|s| &s.cells).filter(|cell| cell.failed()).count();
-        Ok(Outcome { complete, failures, rows: book.rows() })
+        let failures =
+            recorder.samples.scenes.iter().flat_map(|s| &s.cells).filter(|cell| cell.failed()).count();
+        Ok(Outcome { complete, failures, rows: recorder.rows() })
     }
 
     fn stopped(&self) -> bool {
@@ -130,7 +96,7 @@ impl Run<'_> {
         planned: &PlannedScene,
         cells: &[Cell],
         pools: &Pools,
-        book: &mut Book<'_>,
+        recorder: &mut Recorder<'_>,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
         let settings = &self.plan.settings;
@@ -143,25 +109,23 @@ impl Run<'_> {
             return self.rounds(
                 &Measured { planned, cells, scene: &scene, reference: None },
                 pools,
-                book,
+                recorder,
                 progress,
             );
         }
         progress.at(&format!("{}: reference tree", planned.name));
-        let mut done = Ok(());
-        embree_side::reference(&scene.mesh, &pools.all, &mut |tracer| {
-            let measured = Measured { planned, cells, scene: &scene, reference: Some(tracer) };
-            done = self.rounds(&measured, pools, book, progress);
-        })
-        .map_err(|reason| RunError::Reference { scene: planned.name.clone(), reason })?;
-        done
+        let no_reference = |reason| RunError::Reference { scene: planned.name.clone(), reason };
+        let built = contender::reference(&scene.mesh, &pools.all).map_err(no_reference)?;
+        let tree = TreeUnderKernel::new(&built, REFERENCE_KERNEL, settings.threads).map_err(no_reference)?;
+        let reference = Some(tree.tracer().map_err(|reason| no_reference(reason.to_owned()))?);
+        self.rounds(&Measured { planned, cells, scene: &scene, reference }, pools, recorder, progress)
     }
 
     fn rounds(
         &self,
         measured: &Measured<'_>,
         pools: &Pools,
-        book: &mut Book<'_>,
+        recorder: &mut Recorder<'_>,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
         let settings = &self.plan.settings;
@@ -172,7 +136,7 @@ impl Run<'_> {
             rays = pools.all.install(|| rays::record(tracer, scene, settings));
         }
         let invalid = rays.iter().map(|view| view.invalid as u64).sum();
-        let index = book.scene(planned, scene, cells, rays.len(), invalid)?;
+        let index = recorder.scene(planned, scene, cells, rays.len(), invalid)?;
         let mut bench = Bench::new(scene, &rays, reference, settings, pools, self.stop);
         let start = Instant::now();
         for round in (0..).take_while(|&round| settings.wants(round, start.elapsed())) {
@@ -180,21 +144,21 @@ impl Run<'_> {
                 if self.stopped() {
                     return Ok(());
                 }
-                let samples = book.cell(index, cell);
+                let samples = recorder.cell(index, cell);
                 if samples.error.is_none() && !samples.visits.iter().any(|visit| visit.round == round) {
                     let (name, builder, width) = (&planned.name, &cell.builder, cell.width);
                     progress.at(&format!("{name}: {builder}/{width}, round {}", round + 1));
-                    if bench.visit(cell, round, place, samples).is_err() {
+                    if bench.visit(cell, Turn { round, place }, samples).is_err() {
                         return Ok(());
                     }
-                    book.save()?;
+                    recorder.save()?;
                 }
                 if round < settings.rounds {
                     progress.advance(weight(planned));
                 }
             }
         }
-        progress.scene(&summary::scene_rows(&book.samples.scenes[index], &book.header()));
+        progress.scene(&rows::scene_rows(&recorder.samples.scenes[index], &recorder.header()));
         Ok(())
     }
 }
@@ -215,7 +179,7 @@ fn order<'a>(cells: &'a [Cell], scene: &str, seed: u64, round: usize) -> Vec<&'a
     order
 }
 
-/// What a visit weighs on the progress bar: triangles to build, and some rays.
+/// Weight of a visit on the progress bar: triangles to build, and some rays.
 fn weight(scene: &PlannedScene) -> u64 {
     scene.triangles as u64 + 300_000
 }

@@ -1,13 +1,14 @@
 //! A progress bar with the time left, on stderr and at a terminal only.
 
-use crate::bench::records::Row;
+use super::output::say;
+use crate::bench::row::Row;
 use crate::bench::run::Progress;
 use crate::report::table;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::Duration;
 
-/// Shows a run's course; prints each scene's table to standard output when the scene is done.
+/// Shows the progress of a run; prints each scene's table to standard output when the scene is done.
 pub struct Bar(ProgressBar);
 
 impl Bar {
@@ -25,7 +26,7 @@ impl Bar {
         Self(bar)
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         self.0.finish_and_clear();
     }
@@ -49,8 +50,8 @@ impl Progress for Bar {
     }
 
     fn scene(&mut self, rows: &[Row]) {
-        // The table is in table1.md too: a closed standard output is no reason to end a long run.
+        // The table is also written to table1.md: a closed standard output does not end a long run.
         let Some(row) = rows.first() else { return };
-        self.0.suspend(|| super::say(&(table::scene(rows, &row.scene) + "\n")).unwrap_or_default());
+        self.0.suspend(|| say(&(table::scene(rows, &row.scene) + "\n")).unwrap_or_default());
     }
 }

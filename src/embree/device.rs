@@ -27,8 +27,12 @@ struct Monitor {
     error: Mutex<Option<String>>,
 }
 
-/// An Embree device, made for one [`Config`].
-pub struct Device {
+/// An Embree device, made for one [`Config`]. Its scenes share it: it is released with the last of them.
+#[derive(Clone)]
+pub struct Device(Arc<Shared>);
+
+/// What a device and its scenes share.
+struct Shared {
     raw: sys::RTCDevice,
     /// Outlives `raw`, which holds a pointer to it.
     monitor: Arc<Monitor>,
@@ -36,11 +40,11 @@ pub struct Device {
 }
 
 // SAFETY: a device is not bound to the thread that made it; its reference count is atomic.
-unsafe impl Send for Device {}
-// SAFETY: through `&Device` only new scenes and geometries are made, properties and errors read. Embree allows
+unsafe impl Send for Shared {}
+// SAFETY: through `&Shared` only new scenes and geometries are made, properties and errors read. Embree allows
 // these calls from several threads (its rule: one thread at a time per scene or geometry, and errors are kept
 // per thread); the monitor is made of atomics and a mutex.
-unsafe impl Sync for Device {}
+unsafe impl Sync for Shared {}
 
 impl Device {
     /// A device that builds with `config`. Unknown CPUs' limits show when a scene is committed.
@@ -71,51 +75,51 @@ impl Device {
             sys::rtcSetDeviceErrorFunction(raw, Some(on_error), user);
             sys::rtcSetDeviceMemoryMonitorFunction(raw, Some(on_memory), user);
         }
-        Ok(Self { raw, monitor, config })
+        Ok(Self(Arc::new(Shared { raw, monitor, config })))
     }
 
     /// Bytes held now and at most.
     pub fn memory(&self) -> Memory {
         let bytes = |counter: &AtomicI64| counter.load(Relaxed).max(0) as usize;
-        Memory { live_bytes: bytes(&self.monitor.live), peak_bytes: bytes(&self.monitor.peak) }
+        Memory { live_bytes: bytes(&self.0.monitor.live), peak_bytes: bytes(&self.0.monitor.peak) }
     }
 
     /// Forgets the peak: it starts again from the bytes held now. Call it while nothing is being built.
     pub fn reset_peak(&self) {
-        self.monitor.peak.store(self.monitor.live.load(Relaxed), Relaxed);
+        self.0.monitor.peak.store(self.0.monitor.live.load(Relaxed), Relaxed);
     }
 
     /// The device string.
     pub fn config(&self) -> &str {
-        &self.config
+        &self.0.config
     }
 
     /// Version of the library in use, as 10000 major + 100 minor + patch.
     pub(super) fn version_number(&self) -> isize {
         // SAFETY: the device is live.
-        unsafe { sys::rtcGetDeviceProperty(self.raw, sys::RTC_DEVICE_PROPERTY_VERSION) }
+        unsafe { sys::rtcGetDeviceProperty(self.0.raw, sys::RTC_DEVICE_PROPERTY_VERSION) }
     }
 
     pub(super) fn raw(&self) -> sys::RTCDevice {
-        self.raw
+        self.0.raw
     }
 
     /// The first error on this thread since the last check.
     pub(super) fn check(&self, doing: &'static str) -> Result<(), EmbreeError> {
         // SAFETY: the device is live.
-        let code = unsafe { sys::rtcGetDeviceError(self.raw) };
-        let text = self.monitor.error.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let code = unsafe { sys::rtcGetDeviceError(self.0.raw) };
+        let text = self.0.monitor.error.lock().unwrap_or_else(PoisonError::into_inner).take();
         if code == sys::RTC_ERROR_NONE {
             return Ok(());
         }
         let text = text.unwrap_or_else(|| describe(code).to_owned());
-        Err(EmbreeError::Call { doing, text, config: self.config.clone() })
+        Err(EmbreeError::Call { doing, text, config: self.0.config.clone() })
     }
 }
 
-impl Drop for Device {
+impl Drop for Shared {
     fn drop(&mut self) {
-        // SAFETY: the last use of this device: every scene borrows `self` and is gone. The monitor still
+        // SAFETY: the last use of this device: every scene holds it and is gone. The monitor still
         // lives, so callbacks during the release are sound.
         unsafe { sys::rtcReleaseDevice(self.raw) };
     }

@@ -30,7 +30,8 @@ impl Drop for Handle {
 /// buffers.
 pub struct Prepared<'a> {
     handle: Handle,
-    device: &'a Device,
+    /// Released after the scene.
+    device: Device,
     mesh: &'a Mesh,
 }
 
@@ -40,7 +41,7 @@ impl Device {
     ///
     /// # Errors
     /// [`EmbreeError::Call`] with Embree's text.
-    pub fn prepare<'a>(&'a self, mesh: &'a Mesh) -> Result<Prepared<'a>, EmbreeError> {
+    pub fn prepare<'a>(&self, mesh: &'a Mesh) -> Result<Prepared<'a>, EmbreeError> {
         let device = self;
         // SAFETY: the device is live. The buffers live as long as `'a`, which the scene does not outlive, and
         // are not written to meanwhile (`mesh` is borrowed); their strides, formats and counts are those of
@@ -67,7 +68,7 @@ impl Device {
             handle
         };
         device.check("attaching the mesh")?;
-        Ok(Prepared { handle, device, mesh })
+        Ok(Prepared { handle, device: device.clone(), mesh })
     }
 }
 
@@ -94,7 +95,8 @@ impl<'a> Prepared<'a> {
 /// A committed scene: Embree's tree over a mesh, traced by `rtcIntersect1` and `rtcOccluded1`.
 pub struct EmbreeScene<'a> {
     handle: Handle,
-    device: &'a Device,
+    /// Released after the scene.
+    device: Device,
     mesh: &'a Mesh,
 }
 
@@ -116,8 +118,8 @@ impl<'a> EmbreeScene<'a> {
     }
 
     /// The device it was built with.
-    pub fn device(&self) -> &'a Device {
-        self.device
+    pub fn device(&self) -> &Device {
+        &self.device
     }
 
     pub(super) fn raw(&self) -> sys::RTCScene {

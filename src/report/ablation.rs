@@ -3,7 +3,7 @@
 use super::figures::{Figure, GRAFTED, PHR, SceneFigures, Under, scenes, tree_name, tree_named, trees};
 use super::grid::Grid;
 use super::means::Ratios;
-use crate::bench::records::Row;
+use crate::bench::row::Row;
 
 /// The columns: the compared figures, each with its kernel.
 fn columns() -> [(&'static str, Figure, Under); 5] {

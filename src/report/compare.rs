@@ -2,12 +2,14 @@
 //! the ratio can tell?
 
 use super::grid::{Grid, short};
-use crate::bench::contender::Kernel;
+use crate::bench::cell::Kernel;
 use crate::bench::environment::{ENVIRONMENT, Environment};
-use crate::bench::records::{self, ALL, RecordsError, Row};
-use crate::bench::samples::{CellSamples, SAMPLES, Samples, read_json};
+use crate::bench::files::RecordsError;
+use crate::bench::files::read_json;
+use crate::bench::row::{self, ALL, Row};
+use crate::bench::samples::{CellSamples, SAMPLES, Samples};
 use crate::bench::statistics::{Ratio, Summary};
-use crate::bench::summary::{builds, times};
+use crate::bench::visit_times::{builds, times};
 use crate::trace::RayKind;
 use std::collections::HashSet;
 use std::path::Path;
@@ -31,7 +33,7 @@ impl Recorded {
     pub fn read(path: &Path) -> Result<Self, RecordsError> {
         let (samples, environment) = (path.join(SAMPLES), path.join(ENVIRONMENT));
         Ok(Self {
-            rows: records::read(path)?,
+            rows: row::read(path)?,
             samples: samples.is_file().then(|| read_json(&samples)).transpose()?,
             environment: environment.is_file().then(|| read_json(&environment)).transpose()?,
         })

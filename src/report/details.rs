@@ -3,7 +3,7 @@
 
 use super::figures::{BASELINE, Figure, SceneFigures, Tree, Under, kernels, trees};
 use super::grid::{Grid, short};
-use crate::bench::records::Row;
+use crate::bench::row::Row;
 use crate::bench::statistics::Ratio;
 
 /// One scene's table, under a heading. A scene among `rows` alone or with others gives the same.

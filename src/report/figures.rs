@@ -1,8 +1,8 @@
 //! The figures of a run by scene and tree: looked up among the rows, never mixing kernels silently, and
 //! relative to Embree SAH.
 
-use crate::bench::contender::place;
-use crate::bench::records::{ALL, COLD, NO_KERNEL, Row, WARM};
+use crate::bench::cell::place;
+use crate::bench::row::{ALL, COLD, NO_KERNEL, Row, WARM};
 use crate::bench::statistics::{Ratio, Summary};
 
 /// A tree of the table: builder and width.

@@ -6,7 +6,7 @@ use super::figures::{
 };
 use super::grid::Grid;
 use super::paper;
-use crate::bench::records::Row;
+use crate::bench::row::Row;
 use crate::bench::statistics::{arithmetic_mean, geometric_mean};
 
 /// Ratios of one tree with their scenes.

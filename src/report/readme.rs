@@ -9,8 +9,9 @@ use super::table::{document_under, heading, remarks};
 use super::table1::table1;
 use super::{details, targets};
 use crate::bench::environment::{Environment, State};
-use crate::bench::folder;
-use crate::bench::records::{self, RecordsError, Row};
+use crate::bench::files::RecordsError;
+use crate::bench::results_dir;
+use crate::bench::row::{self, Row};
 use std::path::Path;
 
 const END: &str = "<!-- end -->";
@@ -175,13 +176,13 @@ impl<'a> Marker<'a> {
     /// The rows of some results folders and their subfolders, and whether all runs were finished.
     fn read_all(&self, results: &[&str], folder: &Path) -> Result<(Vec<Row>, bool), ReadmeError> {
         let paths: Vec<_> = results.iter().map(|results| folder.join(results)).collect();
-        folder::read_all(&paths).map_err(|source| ReadmeError::Records { line: self.line, source })
+        results_dir::read_all(&paths).map_err(|source| ReadmeError::Records { line: self.line, source })
     }
 
     fn of_one_run(&self, folder: &Path) -> Result<String, ReadmeError> {
         let results = folder.join(self.words[0]);
         let records = |source| ReadmeError::Records { line: self.line, source };
-        let rows = records::read(&results).map_err(records)?;
+        let rows = row::read(&results).map_err(records)?;
         let under = match self.kernel {
             Some(name) => Under::by_name(name, &rows).map_err(|reason| self.wrong(reason))?,
             None => Under::best(&rows),
@@ -190,8 +191,8 @@ impl<'a> Marker<'a> {
             let told = |reason| self.wrong(reason);
             return Ok(Ablation::of(&rows, self.words[1], &self.words[2..]).map_err(told)?.page());
         }
-        let environment = folder::environment(&results).map_err(records)?;
-        let is_complete = folder::is_complete(environment.as_ref());
+        let environment = results_dir::environment(&results).map_err(records)?;
+        let is_complete = results_dir::is_complete(environment.as_ref());
         Ok(match self.kind {
             // The page has headings of its own.
             "table1" => without_title(&table1(&rows, &under)) + &remarks(&rows),

@@ -3,7 +3,7 @@
 use super::figures::{BASELINE, Figure, Under, scenes, tree_name, tree_named};
 use super::grid::Grid;
 use super::means::Ratios;
-use crate::bench::records::Row;
+use crate::bench::row::Row;
 
 /// Geometric means of build time, trace time and SAH cost of the trees `names`, with the scene whose trace time is
 /// worst.

@@ -5,7 +5,7 @@ use super::details::{self, kernels_are_mixed};
 use super::figures::{BASELINE, Under, scenes};
 use super::means::means;
 use super::table1::table1;
-use crate::bench::records::{NO_KERNEL, Row};
+use crate::bench::row::{NO_KERNEL, Row};
 use crate::bench::warnings::Warning;
 
 pub use super::details::scene;
@@ -29,10 +29,9 @@ pub fn document_under(rows: &[Row], complete: bool, under: &Under) -> String {
     text + &legend(rows) + &remarks(rows)
 }
 
-/// What follows the scenes where these were told one by one: means, what the columns mean, errors and
-/// warnings.
+/// What follows the scenes where these were told one by one: means, and what the columns mean.
 pub fn closing(rows: &[Row]) -> String {
-    means_of_scenes(rows, &Under::best(rows)) + &legend(rows) + &remarks(rows)
+    means_of_scenes(rows, &Under::best(rows)) + &legend(rows)
 }
 
 fn means_of_scenes(rows: &[Row], under: &Under) -> String {
@@ -96,7 +95,7 @@ pub fn remarks(rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::records::{ALL, SCHEMA, WARM};
+    use crate::bench::row::{ALL, SCHEMA, WARM};
     use crate::report::figures::{NATIVE, PHR, trees};
 
     fn row(scene: &str, builder: &str, width: u32, kernel: &str, build: f64, trace: f64) -> Row {

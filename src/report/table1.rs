@@ -3,7 +3,7 @@
 
 use super::figures::{Figure, Place, SceneFigures, Tree, Under, WIDTH, scenes, trees};
 use super::grid::{Grid, short};
-use crate::bench::records::Row;
+use crate::bench::row::Row;
 
 /// Scenes side by side.
 const ABREAST: usize = 3;

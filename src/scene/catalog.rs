@@ -1,9 +1,9 @@
-//! The nine scenes of the paper's Table 1, with their usual files and the generated stand-ins for them.
+//! The nine scenes of the paper's Table 1, with their usual file names and their generated stand-ins.
 //!
 //! The paper prints no camera positions. The originals therefore get the cameras of a `views.json` in their
 //! folder, or those placed around the geometry; stand-ins have cameras of their own.
 
-use super::{Generator, generator};
+use super::generate::{Generator, generator};
 use std::path::{Path, PathBuf};
 
 /// A scene of the paper's Table 1.
@@ -78,7 +78,7 @@ const PAPER: [PaperScene; 9] = [
     },
 ];
 
-/// Endings that a scene file may have, in the order in which they are preferred.
+/// File extensions of scenes, the preferred first.
 const ENDINGS: [&str; 6] = [".ply", ".ply.zst", ".ply.gz", ".obj", ".obj.zst", ".obj.gz"];
 
 /// The nine scenes, in the paper's order.

@@ -1,4 +1,4 @@
-//! What can be wrong with a scene file.
+//! Errors of scene files.
 
 use crate::geometry::MeshError;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ pub enum SceneError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's message.
         source: std::io::Error,
     },
     /// The path names a directory.
@@ -20,16 +20,16 @@ pub enum SceneError {
     /// Neither PLY nor OBJ by its name.
     #[error("{}: not a scene file by its name; give a .ply or .obj, plain or with .gz or .zst", .0.display())]
     UnknownFormat(PathBuf),
-    /// The content is not what its format asks for.
+    /// The content violates the format.
     #[error("{}: {place}: {problem}; {remedy}", path.display())]
     Malformed {
         /// The file.
         path: PathBuf,
         /// A line, or an element and its index from 0.
         place: String,
-        /// What is wrong there.
+        /// The fault at that place.
         problem: String,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
     /// The file could be read but holds no mesh that can be built.
@@ -37,27 +37,27 @@ pub enum SceneError {
     Unusable {
         /// The file.
         path: PathBuf,
-        /// What is wrong with the mesh.
+        /// The fault of the mesh.
         source: MeshError,
     },
 }
 
-/// What a reader of one format says; the file's name is added by its caller.
+/// A fault found by the reader of one format; the caller adds the file's name.
 #[derive(Debug)]
 pub(super) struct Fault {
     /// A line, or an element and its index from 0.
     pub place: String,
-    /// What is wrong there.
+    /// The fault at that place.
     pub problem: String,
-    /// What to do.
+    /// The remedy.
     pub remedy: &'static str,
 }
 
 impl Fault {
-    /// The remedy where bytes are missing or make no sense.
+    /// The remedy for missing or damaged bytes.
     pub const DAMAGED: &'static str = "the file is truncated or damaged, fetch or export it again";
 
-    /// Texts from the file may stand in `problem`: control characters and length are kept in bounds here.
+    /// `problem` may quote the file: control characters are replaced and the length is limited.
     pub fn new(place: impl Into<String>, problem: &str, remedy: &'static str) -> Self {
         let problem = problem.chars().take(160).map(|c| if c.is_control() { '?' } else { c }).collect();
         Self { place: place.into(), problem, remedy }

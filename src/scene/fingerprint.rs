@@ -1,4 +1,4 @@
-//! A name for the very geometry: a 64-bit hash of vertices and triangles, the same on every platform and at
+//! A name for the geometry: a 64-bit hash of vertices and triangles, the same on every platform and at
 //! any number of threads. It tells meshes apart in records; it is no defence against forgery.
 
 use crate::geometry::Mesh;

@@ -1,26 +1,12 @@
 //! Scenes from files: PLY or OBJ, plain or compressed.
 
 use super::error::{Fault, SceneError};
-use super::{Scene, obj, ply, views};
+use super::model::Scene;
+use super::{obj, ply, views};
 use crate::geometry::Mesh;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
-
-/// Vertices and triangles as read, not yet checked against each other.
-pub(super) struct RawMesh {
-    /// x, y, z.
-    pub vertices: Vec<[f32; 3]>,
-    /// Vertex indices; [`RawMesh::NO_VERTEX`] stands for one that 32 bits cannot hold.
-    pub triangles: Vec<[u32; 3]>,
-    /// Triangles already left out because of such an index.
-    pub out_of_range: usize,
-}
-
-impl RawMesh {
-    /// An index that is beyond the vertices of every mesh.
-    pub const NO_VERTEX: u32 = u32::MAX;
-}
 
 #[derive(Clone, Copy)]
 enum Format {
@@ -41,8 +27,8 @@ const BUFFER: usize = 1 << 20;
 const ZSTD_WINDOW_LOG: u32 = 27;
 
 /// Loads `path`: PLY (binary or ASCII) or OBJ, either with `.gz` or `.zst` after it. Polygons become fans of
-/// triangles. Triangles that no builder can hold are left out and counted in [`Scene::dropped`]. Cameras come
-/// from `views.json` beside the file, or are placed around the geometry where it names none for this scene.
+/// triangles. Triangles that no builder accepts are dropped and counted in [`Scene::dropped`]. Cameras come
+/// from `views.json` beside the file, or are placed around the geometry where it has none for this scene.
 ///
 /// # Errors
 /// [`SceneError`], one line each.

@@ -1,11 +1,11 @@
-//! OBJ through `tobj`, behind a filter that hands it positions and faces alone.
+//! OBJ through `tobj`, behind a filter that passes on positions and faces only.
 //!
-//! The filter keeps the line number, which `tobj`'s errors lack; leaves out and counts faces whose indices are
-//! out of range, where `tobj` would stop; and keeps texture coordinates, normals, materials, groups and names
-//! in other encodings than UTF-8 away from it, so that all objects become one mesh with shared vertices.
+//! The filter keeps the line number, which `tobj`'s errors lack. It drops and counts faces whose indices are out of
+//! range, where `tobj` would stop. It drops texture coordinates, normals, materials, groups and names, which need not
+//! be UTF-8, so that all objects become one mesh with shared vertices.
 
 use super::error::Fault;
-use super::load::RawMesh;
+use super::raw_mesh::RawMesh;
 use std::io::{self, BufRead, Read};
 
 /// Reads `v` and `f` lines; indices may be negative (counted back from the last vertex given before).
@@ -34,7 +34,7 @@ struct Filter<'a> {
     inner: &'a mut dyn BufRead,
     /// The line as read.
     line: Vec<u8>,
-    /// What is handed on of it, and how much of that is consumed.
+    /// The part of it that is passed on, and how much of that is consumed.
     kept: Vec<u8>,
     consumed: usize,
     /// From 1.
@@ -60,7 +60,7 @@ impl<'a> Filter<'a> {
         }
     }
 
-    /// Reads a line, and those that a backslash at its end joins to it; false at the end of the file.
+    /// Reads a line with its continuation lines (backslash at the end); false at the end of the file.
     fn next_line(&mut self) -> io::Result<bool> {
         self.line.clear();
         loop {
@@ -77,7 +77,7 @@ impl<'a> Filter<'a> {
         }
     }
 
-    /// Puts what is to be handed on of the line into `kept`.
+    /// Puts the part of the line that is passed on into `kept`.
     fn filter_line(&mut self) -> Result<(), &'static str> {
         let Self { line, kept, vertices, out_of_range, .. } = self;
         kept.clear();

@@ -1,18 +1,17 @@
-//! The rows of a PLY file's elements, as `serde-ply` hands them over.
+//! The rows of a PLY file's elements, as `serde-ply` deserializes them.
 
-use super::load::RawMesh;
-use super::ply::explain;
+use super::raw_mesh::RawMesh;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_ply::PlyReader;
 use std::fmt;
 use std::io::BufRead;
 
-/// The most elements room is made for before one is read: headers lie.
+/// Elements for which memory is reserved at most before one is read: a header may lie.
 const TRUSTED_COUNT: usize = 1 << 20;
-/// The names under which exporters write a face's list.
+/// The names that exporters give a face's list.
 pub(super) const INDEX_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// Reads the next element into `out`; the row that failed and why, if one did.
+/// Reads the next element into `out`. Returns the index of the row that failed and the reason, if one did.
 pub(super) fn take<T: Rows>(
     ply: &mut PlyReader<impl BufRead>,
     out: &mut T,
@@ -22,7 +21,16 @@ pub(super) fn take<T: Rows>(
     Ok(stopped)
 }
 
-/// A collection that takes one row of an element after the other.
+/// `serde-ply`'s messages in plain words.
+pub(super) fn explain(message: &str) -> String {
+    let message = message.trim_start_matches("Error while deserializing ply: ");
+    match message {
+        "failed to fill whole buffer" | "unexpected end of file" => "the data ends here".to_owned(),
+        _ => message.replacen("Failed to parse", "no number, cannot read", 1),
+    }
+}
+
+/// A collection filled row by row.
 pub(super) trait Rows: Default {
     fn reserve(&mut self, rows: usize);
     fn take<'de, A: SeqAccess<'de>>(&mut self, rows: &mut A) -> Result<Option<()>, A::Error>;

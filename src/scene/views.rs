@@ -16,7 +16,7 @@ pub struct View {
     pub fov_y_deg: f32,
 }
 
-/// Why a camera sees nothing.
+/// A camera that cannot render an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum InvalidView {
     /// A coordinate is NaN, infinite or beyond [`Ray::LARGEST`].
@@ -34,7 +34,7 @@ pub enum InvalidView {
 }
 
 impl View {
-    /// Checks that the camera spans a picture.
+    /// Checks that the camera can render an image.
     ///
     /// # Errors
     /// [`InvalidView`], the first that applies.
@@ -62,12 +62,12 @@ impl View {
 const AROUND: [[f64; 2]; 3] = [[35.0, 20.0], [150.0, 40.0], [265.0, 10.0]];
 /// Field of view of the cameras around a scene, degrees.
 const FIELD_OF_VIEW: f64 = 45.0;
-/// Room left beside the geometry in the picture.
+/// Margin around the geometry in the image, as a factor.
 const MARGIN: f64 = 1.05;
 
 /// Three cameras outside that each see all of the geometry, from different sides and heights. Y is up, or Z
 /// where the scene is less than half as high in Z as along either other axis, as terrains and buildings with
-/// Z up are. An interior without openings shows its walls from outside: such scenes want a `views.json`.
+/// Z up are. An interior without openings is seen from outside only: give such scenes a `views.json`.
 pub fn views_around(mesh: &Mesh) -> Vec<View> {
     let bounds = mesh.bounds();
     let bounds = if bounds.is_empty() {
@@ -92,7 +92,7 @@ pub fn views_around(mesh: &Mesh) -> Vec<View> {
         let right = up.cross(back).normalize();
         let above = back.cross(right);
         let tangent = (FIELD_OF_VIEW / 2.0).to_radians().tan();
-        // The corner that needs most distance decides; pictures are taken to be square.
+        // The corner that needs the greatest distance decides; images are taken to be square.
         let distance = (0..8)
             .map(|corner| {
                 let sign = |axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };

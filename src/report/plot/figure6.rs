@@ -6,7 +6,7 @@ use super::labels::Rect;
 use super::pareto::front;
 use super::raster::text_width;
 use super::svg::{Anchor, Svg};
-use crate::bench::records::Row;
+use crate::bench::row::Row;
 use crate::report::figures::{BASELINE, Figure, SceneFigures, Under, WIDTH, scenes, trees};
 use crate::report::means::Ratios;
 use crate::report::paper;

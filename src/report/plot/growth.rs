@@ -2,7 +2,7 @@
 
 use super::chart::{Front, Panel, Point, Range, sheet, style};
 use super::labels::Rect;
-use crate::bench::records::Row;
+use crate::bench::row::Row;
 use crate::report::targets::growth::Growth;
 
 /// The figure; `None` unless there are two sizes of the scalable scene.

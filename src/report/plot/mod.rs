@@ -13,7 +13,7 @@ pub mod raster;
 pub mod svg;
 
 use super::figures::Under;
-use crate::bench::records::Row;
+use crate::bench::row::Row;
 
 /// A drawn figure.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 
 use super::judge::{Verdict, within};
 use super::list::{GROWTH, GROWTH_BUILDERS, GROWTH_SIZES};
-use crate::bench::records::Row;
+use crate::bench::row::Row;
 use crate::report::figures::{Place, SceneFigures, WIDTH, only, scenes, trees};
 use crate::report::grid::{Grid, short};
 use crate::scene::{scalable_name, scalable_triangles};

@@ -1,7 +1,7 @@
 //! From rows to verdicts: what each builder reaches in every scene, and whether it meets the target.
 
 use super::list::{MORE_THAN, MORE_THAN_FOR_PEAK, Measure, Target};
-use crate::bench::records::Row;
+use crate::bench::row::Row;
 use crate::report::figures::{Figure, GRAFTED, PHR, Place, SceneFigures, Under, WIDTH, only, scenes};
 use crate::report::means::Ratios;
 use crate::scene::scalable_triangles;

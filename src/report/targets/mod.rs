@@ -7,7 +7,7 @@ pub mod list;
 
 use super::grid::{Grid, short};
 use super::table::{remarks, rounds};
-use crate::bench::records::Row;
+use crate::bench::row::Row;
 use growth::growth;
 use judge::{Judge, Judged, is_at_least, is_of_bytes};
 use list::{Measure, TARGETS};

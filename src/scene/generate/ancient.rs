@@ -1,11 +1,8 @@
 //! An ancient town: low houses around atria under barrel tiles, colonnades and temples, an arena, rubble.
 
 use super::city::tree;
-use super::frame::{Frame, sin_cos};
-use super::layout::Layout;
-use super::part::Shape;
-use super::random::Random;
-use super::{Generator, view};
+use super::generator::{Generator, view};
+use super::parts::{Frame, Layout, Random, Shape, sin_cos};
 
 /// The stand-in for Pompeii.
 pub const ANCIENT: Generator = Generator {

@@ -1,12 +1,9 @@
 //! Cities: a plain of two triangles, houses with facades, and street furniture down to single leaves and
 //! rivets. Sizes of triangles span seven orders of magnitude.
 
-use super::frame::Frame;
-use super::furniture::{chair, table};
-use super::layout::Layout;
-use super::part::Shape;
-use super::random::Random;
-use super::{Generator, view};
+use super::generator::{Generator, view};
+use super::parts::furniture::{chair, table};
+use super::parts::{Frame, Layout, Random, Shape};
 
 /// The built-in city.
 pub const CITY: Generator = Generator {

@@ -1,10 +1,8 @@
 //! A conference room: one hall, a ring of tables, rows of chairs, panelled walls, a grid of lamps.
 
-use super::frame::Frame;
-use super::furniture::{chair, plant, table, vase};
-use super::layout::Layout;
-use super::part::Shape;
-use super::{Generator, view};
+use super::generator::{Generator, view};
+use super::parts::furniture::{chair, plant, table, vase};
+use super::parts::{Frame, Layout, Shape};
 
 /// The stand-in for Conference.
 pub const CONFERENCE: Generator = Generator {

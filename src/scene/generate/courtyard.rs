@@ -2,11 +2,9 @@
 //! leaves, which are most of its triangles.
 
 use super::city::tree;
-use super::frame::Frame;
-use super::furniture::{chair, plant, table, vase};
-use super::layout::Layout;
-use super::part::Shape;
-use super::{Generator, view};
+use super::generator::{Generator, view};
+use super::parts::furniture::{chair, plant, table, vase};
+use super::parts::{Frame, Layout, Shape};
 
 /// The stand-in for San Miguel.
 pub const COURTYARD: Generator = Generator {

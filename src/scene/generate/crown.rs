@@ -1,10 +1,7 @@
 //! A crown on a cushion: a finely cut, curved jewel of pearls, stones and wire, everything touching.
 
-use super::frame::{Frame, sin_cos};
-use super::layout::Layout;
-use super::part::Shape;
-use super::random::{Random, mix};
-use super::{Generator, view};
+use super::generator::{Generator, view};
+use super::parts::{Frame, Layout, Random, Shape, mix, sin_cos};
 use glam::Vec3;
 
 /// The stand-in for Crown.

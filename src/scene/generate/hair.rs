@@ -1,9 +1,7 @@
 //! A ball of curled hair: long thin triangles in every direction, boxes that overlap everywhere.
 
-use super::layout::Layout;
-use super::part::Shape;
-use super::random::mix;
-use super::{Generator, frame::Frame, view};
+use super::generator::{Generator, view};
+use super::parts::{Frame, Layout, Shape, mix};
 
 /// The built-in hair ball.
 pub const HAIRBALL: Generator = Generator {

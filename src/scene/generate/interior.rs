@@ -1,12 +1,9 @@
 //! Interiors: rooms along both sides, doors between them, windows outside, furniture within. Walls and floors
 //! are parallel to the axes and of few large triangles, what stands in the rooms of many small ones.
 
-use super::frame::Frame;
-use super::furniture::{bed, chair, desk, lamp, plant, shelf, sofa, table, vase};
-use super::layout::Layout;
-use super::part::Shape;
-use super::random::Random;
-use super::{Generator, view};
+use super::generator::{Generator, view};
+use super::parts::furniture::{bed, chair, desk, lamp, plant, shelf, sofa, table, vase};
+use super::parts::{Frame, Layout, Random, Shape};
 
 /// The built-in flat.
 pub const ROOMS: Generator = Generator {

@@ -1,12 +1,12 @@
 //! Scenes of any size and mixed character, to see how builders grow: fields with a statue, a hair ball, trees,
 //! furniture, a bay of pipes or a house on each.
 
-use super::frame::Frame;
-use super::layout::{Layout, draw};
-use super::part::Shape;
-use super::{Scene, city, furniture, hair, plant, statue};
+use super::parts::furniture;
+use super::parts::{Frame, Layout, Shape, draw};
+use super::{city, hair, plant, statue};
 use crate::geometry::Mesh;
-use crate::scene::View;
+use crate::scene::model::Scene;
+use crate::scene::views::View;
 use glam::Vec3;
 
 /// Side of a field, metres; triangles that one takes at detail 1.

@@ -1,11 +1,8 @@
 //! Industrial plant: racks of pipes, trusses of diagonal rods, tanks, stairs and gratings. Most triangles are
 //! long and thin, many of them oblique, and boxes around them hold mostly air.
 
-use super::frame::Frame;
-use super::layout::Layout;
-use super::part::Shape;
-use super::random::Random;
-use super::{Generator, view};
+use super::generator::{Generator, view};
+use super::parts::{Frame, Layout, Random, Shape};
 use glam::Vec3;
 
 /// The built-in plant.

@@ -1,0 +1,82 @@
+//! A cell of the table: a builder at a width, with the kernels that trace its tree.
+
+use super::row::NO_KERNEL;
+use serde::{Deserialize, Serialize};
+
+/// The code that traces a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kernel {
+    /// Embree's kernel on Embree's own tree, in Embree's own memory.
+    EmbreeNative,
+    /// Embree's kernel on any tree, all trees in one memory layout.
+    EmbreeGrafted,
+    /// Our kernel.
+    Phr,
+}
+
+impl Kernel {
+    /// All kernels, in the table's order.
+    pub const ALL: [Self; 3] = [Self::EmbreeNative, Self::EmbreeGrafted, Self::Phr];
+
+    /// The name in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::EmbreeNative => "embree-native",
+            Self::EmbreeGrafted => "embree-grafted",
+            Self::Phr => "phr",
+        }
+    }
+
+    /// The kernel called `name`.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kernel| kernel.name() == name)
+    }
+}
+
+/// A builder at a width.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Cell {
+    /// The builder's name.
+    pub builder: String,
+    /// Children per node.
+    pub width: u32,
+    /// Kernels that trace its tree; none if only builds are timed.
+    pub kernels: Vec<Kernel>,
+}
+
+impl Cell {
+    /// The text that `--filter` is matched against.
+    pub fn line(&self, scene: &str, kernel: &str) -> String {
+        format!("{scene} {} {} {kernel}", self.builder, self.width)
+    }
+
+    /// One line per kernel.
+    pub fn lines(&self, scene: &str) -> Vec<String> {
+        if self.kernels.is_empty() {
+            return vec![self.line(scene, NO_KERNEL)];
+        }
+        self.kernels.iter().map(|kernel| self.line(scene, kernel.name())).collect()
+    }
+}
+
+/// The order of the table: the paper's, with our other builders beside their relatives.
+pub const ORDER: [&str; 12] = [
+    "lbvh",
+    "embree-morton",
+    "hunt-50",
+    "aac",
+    "embree-sah",
+    "hunt-500",
+    "embree-fast-spatial",
+    "phr-fast",
+    "phr-hq",
+    "phr-speed",
+    "phr-quality",
+    "phr-best",
+];
+
+/// A builder's place in the table; builders not in [`ORDER`] come last.
+pub fn place(builder: &str) -> usize {
+    ORDER.iter().position(|name| *name == builder).unwrap_or(ORDER.len())
+}

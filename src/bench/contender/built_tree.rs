@@ -1,0 +1,43 @@
+//! The request to a contender, and the tree that it returns.
+
+use crate::bench::build_times::BuildTimes;
+use crate::bench::cell::Kernel;
+use crate::bench::pools::Pools;
+use crate::bench::tree_facts::TreeFacts;
+use crate::bvh::{Bvh4, Bvh8};
+use crate::geometry::{Mesh, Tracer};
+
+/// A request to a contender.
+#[derive(Clone, Copy)]
+pub struct BuildRequest<'a> {
+    /// The geometry.
+    pub mesh: &'a Mesh,
+    /// The threads to build with.
+    pub pools: &'a Pools,
+    /// The kernels that are to trace the tree.
+    pub kernels: &'a [Kernel],
+    /// Whether to compute the facts of the tree; untimed.
+    pub wants_facts: bool,
+}
+
+/// A tree of either width in our form.
+pub enum EitherWidth {
+    /// 4-wide.
+    Four(Bvh4),
+    /// 8-wide.
+    Eight(Bvh8),
+}
+
+/// A tree as its contender built it.
+pub struct BuiltTree<'a> {
+    /// How long the builds took.
+    pub times: BuildTimes,
+    /// Facts of the tree, where they were asked for.
+    pub facts: Option<TreeFacts>,
+    /// The geometry.
+    pub(super) mesh: &'a Mesh,
+    /// The tree in our form, or why it is unavailable.
+    pub(super) tree: Result<EitherWidth, String>,
+    /// Embree's own scene, where Embree built it.
+    pub(super) native: Option<Box<dyn Tracer + 'a>>,
+}

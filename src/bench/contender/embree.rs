@@ -1,0 +1,250 @@
+//! Embree's builders as contenders, and Embree's kernel for any tree.
+
+use super::built_tree::{BuildRequest, BuiltTree, EitherWidth};
+use crate::bench::build_times::{BuildTimes, WarmTimes, is_enough, ms};
+use crate::bench::cell::{Cell, Kernel};
+use crate::bench::cpu_time::{CpuClock, least_disturbed};
+use crate::bench::environment::Library;
+use crate::bench::tree_facts::TreeFacts;
+use crate::bvh::{Statistics, WideBvh};
+use crate::embree::{self, Config, Device, EmbreeBuilder, EmbreeError, EmbreeScene, Inspection, Width};
+use crate::geometry::{Mesh, Tracer};
+use rayon::ThreadPool;
+use std::sync::OnceLock;
+use std::time::Instant;
+
+#[cfg(not(feature = "graft"))]
+const NO_GRAFT: &str = "this program was built without the feature graft";
+
+/// The kernel that traces the reference tree.
+pub const REFERENCE_KERNEL: Kernel = Kernel::EmbreeNative;
+
+/// Embree's builders in both widths.
+pub fn cells() -> Vec<Cell> {
+    let cell = |builder: EmbreeBuilder, width: Width| Cell {
+        builder: builder.name().into(),
+        width: width.lanes() as u32,
+        kernels: if cfg!(feature = "graft") { Kernel::ALL.into() } else { vec![Kernel::EmbreeNative] },
+    };
+    EmbreeBuilder::ALL.iter().flat_map(|&builder| Width::ALL.map(|width| cell(builder, width))).collect()
+}
+
+/// Kernels for our trees.
+pub fn kernels_of_ours() -> Vec<Kernel> {
+    if cfg!(feature = "graft") { vec![Kernel::EmbreeGrafted, Kernel::Phr] } else { vec![Kernel::Phr] }
+}
+
+/// One of Embree's builders. The clock holds the commit alone.
+pub struct Embree {
+    builder: EmbreeBuilder,
+    width: Width,
+}
+
+impl Embree {
+    /// The builder of `cell`.
+    ///
+    /// # Errors
+    /// No builder of that name, or none of that width.
+    pub fn new(cell: &Cell) -> Result<Self, String> {
+        let builder = EmbreeBuilder::by_name(&cell.builder)
+            .ok_or_else(|| format!("no builder is called {}", cell.builder))?;
+        let width = Width::ALL
+            .into_iter()
+            .find(|width| width.lanes() as u32 == cell.width)
+            .ok_or_else(|| format!("Embree has no trees of width {}", cell.width))?;
+        Ok(Self { builder, width })
+    }
+
+    /// Builds once cold and then warm, on one thread too where the request has a pool of one. Where facts are
+    /// wanted, another verbose commit, untimed, asserts which builder ran.
+    ///
+    /// # Errors
+    /// Embree's message, or a builder that is not the one asked for.
+    pub fn build<'a>(&mut self, request: &BuildRequest<'a>) -> Result<BuiltTree<'a>, String> {
+        let BuildRequest { mesh, pools, .. } = *request;
+        let config = self.config(pools.all.current_num_threads());
+        let inspection = match request.wants_facts {
+            true => Some(embree::inspect(mesh, &config).map_err(message)?),
+            false => None,
+        };
+        // Devices share threads, as many as the largest of them has: the device of one thread must be gone before
+        // that of all is made.
+        let mut one_thread = None;
+        if pools.one.is_some() {
+            let device = Device::new(&self.config(1)).map_err(message)?;
+            one_thread = Some(commits(&device, mesh).map_err(message)?.warm);
+        }
+        let device = Device::new(&config).map_err(message)?;
+        let Committed { cold_ms, warm, scene } = commits(&device, mesh).map_err(message)?;
+        let peak_bytes = Some(device.memory().peak_bytes as u64);
+        let times = BuildTimes { cold_ms, warm, phases: Vec::new(), peak_bytes, one_thread };
+
+        let is_read = request.wants_facts || request.kernels.iter().any(|&it| it != Kernel::EmbreeNative);
+        let mut tree = if is_read { read(&scene, self.width) } else { Err("not asked for".into()) };
+        let mut facts = None;
+        if let Some(printed) = &inspection {
+            let statistics = tree.as_ref().ok().map(|tree| pools.all.install(|| statistics(tree, mesh)));
+            if let Some(read) = statistics.as_ref().filter(|read| !is_same(read.sah, printed.sah)) {
+                let (read, printed) = (read.sah, printed.sah);
+                tree = Err(format!("the tree read has a SAH cost of {read}, Embree printed {printed}"));
+            }
+            facts = Some(facts_of(printed, &config, statistics.filter(|_| tree.is_ok())));
+        }
+        Ok(BuiltTree { times, facts, mesh, tree, native: Some(Box::new(scene)) })
+    }
+
+    fn config(&self, threads: usize) -> Config {
+        Config { builder: self.builder, width: self.width, threads }
+    }
+}
+
+/// The commits of one visit on a device.
+struct Committed<'a> {
+    cold_ms: f64,
+    warm: WarmTimes,
+    /// The scene of the last commit.
+    scene: EmbreeScene<'a>,
+}
+
+/// Commits new scenes of `mesh`: once with a cold device, then warm.
+fn commits<'a>(device: &Device, mesh: &'a Mesh) -> Result<Committed<'a>, EmbreeError> {
+    let commit = || {
+        let prepared = device.prepare(mesh)?;
+        device.reset_peak();
+        let start = Instant::now();
+        let scene = prepared.commit()?;
+        Ok::<_, EmbreeError>((start.elapsed(), scene))
+    };
+    let (cold, first) = commit()?;
+    drop(first);
+    let mut last = None;
+    let (ms_of_each, cpu_time) = least_disturbed(|| {
+        // Two scenes at a time would count as the peak of one.
+        last = None;
+        let clock = CpuClock::read();
+        let mut warm = Vec::new();
+        loop {
+            let (duration, scene) = commit()?;
+            warm.push(duration);
+            if is_enough(&warm) {
+                let ms_of_each = warm.into_iter().map(ms).collect();
+                last = Some(scene);
+                return Ok::<_, EmbreeError>((ms_of_each, clock.since()));
+            }
+        }
+    })?;
+    let warm = WarmTimes { ms: ms_of_each, cpu_time };
+    Ok(Committed { cold_ms: ms(cold), warm, scene: last.expect("there was a commit") })
+}
+
+fn statistics(tree: &EitherWidth, mesh: &Mesh) -> Statistics {
+    match tree {
+        EitherWidth::Four(tree) => Statistics::of(tree, mesh),
+        EitherWidth::Eight(tree) => Statistics::of(tree, mesh),
+    }
+}
+
+/// Embree's printed figures, and those of the tree that was read.
+fn facts_of(inspection: &Inspection, config: &Config, statistics: Option<Statistics>) -> TreeFacts {
+    let printed = TreeFacts {
+        engine: format!("embree {}", embree::version()),
+        config: config.device_string(),
+        sah: Some(inspection.sah),
+        nodes: Some(inspection.nodes),
+        leaves: Some(inspection.leaves),
+        depth: Some(inspection.depth),
+        leaf_fill: Some(inspection.leaf_fill),
+        bytes: Some(inspection.bytes),
+        ..TreeFacts::default()
+    };
+    let Some(statistics) = statistics else { return printed };
+    let read = TreeFacts::of(&statistics, printed.engine.clone(), printed.config.clone());
+    TreeFacts { sah: printed.sah, bytes: printed.bytes, ..read }
+}
+
+/// Embree prints six digits; the tree is of another commit, which may differ in the last of them.
+fn is_same(read: f64, printed: f64) -> bool {
+    (read - printed).abs() <= 5e-5 * printed.abs()
+}
+
+/// The tree of `scene` in our form, or why it cannot be read.
+#[cfg(feature = "graft")]
+fn read(scene: &EmbreeScene<'_>, width: Width) -> Result<EitherWidth, String> {
+    use crate::embree::native;
+    let tree = match width {
+        Width::Four => native::read4(scene).map(EitherWidth::Four),
+        Width::Eight => native::read8(scene).map(EitherWidth::Eight),
+    };
+    tree.map_err(|unavailable| unavailable.why)
+}
+
+#[cfg(not(feature = "graft"))]
+fn read(_: &EmbreeScene<'_>, _: Width) -> Result<EitherWidth, String> {
+    Err(NO_GRAFT.into())
+}
+
+/// Puts `tree` under Embree's kernel, laid out by the one routine for all trees. The scene whose root it
+/// replaces is built by Morton codes, the quickest.
+///
+/// # Errors
+/// Why that cannot be done here.
+#[cfg(feature = "graft")]
+pub fn graft<'a, const N: usize>(
+    mesh: &'a Mesh,
+    tree: &WideBvh<N>,
+    threads: usize,
+) -> Result<Box<dyn Tracer + 'a>, String> {
+    let width = if N == 8 { Width::Eight } else { Width::Four };
+    let device = Device::new(&Config { builder: EmbreeBuilder::Morton, width, threads }).map_err(message)?;
+    let host = device.prepare(mesh).and_then(embree::Prepared::commit).map_err(message)?;
+    let graft = embree::graft::Graft::new(host, tree).map_err(|unavailable| unavailable.why)?;
+    Ok(Box::new(graft))
+}
+
+/// Not without the feature.
+///
+/// # Errors
+/// Always.
+#[cfg(not(feature = "graft"))]
+pub fn graft<'a, const N: usize>(
+    _: &'a Mesh,
+    _: &WideBvh<N>,
+    _: usize,
+) -> Result<Box<dyn Tracer + 'a>, String> {
+    Err(NO_GRAFT.into())
+}
+
+fn message(error: EmbreeError) -> String {
+    error.to_string()
+}
+
+/// The instruction set of Embree's kernels, which it puts before their names, as in
+/// `avx2::BVH4Triangle4Intersector1Moeller`.
+pub fn isa() -> String {
+    static ISA: OnceLock<String> = OnceLock::new();
+    let ask = || {
+        let (mesh, _) = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).ok()?;
+        let config = Config { builder: EmbreeBuilder::Sah, width: Width::Four, threads: 1 };
+        let inspection = embree::inspect(&mesh, &config).ok()?;
+        inspection.intersector.split_once("::").map(|(isa, _)| isa.to_owned())
+    };
+    ISA.get_or_init(|| ask().unwrap_or_else(|| "unknown".into())).clone()
+}
+
+/// Builds Embree's SAH tree, whose hits are the reference.
+///
+/// # Errors
+/// Embree's message.
+pub fn reference<'a>(mesh: &'a Mesh, pool: &ThreadPool) -> Result<BuiltTree<'a>, String> {
+    let threads = pool.current_num_threads();
+    let config = Config { builder: EmbreeBuilder::Sah, width: Width::Four, threads };
+    let device = Device::new(&config).map_err(message)?;
+    let scene = device.prepare(mesh).and_then(embree::Prepared::commit).map_err(message)?;
+    let tree = Err("only its hits are asked for".into());
+    Ok(BuiltTree { times: BuildTimes::default(), facts: None, mesh, tree, native: Some(Box::new(scene)) })
+}
+
+/// The library in use.
+pub fn library() -> Library {
+    Library::of(embree::version())
+}

@@ -1,0 +1,67 @@
+//! The contenders: our builders, and Embree's where this program was built with Embree. A [`Contender`] builds
+//! and returns a [`BuiltTree`]; put under kernels ([`TreeUnderKernel`]), it is traced.
+
+mod built_tree;
+mod caught;
+#[cfg(feature = "embree")]
+mod embree;
+mod ours;
+pub mod pools;
+mod tree_under_kernel;
+#[cfg(not(feature = "embree"))]
+mod without_embree;
+
+pub use built_tree::{BuildRequest, BuiltTree, EitherWidth};
+#[cfg(feature = "embree")]
+pub use embree::{Embree, REFERENCE_KERNEL, library, reference};
+pub use ours::Ours;
+pub use tree_under_kernel::TreeUnderKernel;
+#[cfg(not(feature = "embree"))]
+pub use without_embree::{Embree, REFERENCE_KERNEL, library, reference};
+
+use super::cell::{Cell, place};
+#[cfg(not(feature = "embree"))]
+use without_embree as embree;
+
+/// A builder under measurement. Each visit makes a new one, so that its first build is cold.
+pub enum Contender {
+    /// One of our builders.
+    Ours(Ours),
+    /// One of Embree's builders.
+    Embree(Embree),
+}
+
+impl Contender {
+    /// The builder of `cell`.
+    ///
+    /// # Errors
+    /// No such builder, in one line.
+    pub fn of(cell: &Cell) -> Result<Self, String> {
+        match Ours::by_name(&cell.builder) {
+            Some(ours) => Ok(Self::Ours(ours)),
+            None => Embree::new(cell).map(Self::Embree),
+        }
+    }
+
+    /// Builds the tree once cold and then warm.
+    ///
+    /// # Errors
+    /// A builder that panicked, failed or was not the one asked for, in one line. The contender is then of no
+    /// further use.
+    pub fn build<'a>(&mut self, request: &BuildRequest<'a>) -> Result<BuiltTree<'a>, String> {
+        match self {
+            Self::Ours(ours) => ours.build(request),
+            Self::Embree(embree) => embree.build(request),
+        }
+    }
+}
+
+/// All cells of this program, in the table's order.
+pub fn cells(build_only: bool) -> Vec<Cell> {
+    let mut cells: Vec<Cell> = ours::cells(&embree::kernels_of_ours()).chain(embree::cells()).collect();
+    cells.sort_by_key(|cell| (place(&cell.builder), cell.width));
+    if build_only {
+        cells.iter_mut().for_each(|cell| cell.kernels.clear());
+    }
+    cells
+}

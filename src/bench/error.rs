@@ -1,0 +1,98 @@
+//! Why a run could not be planned, made or reduced: one line each, with the remedy.
+
+use super::files::RecordsError;
+use crate::scene::SceneError;
+use std::path::PathBuf;
+
+/// Why a request cannot be run.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// Neither a file nor a generated scene.
+    #[error("{0}: no such file, nor a generated scene of that name; `phr scenes` lists those")]
+    NoSuchScene(String),
+    /// A folder in place of a file.
+    #[error("{}: is a directory; name a scene file in it (.obj or .ply, plain, .gz or .zst)", .0.display())]
+    Directory(PathBuf),
+    /// Two scenes of the same name.
+    #[error("two scenes are called {0}; rename one of the files")]
+    SameName(String),
+    /// A scene file that cannot be used.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Not a builder.
+    #[error("no builder is called {name}; there are {known}")]
+    NoSuchBuilder {
+        /// The name given.
+        name: String,
+        /// The builders of this program.
+        known: String,
+    },
+    /// A count that must be positive.
+    #[error("--{0} 0: nothing would be measured; give 1 or more")]
+    Zero(&'static str),
+    /// A count above its limit.
+    #[error("--{option} {value}: more than {most}; give less")]
+    TooMuch {
+        /// The option's name.
+        option: &'static str,
+        /// Its value.
+        value: usize,
+        /// The most it may be.
+        most: usize,
+    },
+    /// `--one-thread` beside `--threads 1`, or without `--build-only`.
+    #[error("--one-thread {0}")]
+    OneThread(&'static str),
+    /// The filter matches nothing.
+    #[error("--filter {0}: matches no \"scene builder width kernel\"; see `phr bench --list`")]
+    NothingLeft(String),
+    /// `--scenes` does not name a folder.
+    #[error("{}: not a folder; --scenes takes the folder that holds the paper's scene files", .0.display())]
+    NotAFolder(PathBuf),
+}
+
+/// Why a run could not be made or finished.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The results cannot be read or written.
+    #[error(transparent)]
+    Records(#[from] RecordsError),
+    /// A scene cannot be loaded.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The reference tree cannot be built.
+    #[error("{scene}: no reference hits: {reason}")]
+    Reference {
+        /// The scene.
+        scene: String,
+        /// Embree's message.
+        reason: String,
+    },
+    /// The threads cannot be started.
+    #[error("--threads {threads}: {reason}; give fewer")]
+    Threads {
+        /// Threads asked for.
+        threads: usize,
+        /// The system's message.
+        reason: String,
+    },
+    /// `--resume` with other settings.
+    #[error("{}: made with another {what}; give the same, or run without --resume", folder.display())]
+    Resume {
+        /// The folder.
+        folder: PathBuf,
+        /// The setting that differs.
+        what: String,
+    },
+}
+
+/// Why a folder cannot be reduced.
+#[derive(Debug, thiserror::Error)]
+pub enum ReduceError {
+    /// The records cannot be read or written.
+    #[error(transparent)]
+    Records(#[from] RecordsError),
+    /// The reduced rows would take the place of the whole ones, or be read along with them.
+    #[error("{}: in the folder that is reduced; give another place", .0.display())]
+    Inside(PathBuf),
+}

@@ -1,0 +1,72 @@
+//! The rows of one tree under one kernel.
+
+use super::row::{ALL, Row, figures};
+use super::samples::{CellSamples, Check, KernelChecks};
+use super::statistics::Summary;
+use super::visit_times::times;
+use super::warnings::Warning;
+use crate::trace::RayKind;
+
+/// One row per view and kind, and those that sum over views, kinds or both.
+pub fn kernel_rows(
+    row: &Row,
+    warnings: &[Warning],
+    kernel: &KernelChecks,
+    cell: &CellSamples,
+    views: usize,
+) -> Vec<Row> {
+    let views = || (0..views).map(Some).chain([None]);
+    let kinds = || RayKind::ALL.map(Some).into_iter().chain([None]);
+    let pairs = views().flat_map(|view| kinds().map(move |kind| (view, kind)));
+    pairs.map(|(view, kind)| batch_row(row, warnings, kernel, cell, view, kind)).collect()
+}
+
+fn batch_row(
+    row: &Row,
+    warnings: &[Warning],
+    kernel: &KernelChecks,
+    cell: &CellSamples,
+    view: Option<usize>,
+    kind: Option<RayKind>,
+) -> Row {
+    let matches =
+        |check: &&Check| view.is_none_or(|view| view == check.view) && (kind.is_none() || kind == check.kind);
+    let checks: Vec<&Check> = kernel.checks.iter().filter(matches).collect();
+    let total = |value: fn(&Check) -> u64| checks.iter().map(|check| value(check)).sum::<u64>();
+    let rays = total(|check| check.rays);
+    let per_ray = |value: fn(&Check) -> Option<u64>| {
+        let sum = checks.iter().map(|check| value(check)).sum::<Option<u64>>()?;
+        (rays > 0).then(|| figures(sum as f64 / rays as f64))
+    };
+    let samples =
+        times(cell, kernel.kernel, view, |found| found.is_some() && (kind.is_none() || kind == found));
+    let frames = if kind.is_none() {
+        Summary::of(&times(cell, kernel.kernel, view, |found| found.is_none()))
+    } else {
+        None
+    };
+    let summary = Summary::of(&samples).filter(|_| rays > 0);
+    let mut warnings = warnings.to_vec();
+    warnings.extend(Warning::of_samples(&samples));
+    Row {
+        view: view.map_or(ALL.into(), |view| view.to_string()),
+        ray_kind: kind.map_or(ALL, RayKind::name).into(),
+        rays: Some(rays),
+        trace_ms_median: summary.map(|s| figures(s.median)),
+        trace_ms_mad: summary.map(|s| figures(s.mad)),
+        trace_ms_min: summary.map(|s| figures(s.min)),
+        trace_ms_max: summary.map(|s| figures(s.max)),
+        mrays_s: summary.map(|s| figures(rays as f64 * 1e-3 / s.median)),
+        frame_ms_median: frames.map(|s| figures(s.median)),
+        frame_ms_mad: frames.map(|s| figures(s.mad)),
+        frame_ms_min: frames.map(|s| figures(s.min)),
+        frame_ms_max: frames.map(|s| figures(s.max)),
+        node_visits_per_ray: per_ray(|check| check.node_visits),
+        block_tests_per_ray: per_ray(|check| check.block_tests),
+        hits: Some(total(|check| check.hits)),
+        hit_hash: if let [check] = checks[..] { check.hash.clone() } else { String::new() },
+        verified: Some(true),
+        warnings: Warning::join(&warnings),
+        ..row.clone()
+    }
+}

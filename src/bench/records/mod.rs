@@ -1,0 +1,15 @@
+//! The records of a run: samples as taken, the rows made from them, the environment, and their files.
+
+pub mod build_times;
+pub mod environment;
+pub mod files;
+pub mod kernel_rows;
+pub mod recorder;
+pub mod results_dir;
+pub mod row;
+pub mod rows;
+pub mod samples;
+pub mod statistics;
+pub mod tree_facts;
+pub mod visit_times;
+pub mod warnings;

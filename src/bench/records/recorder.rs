@@ -1,0 +1,256 @@
+//! The records of a run on disk, brought up to date after every visit.
+
+use super::environment::{ENVIRONMENT, Environment, Machine, Moment, Program, State};
+use super::files::{RecordsError, read_json, write_json};
+use super::row::{self, ROWS, Row, SCHEMA};
+use super::rows::{self, Header};
+use super::samples::{CellSamples, SAMPLES, Samples, SceneSamples};
+use super::tree_facts::TreeFacts;
+use super::warnings::Warning;
+use crate::bench::cell::{Cell, Kernel, place};
+use crate::bench::contender;
+use crate::bench::error::RunError;
+use crate::bench::plan::Plan;
+use crate::bench::planned_scene::PlannedScene;
+use crate::bench::random::SplitMix;
+use crate::scene::Scene;
+use crate::trace;
+use std::path::Path;
+
+/// Files that the command makes from the rows when a run ends.
+const MADE_OF_ROWS: [&str; 7] = [
+    "table1.md",
+    "figure6.svg",
+    "figure6.png",
+    "figure6-scenes.svg",
+    "figure6-scenes.png",
+    "growth.svg",
+    "growth.png",
+];
+
+/// Where and how a run is recorded.
+pub struct RecordOptions<'a> {
+    /// The results folder.
+    pub folder: &'a Path,
+    /// Go on with the run recorded there.
+    pub resume: bool,
+    /// Name of the machine.
+    pub host: &'a str,
+    /// The command line after the program's name.
+    pub arguments: Vec<String>,
+}
+
+/// The records on disk.
+pub struct Recorder<'a> {
+    folder: &'a Path,
+    /// All samples so far.
+    pub samples: Samples,
+    environment: Environment,
+    rounds: usize,
+    threads: usize,
+}
+
+impl<'a> Recorder<'a> {
+    /// Starts the records, or continues those of the run in the folder.
+    pub fn open(plan: &Plan, options: &RecordOptions<'a>) -> Result<Self, RunError> {
+        let settings = &plan.settings;
+        let folder = options.folder;
+        std::fs::create_dir_all(folder).map_err(|source| RecordsError::Io {
+            path: folder.to_owned(),
+            source,
+            remedy: "give a writable folder with --out",
+        })?;
+        let recorded_plan = serde_json::json!({
+            "settings": settings,
+            "scenes": plan.scenes.iter().map(|(scene, _)| &scene.name).collect::<Vec<_>>(),
+        });
+        let machine = Machine::this(options.host);
+        let mut environment = Environment {
+            schema: SCHEMA,
+            run_id: run_id(),
+            state: State::Running,
+            arguments: options.arguments.clone(),
+            plan: recorded_plan,
+            program: Program::this(),
+            library: contender::library(),
+            isa: serde_json::json!({ "phr": trace::kernel_isa().name() }),
+            before: Vec::new(),
+            after: None,
+            notes: Vec::new(),
+            machine,
+        };
+        let mut samples = Samples { schema: SCHEMA, run_id: environment.run_id.clone(), scenes: Vec::new() };
+        if options.resume {
+            let old: Environment = read_json(&folder.join(ENVIRONMENT))?;
+            same(&old, &environment, folder)?;
+            samples = Samples::read(folder)?;
+            environment.run_id = old.run_id;
+            environment.before = old.before;
+            environment.notes = old.notes;
+        }
+        environment.before.push(Moment::now(settings.threads));
+        let recorder =
+            Self { folder, samples, environment, rounds: settings.rounds, threads: settings.threads };
+        recorder.write_environment()?;
+        if !options.resume {
+            // No file of an older run may be taken for part of this one.
+            for file in MADE_OF_ROWS.into_iter().chain([ROWS, SAMPLES]) {
+                let path = folder.join(file);
+                if path.exists() {
+                    let remedy = "give another folder with --out";
+                    std::fs::remove_file(&path).map_err(|source| RecordsError::Io {
+                        path,
+                        source,
+                        remedy,
+                    })?;
+                }
+            }
+        }
+        Ok(recorder)
+    }
+
+    /// The scene's index among the samples; adds the scene and its cells where they are new.
+    pub fn scene(
+        &mut self,
+        planned: &PlannedScene,
+        scene: &Scene,
+        cells: &[Cell],
+        views: usize,
+        invalid_rays: u64,
+    ) -> Result<usize, RunError> {
+        let known = self.samples.scenes.iter().position(|known| known.name == planned.name);
+        let index = known.unwrap_or(self.samples.scenes.len());
+        if known.is_none() {
+            self.samples.scenes.push(SceneSamples {
+                name: planned.name.clone(),
+                sha: scene.sha.clone(),
+                source: planned.origin(),
+                triangles: scene.mesh.len() as u64,
+                dropped: scene.dropped,
+                views,
+                invalid_rays,
+                cells: Vec::new(),
+            });
+        }
+        let samples = &mut self.samples.scenes[index];
+        if samples.sha != scene.sha {
+            let what = format!("geometry of {}", planned.name);
+            return Err(RunError::Resume { folder: self.folder.to_owned(), what });
+        }
+        for cell in cells {
+            if !samples.cells.iter().any(|known| known.cell == *cell) {
+                samples.cells.push(CellSamples {
+                    cell: cell.clone(),
+                    facts: TreeFacts::default(),
+                    checks: Vec::new(),
+                    visits: Vec::new(),
+                    error: None,
+                });
+            }
+        }
+        samples.cells.sort_by_key(|cell| (place(&cell.cell.builder), cell.cell.width));
+        Ok(index)
+    }
+
+    /// The samples of a cell that [`Recorder::scene`] has entered.
+    pub fn cell(&mut self, scene: usize, cell: &Cell) -> &mut CellSamples {
+        let cells = &mut self.samples.scenes[scene].cells;
+        match cells.iter().position(|known| known.cell == *cell) {
+            Some(index) => &mut cells[index],
+            None => unreachable!("a scene's cells are entered before its first visit"),
+        }
+    }
+
+    /// The columns that all rows share.
+    pub fn header(&self) -> Header {
+        let mut warnings = Vec::new();
+        if self.threads > self.environment.machine.processors {
+            warnings.push(Warning::ThreadMismatch);
+        }
+        let mut moments = self.environment.before.iter().chain(&self.environment.after);
+        if moments.any(|moment| !moment.spin.is_enough()) {
+            warnings.push(Warning::Contended);
+        }
+        Header {
+            run_id: self.environment.run_id.clone(),
+            utc: self.environment.before.first().map(|moment| moment.utc.clone()).unwrap_or_default(),
+            host: self.environment.machine.host.clone(),
+            git_rev: self.environment.program.git_rev.clone(),
+            threads: self.threads,
+            rounds: self.rounds,
+            warnings,
+        }
+    }
+
+    /// All rows so far.
+    pub fn rows(&self) -> Vec<Row> {
+        rows::rows(&self.samples, &self.header())
+    }
+
+    /// Brings samples and rows on disk up to date.
+    pub fn save(&self) -> Result<(), RunError> {
+        self.samples.write(self.folder)?;
+        row::write(&self.folder.join(ROWS), &self.rows())?;
+        Ok(())
+    }
+
+    fn write_environment(&self) -> Result<(), RunError> {
+        write_json(&self.folder.join(ENVIRONMENT), &self.environment)?;
+        Ok(())
+    }
+
+    /// Writes how the run ended.
+    pub fn close(&mut self, complete: bool) -> Result<(), RunError> {
+        self.environment.state = if complete { State::Complete } else { State::Interrupted };
+        self.environment.after = Some(Moment::now(self.threads));
+        let mut notes = Vec::new();
+        for scene in &self.samples.scenes {
+            if scene.dropped.total() > 0 {
+                notes.push(format!("{}: {}", scene.name, scene.dropped));
+            }
+            if scene.invalid_rays > 0 {
+                let count = scene.invalid_rays;
+                notes.push(format!("{}: {count} rays left out that Embree would not accept", scene.name));
+            }
+        }
+        self.environment.notes = notes;
+        self.environment.isa["embree"] = self.embree_isa().into();
+        if !self.samples.scenes.is_empty() {
+            self.save()?;
+        }
+        self.write_environment()
+    }
+
+    fn embree_isa(&self) -> Option<String> {
+        let cells = self.samples.scenes.iter().flat_map(|scene| &scene.cells);
+        let mut kernels = cells.flat_map(|cell| &cell.checks);
+        let native = kernels.find(|kernel| kernel.kernel == Kernel::EmbreeNative)?;
+        Some(native.isa.clone())
+    }
+}
+
+/// Refuses to mix samples of different programs or settings; the number of rounds may grow, the time as well.
+fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunError> {
+    let differs = |what: String| Err(RunError::Resume { folder: folder.to_owned(), what });
+    if old.program != new.program {
+        return differs(format!("build of this program ({})", old.program.git_rev));
+    }
+    if old.library != new.library {
+        return differs(format!("Embree ({})", old.library.embree));
+    }
+    let settings = |environment: &Environment| environment.plan["settings"].as_object().cloned();
+    let (old, new) = (settings(old).unwrap_or_default(), settings(new).unwrap_or_default());
+    let must_agree = |key: &str| !matches!(key, "rounds" | "seconds");
+    match new.iter().find(|(key, value)| must_agree(key) && old.get(*key) != Some(value)) {
+        Some((key, _)) => differs(format!("{key} ({})", old.get(key).unwrap_or(&serde_json::Value::Null))),
+        None => Ok(()),
+    }
+}
+
+/// Twelve hexadecimal digits, from the time and the process.
+fn run_id() -> String {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    let nanoseconds = now.map_or(0, |duration| duration.as_nanos() as u64);
+    let bits = SplitMix::new(nanoseconds ^ u64::from(std::process::id()) << 32).next_u64();
+    format!("{:012x}", bits >> 16)
+}

@@ -1,0 +1,147 @@
+//! A results folder after the run: its rows and those of its subfolders, whether the run was completed, and the
+//! reduced rows that a repository keeps.
+
+use super::environment::{ENVIRONMENT, Environment, State};
+use super::files::{RecordsError, read_json, write_json};
+use super::row::{self, ROWS, Row};
+use crate::bench::error::ReduceError;
+use std::path::{Path, PathBuf};
+
+/// The environment of the results in `folder`; `None` where there is none, as beside a lone CSV.
+///
+/// # Errors
+/// A file of another content.
+pub fn environment(folder: &Path) -> Result<Option<Environment>, RecordsError> {
+    let path = folder.join(ENVIRONMENT);
+    if path.is_file() { read_json(&path).map(Some) } else { Ok(None) }
+}
+
+/// False if the environment is that of a stopped run. For a lone CSV only the warnings can tell.
+pub fn is_complete(environment: Option<&Environment>) -> bool {
+    environment.is_none_or(|found| found.state == State::Complete)
+}
+
+/// The folders with rows among `path` and its subfolders, itself first and the others by name; a file, or a
+/// folder without any, is returned alone, so that reading it reports the missing file.
+pub fn parts(path: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(path).into_iter().flatten().filter_map(Result::ok);
+    let mut found: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    found.retain(|folder| folder.join(ROWS).is_file());
+    found.sort();
+    if found.is_empty() || path.join(ROWS).is_file() {
+        found.insert(0, path.to_owned());
+    }
+    found
+}
+
+/// The rows of `paths` and of their subfolders, and whether all their runs were finished.
+///
+/// # Errors
+/// Those of [`row::read`] and [`environment`].
+pub fn read_all(paths: &[PathBuf]) -> Result<(Vec<Row>, bool), RecordsError> {
+    let (mut rows, mut are_complete) = (Vec::new(), true);
+    for part in paths.iter().flat_map(|path| parts(path)) {
+        rows.extend(row::read(&part)?);
+        are_complete &= is_complete(environment(&part)?.as_ref());
+    }
+    Ok((rows, are_complete))
+}
+
+/// Reduces the results in `from` and its subfolders to the rows that sum over views and kinds of rays, and writes
+/// them to `to` with the environment as it is. Returns the folders written.
+///
+/// # Errors
+/// Those of [`ReduceError`].
+pub fn reduce(from: &Path, to: &Path) -> Result<Vec<PathBuf>, ReduceError> {
+    if is_inside(to, from) {
+        return Err(ReduceError::Inside(to.to_owned()));
+    }
+    let mut reduced = Vec::new();
+    for part in parts(from) {
+        let rows: Vec<Row> = row::read(&part)?.into_iter().filter(Row::is_total).collect();
+        reduced.push((part, rows));
+    }
+    let mut written = Vec::new();
+    for (part, rows) in reduced {
+        let below = if part == from { None } else { part.file_name() };
+        let folder = below.map_or_else(|| to.to_owned(), |name| to.join(name));
+        std::fs::create_dir_all(&folder).map_err(|source| RecordsError::Io {
+            path: folder.clone(),
+            source,
+            remedy: "give a writable place",
+        })?;
+        if let Some(environment) = environment(&part)? {
+            write_json(&folder.join(ENVIRONMENT), &environment)?;
+        }
+        row::write(&folder.join(ROWS), &rows)?;
+        written.push(folder);
+    }
+    Ok(written)
+}
+
+/// True if `to`, which need not exist, is the folder of `from` or in it.
+fn is_inside(to: &Path, from: &Path) -> bool {
+    let from = if from.is_file() { from.parent().unwrap_or(from) } else { from };
+    let existing = std::path::absolute(to).ok().and_then(|to| {
+        let mut upwards = to.ancestors();
+        upwards.find_map(|folder| folder.canonicalize().ok())
+    });
+    let from = std::path::absolute(from).ok().and_then(|from| from.canonicalize().ok());
+    existing.zip(from).is_some_and(|(existing, from)| existing.starts_with(from))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::row::{ALL, SCHEMA};
+
+    fn row(scene: &str, view: &str, ray_kind: &str) -> Row {
+        Row {
+            schema: SCHEMA,
+            scene: scene.into(),
+            view: view.into(),
+            ray_kind: ray_kind.into(),
+            ..Row::default()
+        }
+    }
+
+    fn write(folder: &Path, rows: &[Row]) {
+        std::fs::create_dir_all(folder).unwrap();
+        row::write(&folder.join(ROWS), rows).unwrap();
+    }
+
+    #[test]
+    fn subfolders_are_read_after_the_folder_itself() {
+        let folder = tempfile::tempdir().unwrap();
+        let all = |scene| row(scene, ALL, ALL);
+        write(&folder.path().join("b"), &[all("b")]);
+        write(&folder.path().join("a"), &[all("a")]);
+        std::fs::create_dir(folder.path().join("empty")).unwrap();
+        let all_of = |path: &Path| read_all(&[path.to_owned()]);
+        let scenes = || all_of(folder.path()).unwrap().0.into_iter().map(|row| row.scene).collect::<Vec<_>>();
+        assert_eq!(scenes(), ["a", "b"]);
+        write(folder.path(), &[all("z")]);
+        assert_eq!(scenes(), ["z", "a", "b"]);
+        assert_eq!(all_of(&folder.path().join(ROWS)).unwrap().0.len(), 1, "a file alone");
+        assert!(matches!(all_of(&folder.path().join("empty")), Err(RecordsError::Io { .. })));
+    }
+
+    #[test]
+    fn a_reduced_folder_has_the_sums() {
+        let folder = tempfile::tempdir().unwrap();
+        let (full, small) = (folder.path().join("full"), folder.path().join("small"));
+        write(&full, &[row("a", ALL, ALL), row("a", "0", ALL), row("a", ALL, "shadow")]);
+        write(&full.join("growth"), &[row("g", ALL, ALL)]);
+        let written = reduce(&full, &small).unwrap();
+        assert_eq!(written, [small.clone(), small.join("growth")]);
+        assert_eq!(row::read(&small).unwrap(), [row("a", ALL, ALL)]);
+        assert_eq!(row::read(&small.join("growth")).unwrap(), [row("g", ALL, ALL)]);
+        for (from, to) in
+            [(&full, full.clone()), (&full, full.join("small")), (&full.join(ROWS), full.clone())]
+        {
+            assert!(matches!(reduce(from, &to), Err(ReduceError::Inside(_))), "{to:?}");
+        }
+        assert!(!full.join("small").exists());
+        assert_eq!(row::read(&full).unwrap().len(), 3, "nothing was lost");
+    }
+}

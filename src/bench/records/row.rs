@@ -1,0 +1,267 @@
+//! The records of a run: `rows.csv`, one row per scene x builder x width x kernel x threads x regime x view
+//! x ray kind. `results/README.md` describes the columns for readers of the files.
+
+use super::files::{RecordsError, write_whole};
+use super::statistics::Summary;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Version of the columns; a reader refuses any other.
+pub const SCHEMA: u32 = 1;
+/// The file of rows in a results folder.
+pub const ROWS: &str = "rows.csv";
+/// Value of `view` and `ray_kind` in rows that sum over all of them.
+pub const ALL: &str = "all";
+/// Value of `kernel` in rows that tell of builds only.
+pub const NO_KERNEL: &str = "none";
+/// Value of `regime`: the same builder object or device again, memory and pools in use before.
+pub const WARM: &str = "warm";
+/// Value of `regime`: the first build of a fresh builder object or device.
+pub const COLD: &str = "cold";
+
+/// One line of `rows.csv`. Figures that do not apply or could not be had are empty, never zero.
+/// Times are in milliseconds of wall clock.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Names the run.
+    pub run_id: String,
+    /// Start of the run, ISO 8601.
+    pub utc: String,
+    /// A name given to the machine, "anonymous" by default.
+    pub host: String,
+    /// Revision of this program, `-dirty` if the sources differed from it.
+    pub git_rev: String,
+    /// Scene name.
+    pub scene: String,
+    /// Hash of the very geometry.
+    pub scene_sha: String,
+    /// Triangles built over.
+    pub triangles: u64,
+    /// Builder name.
+    pub builder: String,
+    /// Its parameters: JSON for ours, the device string for Embree's.
+    pub builder_config: String,
+    /// Who built the tree, with version: `phr 0.1.0`, `embree 3.13.5`.
+    pub engine: String,
+    /// Children per node.
+    pub width: u32,
+    /// Instruction set of the kernel.
+    pub isa: String,
+    /// Threads given to each side, for building and tracing.
+    pub threads: u32,
+    /// [`WARM`] or [`COLD`].
+    pub regime: String,
+    /// Rounds behind the figures.
+    pub rounds: u32,
+    /// Build time, median.
+    pub build_ms_median: Option<f64>,
+    /// Build time, median absolute deviation.
+    pub build_ms_mad: Option<f64>,
+    /// Build time, least.
+    pub build_ms_min: Option<f64>,
+    /// Build time, greatest.
+    pub build_ms_max: Option<f64>,
+    /// Million triangles built per second, from the median.
+    pub build_mtri_s: Option<f64>,
+    /// SAH cost: traversal and intersection cost 1, leaves in blocks of four triangles.
+    pub sah: Option<f64>,
+    /// End-point overlap (Aila et al. 2013).
+    pub epo: Option<f64>,
+    /// Inner nodes.
+    pub nodes: Option<u64>,
+    /// Leaves.
+    pub leaves: Option<u64>,
+    /// Used lanes of leaf blocks, 0 to 1.
+    pub leaf_fill: Option<f64>,
+    /// References to triangles per triangle, 1 without spatial splits.
+    pub refs_per_tri: Option<f64>,
+    /// Bytes of the finished tree.
+    pub bytes: Option<u64>,
+    /// Bytes held at the peak of the build.
+    pub peak_bytes: Option<u64>,
+    /// View, from 0, or [`ALL`].
+    pub view: String,
+    /// `phr`, `embree-native`, `embree-grafted` or [`NO_KERNEL`].
+    pub kernel: String,
+    /// `primary`, `shadow`, `bounce` or [`ALL`].
+    pub ray_kind: String,
+    /// Recorded rays traced.
+    pub rays: Option<u64>,
+    /// Time for these rays, median.
+    pub trace_ms_median: Option<f64>,
+    /// Time for these rays, median absolute deviation.
+    pub trace_ms_mad: Option<f64>,
+    /// Time for these rays, least.
+    pub trace_ms_min: Option<f64>,
+    /// Time for these rays, greatest.
+    pub trace_ms_max: Option<f64>,
+    /// Million rays per second, from the median.
+    pub mrays_s: Option<f64>,
+    /// Time for the whole path-traced frame, median; only where `ray_kind` is [`ALL`].
+    pub frame_ms_median: Option<f64>,
+    /// Time for the whole path-traced frame, median absolute deviation.
+    pub frame_ms_mad: Option<f64>,
+    /// Time for the whole path-traced frame, least.
+    pub frame_ms_min: Option<f64>,
+    /// Time for the whole path-traced frame, greatest.
+    pub frame_ms_max: Option<f64>,
+    /// Inner nodes visited per ray.
+    pub node_visits_per_ray: Option<f64>,
+    /// Leaf blocks of up to four triangles tested per ray.
+    pub block_tests_per_ray: Option<f64>,
+    /// Rays that hit.
+    pub hits: Option<u64>,
+    /// Hash of the rounded hit distances, hexadecimal.
+    pub hit_hash: String,
+    /// True if every hit agreed with the reference.
+    pub verified: Option<bool>,
+    /// Names of [`super::warnings::Warning`], separated by `;`.
+    pub warnings: String,
+    /// Why there is no figure; empty for a good row.
+    pub error: String,
+}
+
+impl Row {
+    /// True for the row that sums over all views and ray kinds (or that tells of a build only).
+    pub fn is_total(&self) -> bool {
+        self.view == ALL && self.ray_kind == ALL
+    }
+
+    /// True if the row holds figures that can be used.
+    pub fn is_good(&self) -> bool {
+        self.error.is_empty() && self.verified != Some(false)
+    }
+
+    /// The build times, if there are any.
+    pub fn build_ms(&self) -> Option<Summary> {
+        self.summary(self.build_ms_median, self.build_ms_mad, self.build_ms_min, self.build_ms_max)
+    }
+
+    /// The trace times, if there are any.
+    pub fn trace_ms(&self) -> Option<Summary> {
+        self.summary(self.trace_ms_median, self.trace_ms_mad, self.trace_ms_min, self.trace_ms_max)
+    }
+
+    /// The frame times, if there are any.
+    pub fn frame_ms(&self) -> Option<Summary> {
+        self.summary(self.frame_ms_median, self.frame_ms_mad, self.frame_ms_min, self.frame_ms_max)
+    }
+
+    fn summary(
+        &self,
+        median: Option<f64>,
+        mad: Option<f64>,
+        min: Option<f64>,
+        max: Option<f64>,
+    ) -> Option<Summary> {
+        let count = self.rounds.max(1) as usize;
+        Some(Summary { count, median: median?, mad: mad?, min: min?, max: max? })
+    }
+}
+
+/// Reads `rows.csv`, or that file in the results folder `path`.
+///
+/// # Errors
+/// Missing, malformed or empty files, and those of another [`SCHEMA`].
+pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
+    let path = if path.is_dir() { path.join(ROWS) } else { path.to_owned() };
+    let remedy = "give a results folder written by `phr bench`";
+    let file = std::fs::File::open(&path).map_err(|source| RecordsError::Io {
+        path: path.clone(),
+        source,
+        remedy,
+    })?;
+    let mut rows = Vec::new();
+    for row in csv::Reader::from_reader(file).deserialize() {
+        let row: Row = row.map_err(|source| RecordsError::Malformed { path: path.clone(), source })?;
+        if row.schema != SCHEMA {
+            return Err(RecordsError::Schema { path, found: row.schema, expected: SCHEMA });
+        }
+        rows.push(row);
+    }
+    if rows.is_empty() { Err(RecordsError::Empty { path }) } else { Ok(rows) }
+}
+
+/// Writes `rows` to the file `path`, whole or not at all.
+///
+/// # Errors
+/// An unwritable place.
+pub fn write(path: &Path, rows: &[Row]) -> Result<(), RecordsError> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source };
+    for row in rows {
+        writer.serialize(row).map_err(malformed)?;
+    }
+    let bytes = writer.into_inner().map_err(|error| malformed(error.into_error().into()))?;
+    write_whole(path, &bytes)
+}
+
+/// Rounded to six significant digits: more would be noise in a diff.
+pub fn figures(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row() -> Row {
+        Row {
+            schema: SCHEMA,
+            scene: "a, \"quoted\" scene".into(),
+            builder: "phr-hq".into(),
+            builder_config: r#"{"alpha":0.55,"delta":9}"#.into(),
+            width: 4,
+            build_ms_median: Some(12.5),
+            rays: Some(1 << 40),
+            verified: Some(true),
+            view: ALL.into(),
+            ray_kind: ALL.into(),
+            ..Row::default()
+        }
+    }
+
+    #[test]
+    fn rows_survive_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let rows = [row(), Row { error: "mismatch\nin two lines".into(), verified: None, ..row() }];
+        write(&folder.path().join(ROWS), &rows).unwrap();
+        assert_eq!(read(folder.path()).unwrap(), rows);
+        assert_eq!(read(&folder.path().join(ROWS)).unwrap(), rows);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no part file is left");
+    }
+
+    #[test]
+    fn other_files_are_refused_with_place_and_remedy() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = read(folder.path()).unwrap_err().to_string();
+        assert!(missing.contains(ROWS) && missing.contains("phr bench"), "{missing}");
+
+        let path = folder.path().join(ROWS);
+        std::fs::write(&path, "a,b\n1,2\n").unwrap();
+        assert!(matches!(read(&path), Err(RecordsError::Malformed { .. })));
+        write(&path, &[]).unwrap();
+        assert!(matches!(read(&path), Err(RecordsError::Empty { .. })));
+        write(&path, &[Row { schema: 99, ..row() }]).unwrap();
+        assert!(matches!(read(&path), Err(RecordsError::Schema { found: 99, .. })));
+    }
+
+    #[test]
+    fn an_unwritable_place_is_an_error() {
+        let error = write(Path::new("/proc/no/such/rows.csv"), &[row()]).unwrap_err().to_string();
+        assert!(error.contains("/proc/no/such/rows.csv") && error.contains("--out"), "{error}");
+    }
+
+    #[test]
+    fn figures_have_six_digits() {
+        assert_eq!(figures(1_234.567_89), 1234.57);
+        assert_eq!(figures(0.001_234_567_89), 0.001_234_57);
+        assert_eq!(figures(0.0), 0.0);
+        assert!(figures(f64::NAN).is_nan());
+    }
+}

@@ -1,0 +1,300 @@
+//! The rows that the samples give: medians, spreads and warnings.
+
+use super::kernel_rows::kernel_rows;
+use super::row::{ALL, COLD, NO_KERNEL, Row, SCHEMA, WARM, figures};
+use super::samples::{CellSamples, Samples, SceneSamples};
+use super::statistics::{Summary, median};
+use super::visit_times::builds;
+use super::warnings::Warning;
+use crate::bench::cpu_time::CpuTime;
+
+/// The columns that all rows of a run share.
+#[derive(Clone, Debug, Default)]
+pub struct Header {
+    /// Names the run.
+    pub run_id: String,
+    /// Start of the run.
+    pub utc: String,
+    /// Name given to the machine.
+    pub host: String,
+    /// Revision of this program.
+    pub git_rev: String,
+    /// Threads of each side.
+    pub threads: usize,
+    /// Rounds asked for.
+    pub rounds: usize,
+    /// Warnings that concern the whole run.
+    pub warnings: Vec<Warning>,
+}
+
+/// The rows of all samples.
+pub fn rows(samples: &Samples, header: &Header) -> Vec<Row> {
+    samples.scenes.iter().flat_map(|scene| scene_rows(scene, header)).collect()
+}
+
+/// The rows of one scene.
+pub fn scene_rows(scene: &SceneSamples, header: &Header) -> Vec<Row> {
+    let begun = scene.cells.iter().filter(|cell| cell.error.is_some() || !cell.visits.is_empty());
+    begun.flat_map(|cell| cell_rows(scene, cell, header)).collect()
+}
+
+fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<Row> {
+    let facts = &cell.facts;
+    let base = Row {
+        schema: SCHEMA,
+        run_id: header.run_id.clone(),
+        utc: header.utc.clone(),
+        host: header.host.clone(),
+        git_rev: header.git_rev.clone(),
+        scene: scene.name.clone(),
+        scene_sha: scene.sha.clone(),
+        triangles: scene.triangles,
+        builder: cell.cell.builder.clone(),
+        builder_config: facts.config.clone(),
+        engine: facts.engine.clone(),
+        width: cell.cell.width,
+        threads: header.threads as u32,
+        regime: WARM.into(),
+        rounds: cell.visits.len() as u32,
+        view: ALL.into(),
+        kernel: NO_KERNEL.into(),
+        ray_kind: ALL.into(),
+        ..Row::default()
+    };
+    if let Some(error) = &cell.error {
+        return vec![Row { error: error.clone(), ..base }];
+    }
+    let known = Row {
+        sah: facts.sah.map(figures),
+        epo: facts.epo.map(figures),
+        nodes: facts.nodes,
+        leaves: facts.leaves,
+        leaf_fill: facts.leaf_fill.map(figures),
+        refs_per_tri: facts.refs_per_tri.map(figures),
+        bytes: facts.bytes,
+        peak_bytes: cell.visits.iter().filter_map(|visit| visit.builds.peak_bytes).max(),
+        ..base
+    };
+
+    let of_run = |samples: &[f64]| {
+        let mut warnings = header.warnings.clone();
+        warnings.extend(Warning::of_samples(samples));
+        if cell.visits.len() < header.rounds {
+            warnings.push(Warning::Unfinished);
+        }
+        warnings
+    };
+    let colds = builds(cell, COLD);
+    let cold = with_builds(Row { regime: COLD.into(), ..known.clone() }, &colds, of_run(&colds));
+    let mut rows = vec![cold];
+    rows.extend(one_thread(cell, &known, &of_run));
+
+    let warms = builds(cell, WARM);
+    let mut warnings = of_run(&warms);
+    let load = sum(cell.visits.iter().map(|visit| visit.builds.warm.cpu_time));
+    warnings.extend(Warning::of_cpu_time(&load, header.threads));
+    let warm = with_builds(known, &warms, warnings.clone());
+    if cell.checks.is_empty() {
+        rows.push(warm);
+        return rows;
+    }
+    let load = sum(cell.visits.iter().map(|visit| visit.cpu_time));
+    warnings.extend(Warning::of_cpu_time(&load, header.threads));
+    for kernel in &cell.checks {
+        let row = Row { kernel: kernel.kernel.name().into(), isa: kernel.isa.clone(), ..warm.clone() };
+        if let Some(reason) = &kernel.unavailable {
+            rows.push(Row { error: format!("not available, because {reason}"), ..row });
+        } else if let Some(mismatch) = &kernel.mismatch {
+            rows.push(Row { verified: Some(false), error: mismatch.clone(), ..row });
+        } else {
+            rows.extend(kernel_rows(&row, &warnings, kernel, cell, scene.views));
+        }
+    }
+    rows
+}
+
+/// The row of warm builds on one thread, where they were timed.
+fn one_thread(cell: &CellSamples, row: &Row, of_run: &dyn Fn(&[f64]) -> Vec<Warning>) -> Option<Row> {
+    let visits = || cell.visits.iter().filter_map(|visit| visit.builds.one_thread.as_ref());
+    let samples: Vec<f64> = visits().filter_map(|builds| median(&builds.ms)).collect();
+    let mut warnings = of_run(&samples);
+    warnings.extend(Warning::of_cpu_time(&sum(visits().map(|builds| builds.cpu_time)), 1));
+    // The peak is that of the builds on all threads.
+    let row = Row { threads: 1, peak_bytes: None, ..row.clone() };
+    (!samples.is_empty()).then(|| with_builds(row, &samples, warnings))
+}
+
+fn with_builds(row: Row, samples: &[f64], warnings: Vec<Warning>) -> Row {
+    let Some(summary) = Summary::of(samples) else { return row };
+    Row {
+        build_ms_median: Some(figures(summary.median)),
+        build_ms_mad: Some(figures(summary.mad)),
+        build_ms_min: Some(figures(summary.min)),
+        build_ms_max: Some(figures(summary.max)),
+        build_mtri_s: Some(figures(row.triangles as f64 * 1e-3 / summary.median)),
+        warnings: Warning::join(&warnings),
+        ..row
+    }
+}
+
+fn sum(times: impl Iterator<Item = CpuTime>) -> CpuTime {
+    times.fold(CpuTime::default(), |a, b| CpuTime {
+        wall_s: a.wall_s + b.wall_s,
+        ran_s: a.ran_s + b.ran_s,
+        waited_s: a.waited_s + b.waited_s,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::build_times::{BuildTimes, WarmTimes};
+    use crate::bench::cell::Cell;
+    use crate::bench::cell::Kernel;
+    use crate::bench::samples::{Check, KernelChecks, Timing, VisitSamples};
+    use crate::bench::tree_facts::TreeFacts;
+    use crate::geometry::Dropped;
+    use crate::trace::RayKind;
+
+    fn warm(ms: [f64; 3]) -> WarmTimes {
+        WarmTimes { ms: ms.into(), cpu_time: CpuTime::default() }
+    }
+
+    /// Two views, shadow rays in the first only, three rounds of three passes, one of which is disturbed; primary
+    /// rays take 1 ms a view, shadow 2 ms.
+    fn scene() -> SceneSamples {
+        let check = |view, kind, rays| Check {
+            view,
+            kind: Some(kind),
+            rays,
+            hits: rays / 2,
+            hash: format!("{view}{rays}"),
+            node_visits: Some(10 * rays),
+            block_tests: None,
+            ..Check::default()
+        };
+        let checks = KernelChecks {
+            kernel: Kernel::Phr,
+            isa: "avx2".into(),
+            unavailable: None,
+            checks: vec![
+                check(0, RayKind::Primary, 1000),
+                check(0, RayKind::Shadow, 500),
+                check(1, RayKind::Primary, 1000),
+            ],
+            mismatch: None,
+        };
+        let timing = |view, kind, pass, ms| Timing { kernel: Kernel::Phr, view, kind, pass, ms };
+        let batches = |(pass, slower): (usize, f64)| {
+            [
+                timing(0, Some(RayKind::Primary), pass, slower),
+                timing(0, Some(RayKind::Shadow), pass, 2.0 * slower),
+                timing(1, Some(RayKind::Primary), pass, slower),
+            ]
+        };
+        let passes = [1.0, 1.0, 7.0].into_iter().enumerate();
+        let frames = [timing(0, None, 0, 9.0), timing(1, None, 0, 5.0)];
+        let timings: Vec<Timing> = passes.flat_map(batches).chain(frames).collect();
+        let visit = |round| VisitSamples {
+            round,
+            place: 0,
+            builds: BuildTimes { cold_ms: 30.0, warm: warm([10.0, 11.0, 10.0]), ..BuildTimes::default() },
+            timings: timings.clone(),
+            cpu_time: CpuTime::default(),
+        };
+        let cell = Cell { builder: "phr-hq".into(), width: 4, kernels: vec![Kernel::Phr] };
+        let cells = vec![CellSamples {
+            cell,
+            facts: TreeFacts { sah: Some(12.0), ..TreeFacts::default() },
+            checks: vec![checks],
+            visits: (0..3).map(visit).collect(),
+            error: None,
+        }];
+        SceneSamples {
+            name: "s".into(),
+            sha: "0".into(),
+            source: "test".into(),
+            triangles: 1_000_000,
+            dropped: Dropped::default(),
+            views: 2,
+            invalid_rays: 0,
+            cells,
+        }
+    }
+
+    fn header() -> Header {
+        Header { threads: 2, rounds: 3, ..Header::default() }
+    }
+
+    fn find<'a>(rows: &'a [Row], view: &str, kind: &str) -> &'a Row {
+        let mut found = rows.iter().filter(|r| r.regime == WARM && r.view == view && r.ray_kind == kind);
+        let row = found.next().unwrap();
+        assert!(found.next().is_none(), "{view} {kind} twice");
+        row
+    }
+
+    #[test]
+    fn sums_are_sums_of_their_parts() {
+        let rows = scene_rows(&scene(), &header());
+        assert_eq!(rows.len(), 1 + 3 * 4);
+        let total = find(&rows, ALL, ALL);
+        assert_eq!((total.rays, total.trace_ms_median, total.mrays_s), (Some(2500), Some(4.0), Some(0.625)));
+        assert_eq!((total.hits, total.frame_ms_median), (Some(1250), Some(14.0)));
+        assert_eq!((total.node_visits_per_ray, total.block_tests_per_ray), (Some(10.0), None));
+        assert_eq!((total.build_ms_median, total.build_mtri_s), (Some(10.0), Some(100.0)));
+        let primary = find(&rows, ALL, "primary");
+        assert_eq!(
+            (primary.rays, primary.trace_ms_median, primary.frame_ms_median),
+            (Some(2000), Some(2.0), None)
+        );
+        let view = find(&rows, "0", ALL);
+        assert_eq!(
+            (view.rays, view.trace_ms_median, view.frame_ms_median),
+            (Some(1500), Some(3.0), Some(9.0))
+        );
+        assert_eq!(find(&rows, "0", "shadow").hit_hash, "0500");
+        let none = find(&rows, "1", "shadow");
+        assert_eq!((none.rays, none.mrays_s), (Some(0), None));
+        assert!(rows.iter().all(|row| row.is_good() && row.sah == Some(12.0)));
+        let cold = rows.iter().find(|row| row.regime == COLD).unwrap();
+        assert_eq!((cold.build_ms_median, cold.kernel.as_str()), (Some(30.0), NO_KERNEL));
+    }
+
+    #[test]
+    fn builds_on_one_thread_have_a_row_of_their_own() {
+        let mut scene = scene();
+        for (visit, ms) in scene.cells[0].visits.iter_mut().zip([19.0, 30.0, 20.0]) {
+            visit.builds.one_thread = Some(warm([ms + 1.0, ms, ms - 1.0]));
+        }
+        let rows = scene_rows(&scene, &header());
+        let alone: Vec<&Row> = rows.iter().filter(|row| row.threads == 1).collect();
+        let [alone] = alone[..] else { panic!("one row, not {}", alone.len()) };
+        assert_eq!((alone.build_ms_median, alone.kernel.as_str()), (Some(20.0), NO_KERNEL));
+        assert_eq!((alone.sah, alone.trace_ms_median, alone.regime.as_str()), (Some(12.0), None, WARM));
+        assert_eq!(rows.len(), 1 + scene_rows(&self::scene(), &header()).len());
+    }
+
+    #[test]
+    fn wrong_hits_and_failed_builders_have_no_figures() {
+        let mut wrong = scene();
+        wrong.cells[0].checks[0].mismatch = Some("ray 7".into());
+        let rows = scene_rows(&wrong, &header());
+        let row = rows.iter().find(|row| row.kernel == "phr").unwrap();
+        assert!(!row.is_good() && row.mrays_s.is_none() && row.error == "ray 7");
+        assert_eq!(rows.iter().filter(|row| row.kernel == "phr").count(), 1);
+
+        let mut failed = scene();
+        failed.cells[0].error = Some("not the builder asked for".into());
+        let rows = scene_rows(&failed, &header());
+        assert_eq!(rows.len(), 1);
+        assert!(!rows[0].is_good() && rows[0].build_ms_median.is_none());
+    }
+
+    #[test]
+    fn missing_rounds_are_named() {
+        let rows = scene_rows(&scene(), &Header { rounds: 5, ..header() });
+        assert!(rows.iter().all(|row| row.warnings.contains("Unfinished") && row.rounds == 3));
+        let rows = scene_rows(&scene(), &header());
+        assert!(rows.iter().all(|row| !row.warnings.contains("Unfinished")));
+    }
+}

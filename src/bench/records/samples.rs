@@ -1,0 +1,178 @@
+//! `samples.json`: every sample of a run, in the order in which it was taken. The rows are made from it, and
+//! a run that was stopped goes on from it.
+
+use super::build_times::BuildTimes;
+use super::files::{RecordsError, read_json, write_whole};
+use super::tree_facts::TreeFacts;
+use crate::bench::cell::{Cell, Kernel};
+use crate::bench::cpu_time::CpuTime;
+use crate::geometry::Dropped;
+use crate::trace::RayKind;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The file in a results folder.
+pub const SAMPLES: &str = "samples.json";
+
+/// One timed trace of a batch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    /// The kernel.
+    pub kernel: Kernel,
+    /// The view, from 0.
+    pub view: usize,
+    /// Kind of rays, or `None` for the whole path-traced frame.
+    pub kind: Option<RayKind>,
+    /// Which of the visit's passes over all batches it was part of, from 0.
+    #[serde(default)]
+    pub pass: usize,
+    /// Wall clock.
+    pub ms: f64,
+}
+
+/// One visit to a cell: its builds and traces.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VisitSamples {
+    /// The round, from 0.
+    pub round: usize,
+    /// How many cells of the scene were visited before in this round.
+    pub place: usize,
+    /// The builds.
+    pub builds: BuildTimes,
+    /// The traces.
+    pub timings: Vec<Timing>,
+    /// CPU time of the traces.
+    #[serde(rename = "load")]
+    pub cpu_time: CpuTime,
+}
+
+/// The result of the first trace of a batch, untimed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// The view, from 0.
+    pub view: usize,
+    /// Kind of rays; absent only in a default.
+    pub kind: Option<RayKind>,
+    /// Rays.
+    pub rays: u64,
+    /// Rays that hit.
+    pub hits: u64,
+    /// Hash of the rounded distances.
+    pub hash: String,
+    /// Answers that equal the reference's.
+    pub equal: u64,
+    /// Hits of another triangle at the same distance.
+    pub ties: u64,
+    /// Differences at an edge, where either answer is right.
+    pub edge: u64,
+    /// Inner nodes visited, if counted.
+    pub node_visits: Option<u64>,
+    /// Leaf blocks tested, if counted.
+    pub block_tests: Option<u64>,
+}
+
+/// A cell under one kernel.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KernelChecks {
+    /// The kernel.
+    pub kernel: Kernel,
+    /// Its instruction set.
+    pub isa: String,
+    /// Why the kernel cannot trace this tree, where it cannot.
+    pub unavailable: Option<String>,
+    /// The results of the first trace of each batch.
+    pub checks: Vec<Check>,
+    /// The first wrong answer: such a kernel has no figures.
+    pub mismatch: Option<String>,
+}
+
+/// All of a cell in a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CellSamples {
+    /// The cell.
+    #[serde(flatten)]
+    pub cell: Cell,
+    /// Facts of its tree.
+    pub facts: TreeFacts,
+    /// Its kernels, as first seen.
+    pub checks: Vec<KernelChecks>,
+    /// Its visits.
+    pub visits: Vec<VisitSamples>,
+    /// Why there is none, if the builder failed.
+    pub error: Option<String>,
+}
+
+impl CellSamples {
+    /// True if the builder failed or some hit is wrong.
+    pub fn failed(&self) -> bool {
+        self.error.is_some() || self.checks.iter().any(|kernel| kernel.mismatch.is_some())
+    }
+}
+
+/// All of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneSamples {
+    /// Name.
+    pub name: String,
+    /// Hash of the geometry.
+    pub sha: String,
+    /// Its origin, without folders.
+    pub source: String,
+    /// Triangles.
+    pub triangles: u64,
+    /// Triangles left out.
+    pub dropped: Dropped,
+    /// Views traced.
+    pub views: usize,
+    /// Rays left out because Embree would not accept them.
+    pub invalid_rays: u64,
+    /// The cells, in the table's order.
+    pub cells: Vec<CellSamples>,
+}
+
+impl SceneSamples {
+    /// True if each of `cells` has all its rounds, or has failed.
+    pub fn is_done(&self, cells: &[Cell], rounds: usize) -> bool {
+        cells.iter().all(|cell| {
+            let found = self.cells.iter().find(|samples| samples.cell == *cell);
+            found.is_some_and(|samples| samples.error.is_some() || samples.visits.len() >= rounds)
+        })
+    }
+}
+
+/// The whole file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Samples {
+    /// [`super::row::SCHEMA`].
+    pub schema: u32,
+    /// Names the run.
+    pub run_id: String,
+    /// The scenes begun so far.
+    pub scenes: Vec<SceneSamples>,
+}
+
+impl Samples {
+    /// Reads the file in `folder`.
+    ///
+    /// # Errors
+    /// No such file, or no such content.
+    pub fn read(folder: &Path) -> Result<Self, RecordsError> {
+        read_json(&folder.join(SAMPLES))
+    }
+
+    /// Writes the file in `folder`, whole or not at all.
+    ///
+    /// # Errors
+    /// An unwritable place.
+    pub fn write(&self, folder: &Path) -> Result<(), RecordsError> {
+        let path = folder.join(SAMPLES);
+        let bytes =
+            serde_json::to_vec(self).map_err(|source| RecordsError::Json { path: path.clone(), source })?;
+        write_whole(&path, &bytes)
+    }
+
+    /// The scene called `name`.
+    pub fn scene(&self, name: &str) -> Option<&SceneSamples> {
+        self.scenes.iter().find(|scene| scene.name == name)
+    }
+}

@@ -1,0 +1,124 @@
+//! The settings of a run, which must be the same where it is resumed.
+
+use super::error::PlanError;
+use crate::trace::PathSettings;
+use serde::{Deserialize, Serialize};
+use std::time::Duration;
+
+/// A day.
+const MOST_SECONDS: u64 = 24 * 60 * 60;
+
+/// The settings of a run. A resumed run must have the same, except for `rounds` and `seconds`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Views per scene, at most.
+    pub views: usize,
+    /// Longest path, in segments.
+    pub max_depth: u32,
+    /// Visits to each cell, at least.
+    pub rounds: usize,
+    /// Seconds to spend in each scene, at least: rounds are added until they have passed.
+    #[serde(default)]
+    pub seconds: u64,
+    /// Threads of each side.
+    pub threads: usize,
+    /// Seed of the paths and of the order of visits.
+    pub seed: u64,
+    /// Only builds are timed.
+    pub build_only: bool,
+    /// Builds are timed on one thread too.
+    #[serde(default)]
+    pub one_thread: bool,
+    /// Whole path-traced frames are timed beside the recorded rays.
+    pub frames: bool,
+}
+
+impl Settings {
+    /// The path tracer's settings.
+    pub fn path(&self) -> PathSettings {
+        PathSettings { width: self.width, height: self.height, max_depth: self.max_depth, seed: self.seed }
+    }
+
+    /// Whether `round` is to be run in a scene whose rounds so far took `spent`.
+    pub fn wants(&self, round: usize, spent: Duration) -> bool {
+        round < self.rounds || spent < Duration::from_secs(self.seconds)
+    }
+
+    /// Refuses values out of range.
+    ///
+    /// # Errors
+    /// [`PlanError`] of the first such value.
+    pub fn check(&self) -> Result<(), PlanError> {
+        let counts = [
+            ("size", self.width as usize, 1 << 14),
+            ("size", self.height as usize, 1 << 14),
+            ("views", self.views, 1 << 10),
+            ("rounds", self.rounds, 1 << 16),
+            ("threads", self.threads, 1 << 10),
+        ];
+        if self.seconds > MOST_SECONDS {
+            return Err(PlanError::TooMuch {
+                option: "seconds",
+                value: self.seconds as usize,
+                most: MOST_SECONDS as usize,
+            });
+        }
+        for (option, value, most) in counts {
+            if value == 0 {
+                return Err(PlanError::Zero(option));
+            }
+            if value > most {
+                return Err(PlanError::TooMuch { option, value, most });
+            }
+        }
+        match self {
+            Self { one_thread: true, threads: 1, .. } => {
+                Err(PlanError::OneThread("beside --threads 1: the same twice; leave it out"))
+            }
+            // Embree's devices share threads, as many as the device of most: what traces would lend its own.
+            Self { one_thread: true, build_only: false, .. } => Err(PlanError::OneThread(
+                "without --build-only: Embree would build with the threads that trace",
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+impl Settings {
+    /// The least that can be run.
+    pub fn least() -> Self {
+        Self {
+            width: 8,
+            height: 8,
+            views: 1,
+            max_depth: 8,
+            rounds: 1,
+            seconds: 0,
+            threads: 1,
+            seed: 1,
+            build_only: false,
+            one_thread: false,
+            frames: false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounds_are_added_until_the_time_is_over() {
+        let settings = Settings { rounds: 3, seconds: 60, ..Settings::least() };
+        let wants = |round, seconds| settings.wants(round, Duration::from_secs(seconds));
+        assert!(wants(2, 1000) && !wants(3, 1000));
+        assert!(wants(2, 10) && wants(3, 59) && wants(300, 59) && !wants(3, 60));
+        let settings = Settings { seconds: 0, ..settings };
+        assert!(!settings.wants(3, Duration::ZERO));
+    }
+}

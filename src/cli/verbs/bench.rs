@@ -1,0 +1,256 @@
+//! `phr bench`: times builders and traces, and writes the records.
+
+use super::plot::draw;
+use crate::bench::files::write_whole;
+use crate::bench::plan::{Plan, Request, Set};
+use crate::bench::recorder::RecordOptions;
+use crate::bench::row::Row;
+use crate::bench::run::Run;
+use crate::bench::settings::Settings;
+use crate::cli::failure::Failure;
+use crate::cli::options::all_threads;
+use crate::cli::output::say;
+use crate::cli::progress::Bar;
+use crate::cli::run_summary::{TABLE, run_summary};
+use crate::report::figures::Under;
+use crate::report::plot;
+use crate::report::table;
+use regex::Regex;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Build and trace scenes with every builder, in interleaved rounds, and write rows, table and plot to results/NAME/
+///
+/// Without scenes, the built-in generated set is run.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scene files (.obj, .ply, plain or .gz or .zst) or names of generated scenes (see `phr scenes`)
+    scenes: Vec<String>,
+    /// A set of scenes: builtin or paper
+    #[arg(long, value_name = "SET", value_parser = set)]
+    set: Option<Set>,
+    /// Folder with the paper's own scene files, used by --set paper in place of the stand-ins
+    #[arg(long = "scenes", value_name = "DIR")]
+    folder: Option<PathBuf>,
+    /// Only this builder (repeatable)
+    #[arg(long = "builder", value_name = "NAME")]
+    builders: Vec<String>,
+    /// Only what matches "scene builder width kernel" (see --list)
+    #[arg(long, value_name = "REGEX")]
+    filter: Option<String>,
+    /// Views per scene, at most
+    #[arg(long, default_value_t = 3, value_name = "N")]
+    views: usize,
+    /// Pixels across and down [default: 1024 for the paper's set, as in the paper; 512 for scenes by name; 256 for the
+    /// built-in set]
+    #[arg(long, value_name = "PIXELS")]
+    size: Option<u32>,
+    /// Visits to each builder [default: 5; 4 for the built-in set]
+    #[arg(long, value_name = "N")]
+    rounds: Option<usize>,
+    /// Seconds per scene, at least: rounds are added until they have passed
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    seconds: u64,
+    /// Threads for each side [default: all processors]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Seed of the paths and of the order of visits
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u64,
+    /// Time builds only
+    #[arg(long)]
+    build_only: bool,
+    /// Time builds on one thread too, beside those on all; with --build-only
+    #[arg(long)]
+    one_thread: bool,
+    /// Time whole path-traced frames too
+    #[arg(long)]
+    frames: bool,
+    /// Folder of the results [default: results/NAME]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Name of the results [default: the set's or the scenes']
+    #[arg(long)]
+    name: Option<String>,
+    /// Name of this machine in the records
+    #[arg(long, default_value = "anonymous")]
+    host: String,
+    /// Continue a stopped run, or add rounds, scenes or builders to a run
+    #[arg(long)]
+    resume: bool,
+    /// List what would be run, one "scene builder width kernel" per line
+    #[arg(long)]
+    list: bool,
+    /// Check everything and print the plan without running it
+    #[arg(long)]
+    dry_run: bool,
+}
+
+fn set(name: &str) -> Result<Set, String> {
+    match name {
+        "builtin" => Ok(Set::Builtin),
+        "paper" => Ok(Set::Paper),
+        _ => Err("there are builtin and paper".into()),
+    }
+}
+
+impl Arguments {
+    fn set(&self) -> Option<Set> {
+        self.set.or(self.scenes.is_empty().then_some(Set::Builtin))
+    }
+
+    fn request(&self) -> Result<Request, Failure> {
+        let quick = self.set() == Some(Set::Builtin);
+        let size = self.size.unwrap_or(match self.set() {
+            Some(Set::Paper) => 1024,
+            Some(Set::Builtin) => 256,
+            None => 512,
+        });
+        let settings = Settings {
+            width: size,
+            height: size,
+            views: self.views,
+            max_depth: 8,
+            rounds: self.rounds.unwrap_or(if quick { 4 } else { 5 }),
+            seconds: self.seconds,
+            threads: self.threads.unwrap_or_else(all_threads),
+            seed: self.seed,
+            build_only: self.build_only,
+            one_thread: self.one_thread,
+            frames: self.frames,
+        };
+        let regex = |text: &String| {
+            Regex::new(text).map_err(|error| {
+                let reason = error.to_string();
+                let reason = reason.lines().last().unwrap_or_default().trim_start_matches("error: ");
+                Failure::Bad(format!("--filter {text}: {reason}; give a regular expression"))
+            })
+        };
+        Ok(Request {
+            scenes: self.scenes.clone(),
+            set: self.set(),
+            folder: self.folder.clone(),
+            builders: self.builders.clone(),
+            filter: self.filter.as_ref().map(regex).transpose()?,
+            settings,
+        })
+    }
+
+    fn folder(&self, plan: &Plan) -> PathBuf {
+        let name = || match self.set() {
+            Some(Set::Builtin) if self.scenes.is_empty() => "builtin".to_owned(),
+            Some(Set::Paper) if self.scenes.is_empty() => "paper-scenes".to_owned(),
+            _ => match &plan.scenes[..] {
+                [(scene, _)] => scene.name.clone(),
+                _ => "scenes".to_owned(),
+            },
+        };
+        self.out.clone().unwrap_or_else(|| Path::new("results").join(self.name.clone().unwrap_or_else(name)))
+    }
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let plan = Plan::new(&arguments.request()?)?;
+    if arguments.list {
+        return say(&plan.lines().collect::<Vec<_>>().join("\n"));
+    }
+    let folder = arguments.folder(&plan);
+    if arguments.dry_run {
+        plan.check_files()?;
+        return say(&outline(&plan, &folder));
+    }
+    plan.check_files()?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let heard = Arc::clone(&stop);
+    ctrlc::set_handler(move || {
+        // A second Ctrl-C ends at once: the files on disk are whole at any time.
+        if heard.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    })?;
+    let run = Run {
+        plan: &plan,
+        records: RecordOptions {
+            folder: &folder,
+            resume: arguments.resume,
+            host: &arguments.host,
+            arguments: command_line(),
+        },
+        stop: &stop,
+    };
+    let mut bar = Bar::new();
+    let outcome = run.make(&mut bar)?;
+    bar.finish();
+    if outcome.rows.is_empty() {
+        return Err(Failure::Interrupted("stopped before the first visit was done; no rows".into()));
+    }
+    let document = table::document(&outcome.rows, outcome.complete);
+    write_whole(&folder.join(TABLE), document.as_bytes())?;
+    say(&table::closing(&outcome.rows))?;
+    let plots = draw(&plot::figures(&outcome.rows, &Under::best(&outcome.rows)), &folder)?;
+    say(&run_summary(&outcome.rows, &folder, &plots))?;
+    verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)
+}
+
+/// The exit code's reason.
+fn verdict(rows: &[Row], failures: usize, complete: bool, folder: &Path) -> Result<(), Failure> {
+    if failures > 0 {
+        let first = rows
+            .iter()
+            .find(|row| row.verified == Some(false))
+            .or_else(|| rows.iter().find(|row| !row.error.is_empty()));
+        let first = first.map_or_else(String::new, |row| {
+            format!("first {} {}/{}: {}", row.scene, row.builder, row.width, row.error)
+        });
+        return Err(Failure::Wrong(format!("{failures} builders failed or have wrong hits; {first}")));
+    }
+    if !complete {
+        let folder = folder.display();
+        return Err(Failure::Interrupted(format!(
+            "{folder}: stopped; finished visits are kept, continue with --resume"
+        )));
+    }
+    Ok(())
+}
+
+/// The plan in words.
+fn outline(plan: &Plan, folder: &Path) -> String {
+    let settings = &plan.settings;
+    let mut text = String::new();
+    let mut visits = 0;
+    for (scene, cells) in &plan.scenes {
+        visits += cells.len() * settings.rounds;
+        text += &format!(
+            "{}: {}, about {} triangles, {} trees\n",
+            scene.name,
+            scene.origin(),
+            scene.triangles,
+            cells.len()
+        );
+    }
+    let rays = if settings.build_only {
+        "builds only".to_owned()
+    } else {
+        format!("{} views of {} x {} pixels", settings.views, settings.width, settings.height)
+    };
+    let (rounds, threads) = (settings.rounds, settings.threads);
+    let more = match settings.seconds {
+        0 => String::new(),
+        seconds => format!(", more where a scene takes less than {seconds} seconds"),
+    };
+    text + &format!(
+        "{visits} visits in {rounds} rounds{more}, {threads} threads, {rays}, into {}",
+        folder.display()
+    )
+}
+
+/// The arguments without the folders of this machine.
+fn command_line() -> Vec<String> {
+    let without_folder = |argument: String| match argument.rsplit_once('/') {
+        Some((_, file)) if !argument.starts_with("--filter") => file.to_owned(),
+        _ => argument,
+    };
+    std::env::args().skip(1).map(without_folder).collect()
+}

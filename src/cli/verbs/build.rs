@@ -1,0 +1,91 @@
+//! `phr build`: one scene, one builder, its phases and its tree.
+
+use crate::bench::contender::{self, BuildRequest, BuiltTree, Contender};
+use crate::bench::planned_scene::PlannedScene;
+use crate::bench::statistics::Summary;
+use crate::cli::failure::Failure;
+use crate::cli::options::{self, all_threads, pools};
+use crate::cli::output::say;
+use crate::report::grid::short;
+
+/// Build a scene and print the phases and the tree's statistics
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scene file or name of a generated scene
+    scene: String,
+    /// Builder (repeatable) [default: all]
+    #[arg(long = "builder", value_name = "NAME")]
+    builders: Vec<String>,
+    /// Children per node, where the builder leaves a choice
+    #[arg(long, value_name = "N")]
+    width: Option<u32>,
+    /// Threads [default: all processors]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let pools = pools(arguments.threads.unwrap_or_else(all_threads))?;
+    let cells = if arguments.builders.is_empty() {
+        let all = contender::cells(true);
+        all.into_iter().filter(|cell| arguments.width.is_none_or(|width| cell.width == width)).collect()
+    } else {
+        let cell = |name: &String| options::cell(name, arguments.width);
+        arguments.builders.iter().map(cell).collect::<Result<Vec<_>, _>>()?
+    };
+    if cells.is_empty() {
+        let width = arguments.width.unwrap_or_default();
+        return Err(Failure::Bad(format!("--width {width}: no builder builds such trees; give 4 or 8")));
+    }
+    let scene = PlannedScene::find(&arguments.scene)?.load()?;
+    if scene.dropped.total() > 0 {
+        eprintln!("phr: {}: {}", scene.name, scene.dropped);
+    }
+    say(&format!("{}: {} triangles ({})", scene.name, scene.mesh.len(), scene.source))?;
+    let request = BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &[], wants_facts: true };
+    for cell in cells {
+        let built = Contender::of(&cell).and_then(|mut contender| contender.build(&request));
+        let text = describe(&built.map_err(Failure::Wrong)?);
+        say(&format!("\n{}, width {}\n{text}", cell.builder, cell.width))?;
+    }
+    Ok(())
+}
+
+fn describe(built: &BuiltTree<'_>) -> String {
+    let times = &built.times;
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| text += &format!("  {name:<24} {value}\n");
+    if let Some(warm) = Summary::of(&times.warm.ms) {
+        let (median, min) = (short(warm.median), short(warm.min));
+        line("build, warm", format!("{median} ms (median of {}, least {min})", warm.count));
+    }
+    line("build, cold", format!("{} ms", short(times.cold_ms)));
+    for (name, ms) in &times.phases {
+        line(&format!("  {name}"), format!("{} ms", short(*ms)));
+    }
+    if let Some(bytes) = times.peak_bytes {
+        line("peak memory", mebibytes(bytes));
+    }
+    let facts = built.facts.clone().unwrap_or_default();
+    let mut figure = |name: &str, value: Option<String>| {
+        if let Some(value) = value {
+            line(name, value);
+        }
+    };
+    figure("tree", facts.bytes.map(mebibytes));
+    figure("SAH cost", facts.sah.map(|x| format!("{x:.4}")));
+    figure("EPO", facts.epo.map(|x| format!("{x:.4}")));
+    figure("nodes", facts.nodes.map(|n| n.to_string()));
+    figure("leaves", facts.leaves.map(|n| n.to_string()));
+    figure("depth", facts.depth.map(|n| n.to_string()));
+    figure("leaf fill", facts.leaf_fill.map(|x| format!("{:.1} %", 100.0 * x)));
+    figure("references per triangle", facts.refs_per_tri.map(|x| format!("{x:.4}")));
+    figure("built by", Some(facts.engine));
+    figure("parameters", Some(facts.config));
+    text
+}
+
+fn mebibytes(bytes: u64) -> String {
+    format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64)
+}

@@ -1,0 +1,14 @@
+//! The verbs of the command line, each with its arguments.
+
+pub mod ablation;
+pub mod bench;
+pub mod build;
+pub mod compare;
+pub mod plot;
+pub mod readme;
+pub mod reduce;
+pub mod render;
+pub mod scenes;
+pub mod table;
+pub mod targets;
+pub mod verify;

@@ -1,0 +1,83 @@
+//! `phr plot`: the figures of a run, from its CSV.
+
+use super::table::under;
+use crate::bench::files::write_whole;
+use crate::bench::row;
+use crate::cli::failure::Failure;
+use crate::cli::output::say;
+use crate::report::plot::{self, Drawing, raster};
+use std::path::{Path, PathBuf};
+
+/// Pixels of a PNG for each of the drawing's.
+const SCALE: f32 = 2.0;
+
+/// Draw the figures of a results folder as SVG and PNG: Figure 6, build time against trace time, averaged and by
+/// scene; growth, where it has scalable scenes
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Results folder, or a rows.csv
+    results: PathBuf,
+    /// Folder of the figures [default: the results']
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Compare traces under embree-grafted, embree-native, phr, or each tree under its own [default:
+    /// embree-grafted if the run has it, else own]
+    #[arg(long, value_name = "KERNEL")]
+    kernel: Option<String>,
+    /// Draw nothing; fail if the SVG files there are not those of the CSV
+    #[arg(long)]
+    check: bool,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let rows = row::read(&arguments.results)?;
+    let under = under(arguments.kernel.as_deref(), &rows)?;
+    let drawings = plot::figures(&rows, &under);
+    if drawings.is_empty() {
+        let results = arguments.results.display();
+        return Err(Failure::Bad(format!(
+            "{results}: no tree was traced beside Embree SAH under {}, nor built in two scalable scenes; run `phr bench` \
+             with embree-sah, or scalable-1M scalable-2M",
+            under.name()
+        )));
+    }
+    let results = &arguments.results;
+    let beside = if results.is_dir() { results.clone() } else { results.with_file_name("") };
+    let folder = arguments.out.clone().unwrap_or(beside);
+    if arguments.check {
+        return check(&drawings, &folder);
+    }
+    for file in draw(&drawings, &folder)? {
+        say(&file.display().to_string())?;
+    }
+    Ok(())
+}
+
+/// Writes each drawing to `folder` as SVG and PNG; returns the files.
+///
+/// # Errors
+/// An unwritable place.
+pub fn draw(drawings: &[Drawing], folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = Vec::new();
+    for drawing in drawings {
+        let svg = folder.join(drawing.name).with_extension("svg");
+        let png = svg.with_extension("png");
+        write_whole(&svg, drawing.svg.as_bytes())?;
+        write_whole(&png, &raster::png(&drawing.svg, SCALE)?)?;
+        files.extend([svg, png]);
+    }
+    Ok(files)
+}
+
+/// Fails at the first SVG in `folder` that differs from its drawing.
+fn check(drawings: &[Drawing], folder: &Path) -> Result<(), Failure> {
+    for drawing in drawings {
+        let svg = folder.join(drawing.name).with_extension("svg");
+        if std::fs::read_to_string(&svg).unwrap_or_default() != drawing.svg {
+            let svg = svg.display();
+            return Err(Failure::Wrong(format!("{svg}: not the figure of these rows; run `phr plot`")));
+        }
+    }
+    Ok(())
+}

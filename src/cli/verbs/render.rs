@@ -1,0 +1,83 @@
+//! `phr render`: a path-traced image of a scene.
+
+use crate::bench::contender::{BuildRequest, Contender, TreeUnderKernel};
+use crate::bench::planned_scene::PlannedScene;
+use crate::cli::failure::Failure;
+use crate::cli::options::{self, all_threads, pools};
+use crate::cli::output::say;
+use crate::trace::{self, Image, PathSettings};
+use std::path::{Path, PathBuf};
+
+/// Render a view of a scene through a builder's tree to a PNG file
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scene file or name of a generated scene
+    scene: String,
+    /// Builder
+    #[arg(long, default_value = "phr-hq", value_name = "NAME")]
+    builder: String,
+    /// PNG file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// View, from 0
+    #[arg(long, default_value_t = 0, value_name = "K")]
+    view: usize,
+    /// Pixels across and down
+    #[arg(long, default_value_t = 1024, value_name = "PIXELS")]
+    size: u32,
+    /// Paths per pixel
+    #[arg(long, default_value_t = 16, value_name = "N")]
+    samples: u32,
+    /// Threads [default: all processors]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let pools = pools(arguments.threads.unwrap_or_else(all_threads))?;
+    for (option, value) in [("size", arguments.size), ("samples", arguments.samples)] {
+        if value == 0 || value > 1 << 14 {
+            return Err(Failure::Bad(format!("--{option} {value}: give 1 to {}", 1 << 14)));
+        }
+    }
+    let cell = options::cell(&arguments.builder, None)?;
+    check_place(&arguments.output)?;
+    let scene = PlannedScene::find(&arguments.scene)?.load()?;
+    let Some(view) = scene.views.get(arguments.view) else {
+        let (name, views) = (&scene.name, scene.views.len());
+        let wanted = arguments.view;
+        return Err(Failure::Bad(format!(
+            "--view {wanted}: {name} has {views} views; give 0 to {}",
+            views - 1
+        )));
+    };
+    let request =
+        BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &cell.kernels[..1], wants_facts: false };
+    let mut contender = Contender::of(&cell).map_err(Failure::Wrong)?;
+    let built = contender.build(&request).map_err(Failure::Wrong)?;
+    let threads = pools.all.current_num_threads();
+    let tree = TreeUnderKernel::new(&built, cell.kernels[0], threads).map_err(Failure::Wrong)?;
+    let tracer = tree.tracer().map_err(|reason| Failure::Wrong(reason.to_owned()))?;
+    let mut image = Image::new(arguments.size, arguments.size);
+    for sample in 0..arguments.samples {
+        let seed = 1 + u64::from(sample);
+        let settings = PathSettings { width: arguments.size, height: arguments.size, max_depth: 8, seed };
+        let frame = pools.all.install(|| trace::render(tracer, &scene.mesh, view, &settings));
+        image.add(&frame, 1.0 / arguments.samples as f32);
+    }
+    image.write_png(&arguments.output)?;
+    say(&format!("{}: {} view {}, {}", arguments.output.display(), scene.name, arguments.view, cell.builder))
+}
+
+/// Refuses a place that cannot be written before any work is done.
+fn check_place(path: &Path) -> Result<(), Failure> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if path.is_dir() {
+        return Err(Failure::Bad(format!("{}: is a directory; give a file name", path.display())));
+    }
+    if !folder.is_dir() {
+        return Err(Failure::Bad(format!("{}: no such folder; make it first", folder.display())));
+    }
+    Ok(())
+}
