@@ -1,7 +1,7 @@
 //! An ancient town: low houses around atria under barrel tiles, colonnades and temples, an arena, rubble.
 
 use super::city::tree;
-use super::generator::{Generator, view};
+use super::generated_scene::{Generator, view};
 use super::parts::{Frame, Layout, Random, Shape, sin_cos};
 
 /// The stand-in for Pompeii.

@@ -1,7 +1,7 @@
 //! Cities: a plain of two triangles, houses with facades, and street furniture down to single leaves and
 //! rivets. Sizes of triangles span seven orders of magnitude.
 
-use super::generator::{Generator, view};
+use super::generated_scene::{Generator, view};
 use super::parts::furniture::{chair, table};
 use super::parts::{Frame, Layout, Random, Shape};
 

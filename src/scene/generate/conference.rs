@@ -1,6 +1,6 @@
 //! A conference room: one hall, a ring of tables, rows of chairs, panelled walls, a grid of lamps.
 
-use super::generator::{Generator, view};
+use super::generated_scene::{Generator, view};
 use super::parts::furniture::{chair, plant, table, vase};
 use super::parts::{Frame, Layout, Shape};
 

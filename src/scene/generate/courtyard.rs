@@ -2,7 +2,7 @@
 //! leaves, which are most of its triangles.
 
 use super::city::tree;
-use super::generator::{Generator, view};
+use super::generated_scene::{Generator, view};
 use super::parts::furniture::{chair, plant, table, vase};
 use super::parts::{Frame, Layout, Shape};
 

@@ -1,6 +1,6 @@
 //! A crown on a cushion: a finely cut, curved jewel of pearls, stones and wire, everything touching.
 
-use super::generator::{Generator, view};
+use super::generated_scene::{Generator, view};
 use super::parts::{Frame, Layout, Random, Shape, mix, sin_cos};
 use glam::Vec3;
 

@@ -1,6 +1,6 @@
 //! A ball of curled hair: long thin triangles in every direction, boxes that overlap everywhere.
 
-use super::generator::{Generator, view};
+use super::generated_scene::{Generator, view};
 use super::parts::{Frame, Layout, Shape, mix};
 
 /// The built-in hair ball.

@@ -1,7 +1,7 @@
 //! Interiors: rooms along both sides, doors between them, windows outside, furniture within. Walls and floors
 //! are parallel to the axes and of few large triangles, what stands in the rooms of many small ones.
 
-use super::generator::{Generator, view};
+use super::generated_scene::{Generator, view};
 use super::parts::furniture::{bed, chair, desk, lamp, plant, shelf, sofa, table, vase};
 use super::parts::{Frame, Layout, Random, Shape};
 

@@ -5,7 +5,7 @@ mod city;
 mod conference;
 mod courtyard;
 mod crown;
-mod generator;
+mod generated_scene;
 mod hair;
 mod interior;
 mod mixed;
@@ -14,6 +14,6 @@ mod plant;
 mod sets;
 mod statue;
 
-pub use generator::Generator;
+pub use generated_scene::Generator;
 pub use mixed::{scalable, scalable_name, scalable_triangles};
 pub use sets::{builtin, generator, generators};

@@ -1,7 +1,7 @@
 //! Industrial plant: racks of pipes, trusses of diagonal rods, tanks, stairs and gratings. Most triangles are
 //! long and thin, many of them oblique, and boxes around them hold mostly air.
 
-use super::generator::{Generator, view};
+use super::generated_scene::{Generator, view};
 use super::parts::{Frame, Layout, Random, Shape};
 use glam::Vec3;
 

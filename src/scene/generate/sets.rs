@@ -1,6 +1,6 @@
 //! The generated scenes by name: the built-in set and the stand-ins for the paper's nine.
 
-use super::generator::Generator;
+use super::generated_scene::Generator;
 use super::{ancient, city, conference, courtyard, crown, hair, interior, plant, statue};
 
 /// The small set that `make bench` and the tests use.

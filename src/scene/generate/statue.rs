@@ -1,6 +1,6 @@
 //! A scanned statue: one closed, noisy surface of many small triangles of uneven size.
 
-use super::generator::{Generator, view};
+use super::generated_scene::{Generator, view};
 use super::parts::{Frame, Layout, Shape};
 
 /// The built-in statue.
