@@ -8,7 +8,6 @@ pub mod cpu_time;
 pub mod error;
 pub mod plan;
 pub mod planned_scene;
-pub mod random;
 pub mod rays;
 pub mod records;
 pub mod run;

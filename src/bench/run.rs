@@ -7,12 +7,12 @@ use super::error::RunError;
 use super::plan::Plan;
 use super::planned_scene::PlannedScene;
 use super::pools::Pools;
-use super::random::SplitMix;
 use super::recorder::{RecordOptions, Recorder};
 use super::row::Row;
 use super::visit::{Bench, Turn};
 use super::{contender, rays, rows};
 use crate::geometry::Tracer;
+use crate::random::SplitMix64;
 use crate::scene::Scene;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -175,7 +175,7 @@ struct Measured<'a> {
 fn order<'a>(cells: &'a [Cell], scene: &str, seed: u64, round: usize) -> Vec<&'a Cell> {
     let mut order: Vec<&Cell> = cells.iter().collect();
     let scene = scene.bytes().fold(seed, |hash, byte| hash.wrapping_mul(31).wrapping_add(u64::from(byte)));
-    SplitMix::new(scene ^ (round as u64) << 48).shuffle(&mut order);
+    SplitMix64::new(scene ^ (round as u64) << 48).shuffle(&mut order);
     order
 }
 

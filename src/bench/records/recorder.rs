@@ -12,7 +12,7 @@ use crate::bench::contender;
 use crate::bench::error::RunError;
 use crate::bench::plan::Plan;
 use crate::bench::planned_scene::PlannedScene;
-use crate::bench::random::SplitMix;
+use crate::random::SplitMix64;
 use crate::scene::Scene;
 use crate::trace;
 use std::path::Path;
@@ -251,6 +251,6 @@ fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunEr
 fn run_id() -> String {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     let nanoseconds = now.map_or(0, |duration| duration.as_nanos() as u64);
-    let bits = SplitMix::new(nanoseconds ^ u64::from(std::process::id()) << 32).next_u64();
+    let bits = SplitMix64::new(nanoseconds ^ u64::from(std::process::id()) << 32).next_u64();
     format!("{:012x}", bits >> 16)
 }

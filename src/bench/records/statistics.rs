@@ -96,7 +96,7 @@ impl Ratio {
     pub fn bootstrap(a: &[f64], b: &[f64], seed: u64) -> Option<Self> {
         const RESAMPLES: usize = 2000;
         let value = median(a)? / median(b)?;
-        let mut random = crate::bench::random::SplitMix::new(seed);
+        let mut random = crate::random::SplitMix64::new(seed);
         let mut ratios = Vec::with_capacity(RESAMPLES);
         let mut resampled = |samples: &[f64]| {
             let drawn: Vec<f64> = samples.iter().map(|_| samples[random.below(samples.len())]).collect();

@@ -55,16 +55,6 @@ impl<'a, P: CutPolicy> CutRecursion<'a, P> {
     pub fn splits_in_space(&self, cut: &Cut) -> bool {
         cut.area > self.spatial_above
     }
-
-    /// The sides of a cut whose splits are known already, or are found in one go.
-    #[inline]
-    fn shortcut(&self, cut: &Cut, scratch: &mut CutScratch) -> Option<[Option<Cut>; 2]> {
-        if let Some(sides) = self.split_swept(cut, scratch) {
-            return Some(sides);
-        }
-        let node = self.single_node(cut, &scratch.arena)?;
-        Some(self.split_single_node(cut, &node, scratch))
-    }
 }
 
 impl<P: CutPolicy> BinarySplits for CutRecursion<'_, P> {
@@ -77,10 +67,14 @@ impl<P: CutPolicy> BinarySplits for CutRecursion<'_, P> {
     }
 
     fn split(&self, cut: &Cut, scratch: &mut CutScratch) -> [Option<Cut>; 2] {
-        match self.shortcut(cut, scratch) {
-            Some(sides) => sides,
-            None => self.split_cut(cut, scratch),
+        // Shortcuts: splits that are found in one go, or known already.
+        if let Some(sides) = self.split_swept(cut, scratch) {
+            return sides;
         }
+        if let Some(node) = self.single_node(cut, &scratch.arena) {
+            return self.split_single_node(cut, &node, scratch);
+        }
+        self.split_cut(cut, scratch)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Subtrees all of whose binary splits are known, widened at once.
 
-use super::open_largest::{Priority, open_largest};
+use super::open_largest::{Priority, open_largest, replace};
 use super::treelet::{Subtree, WideTreelet};
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::NodeRun;
@@ -25,6 +25,16 @@ pub(crate) trait BinarySource {
         Kind::of(&run.node, max_leaf, || self.children(run).map(|child| child.node))
     }
 
+    /// The children of a subtree that is split, as children of a wide node; `None` if it may not be split any more.
+    #[inline(always)]
+    fn open(&self, run: &NodeRun, levels: u32, max_leaf: u32) -> Option<[Child; 2]> {
+        let below = levels.checked_sub(1)?;
+        // Not by `map`, which is not always inlined.
+        let [left, right] = self.children(run);
+        let child = |run: NodeRun| Child::new(run, self.kind(&run, max_leaf), below);
+        Some([child(left), child(right)])
+    }
+
     /// Appends the wide nodes and leaf blocks of a subtree, as [`open_largest`] forms them. `None` if there are splits
     /// below `levels` others: the treelet is then to be rolled back. Counts binary splits.
     fn emit(
@@ -38,17 +48,19 @@ pub(crate) trait BinarySource {
         if kind != Kind::Inner {
             return Some(leaves.emit(self, run, treelet));
         }
-        let open = |run: &NodeRun, levels: u32| {
-            let levels = levels.checked_sub(1)?;
-            let child = |run: NodeRun| Child::new(run, self.kind(&run, leaves.max_leaf), levels);
-            Some(self.children(run).map(child))
-        };
         let mut children = ArrayVec::<Child, WIDTH>::new();
-        children.extend(open(run, levels)?);
+        children.extend(self.open(run, levels, leaves.max_leaf)?);
         open_largest(
             &mut children,
+            #[inline(always)]
             |child| child.priority,
-            |child| open(&child.run, child.levels).map(|children| children.map(Some)),
+            #[inline(always)]
+            |children, next| {
+                let child = &children[next];
+                let opened = self.open(&child.run, child.levels, leaves.max_leaf)?;
+                replace(children, next, opened);
+                Some(())
+            },
         )?;
         let mut built = ArrayVec::<(Aabb, Link), WIDTH>::new();
         for Child { run, kind, levels, .. } in &children {
@@ -115,7 +127,7 @@ impl<'a> Leaves<'a> {
 }
 
 /// A child of a wide node in the making.
-struct Child {
+pub(crate) struct Child {
     run: NodeRun,
     kind: Kind,
     priority: Priority,

@@ -33,13 +33,16 @@ impl Priority {
     }
 }
 
+/// The children of a wide node in the making.
+pub(crate) type Children<T> = ArrayVec<T, WIDTH>;
+
 /// Opens the child of the greatest priority, the first of equal ones, until there are [`WIDTH`] children or none may be
-/// opened. `open` gives what takes a child's place: two children in order, one, or none. `None` if `open` gives up.
+/// opened. `open` replaces the child at an index by two ([`replace`]), one, or none; it may give up with `None`.
 #[inline(always)]
 pub(crate) fn open_largest<T>(
-    children: &mut ArrayVec<T, WIDTH>,
+    children: &mut Children<T>,
     priority: impl Fn(&T) -> Priority,
-    mut open: impl FnMut(&T) -> Option<[Option<T>; 2]>,
+    mut open: impl FnMut(&mut Children<T>, usize) -> Option<()>,
 ) -> Option<()> {
     while (1..WIDTH).contains(&children.len()) {
         let first = (0, priority(&children[0]));
@@ -48,16 +51,14 @@ pub(crate) fn open_largest<T>(
         if !largest.may_open(children.len()) {
             break;
         }
-        match open(&children[next])? {
-            [Some(left), Some(right)] => {
-                children[next] = left;
-                children.insert(next + 1, right);
-            }
-            [Some(only), None] | [None, Some(only)] => children[next] = only,
-            [None, None] => {
-                children.remove(next);
-            }
-        }
+        open(children, next)?;
     }
     Some(())
+}
+
+/// Replaces the child at an index by two, in order.
+#[inline(always)]
+pub(crate) fn replace<T>(children: &mut Children<T>, index: usize, [left, right]: [T; 2]) {
+    children[index] = left;
+    children.insert(index + 1, right);
 }

@@ -1,7 +1,7 @@
 //! What a builder supplies to be built top-down ([`super::build`]).
 
 use super::memory::Scratch;
-use super::open_largest::{Priority, open_largest};
+use super::open_largest::{Priority, open_largest, replace};
 use super::treelet::{Subtree, WideTreelet};
 use crate::builders::binary::kind::Kind;
 use crate::bvh::limits::WIDTH;
@@ -63,7 +63,14 @@ pub(crate) trait BinarySplits: TopDown<Part: Clone> {
         let priority = |part: &Self::Part| Priority::new(self.kind(part), self.half_area(part));
         let mut children = ArrayVec::new();
         children.push(part.clone());
-        open_largest(&mut children, priority, |part| Some(self.split(part, scratch)));
+        open_largest(&mut children, priority, |children, next| {
+            match self.split(&children[next], scratch) {
+                [Some(left), Some(right)] => replace(children, next, [left, right]),
+                [Some(only), None] | [None, Some(only)] => children[next] = only,
+                [None, None] => drop(children.remove(next)),
+            }
+            Some(())
+        });
         children
     }
 }

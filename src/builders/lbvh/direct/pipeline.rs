@@ -7,7 +7,7 @@ use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
 use crate::builders::lbvh::sort::MortonOrder;
 use crate::builders::lbvh::top_tree::{TopNode, TopTree, result_of};
 use crate::builders::wide::memory::Memory;
-use crate::builders::wide::open_largest::{Priority, open_largest};
+use crate::builders::wide::open_largest::{Priority, open_largest, replace};
 use crate::builders::wide::treelet::{self, Subtree, WideTreelet};
 use crate::bvh::limits::{MORTON_BITS, WIDTH};
 use crate::bvh::{Bvh4, Link, WideNode};
@@ -106,9 +106,10 @@ impl WideTop<'_> {
             Priority::new(kind, result_of(*node, self.bounds, self.pair_bounds).half_area())
         };
         let mut children = ArrayVec::<TopNode, WIDTH>::from_iter([node]);
-        open_largest(&mut children, priority, |node| match node {
-            TopNode::Pair(pair) => Some(self.top.children(*pair).map(Some)),
-            TopNode::Treelet(_) => None,
+        open_largest(&mut children, priority, |children, next| {
+            let TopNode::Pair(pair) = children[next] else { return None };
+            replace(children, next, self.top.children(pair));
+            Some(())
         });
         let built: ArrayVec<(Aabb, Link), WIDTH> =
             children.into_iter().filter_map(|child| self.emit(child, nodes)).collect();
