@@ -1,9 +1,12 @@
-# make bench        the table on the built-in scenes, into results/builtin: some minutes on two cores
+# make bench        the table and the plot on the built-in scenes, into results/builtin: under nine minutes from an empty
+#                   clone on two cores, compilation included
+# make bench-full   the same with more rays and rounds: a quarter of an hour
 # make bench-paper  the same on the paper's nine scenes or their stand-ins, into results/paper-scenes: hours
 # make bench-builders
-#                   what the bars are judged by (`phr bars`), into results/bars: all builders on the files SCENES and
-#                   the built-in scenes with two threads, their builds with one thread beside two, their growth over
-#                   scenes of 1 to 32 million triangles, and single extensions: an hour on two cores, 16 GiB of memory
+#                   what the targets are judged by (`phr targets`), into results/targets: all builders on the files
+#                   SCENES and the built-in scenes with two threads, their builds with one thread beside two, their
+#                   growth over scenes of 1 to 32 million triangles, and single extensions: an hour on two cores, 16 GiB
+#                   of memory
 # cargo bench --bench steps
 #                   the steps of a build one by one (codes, sort, auxiliary tree, sweeps by length of the cut,
 #                   refining, leaf blocks, wide nodes), each beside a memcpy of as many bytes: some minutes
@@ -19,9 +22,9 @@ SCENES ?= $(wildcard ../shared/scenes/*.ply.zst)
 ROUNDS ?= 3
 MIN_SECONDS ?= 60
 SIZE ?= 160
-BARS = results/bars
-# Builders that have bars, and sizes over which they grow.
-BARRED = lbvh|phr-fast|phr-hq|phr-speed|phr-quality|phr-best|embree-[a-z-]+
+TARGETS = results/targets
+# Builders that have targets, and sizes over which they grow.
+TARGETED = lbvh|phr-fast|phr-hq|phr-speed|phr-quality|phr-best|embree-[a-z-]+
 GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
 # PHR-Fast and PHR-HQ, and each with one extension (`phr ablation`).
 ABLATED = phr-fast $(addprefix phr-fast-,coarse clusters subtrees) phr-hq \
@@ -31,29 +34,34 @@ PACKAGES = libembree-dev libclang-dev
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: bench bench-builders bench-paper test packages
+.PHONY: bench bench-full bench-builders bench-paper test packages
 
+# The program alone: criterion's benchmarks are not built.
 bench: packages
-	$(CARGO) build --release
+	$(CARGO) build --release --bin phr
+	./target/release/phr bench --set builtin --rounds 2 --size 128 $(ARGS)
+
+bench-full: packages
+	$(CARGO) build --release --bin phr
 	./target/release/phr bench --set builtin $(ARGS)
 
 # The short runs first: what is wrong shows early.
 bench-builders: packages
-	$(CARGO) build --release
+	$(CARGO) build --release --bin phr
 	./target/release/phr bench $(GROWTH) --build-only --filter ' ($(GROWING)) 4 ' \
-		--rounds $(ROUNDS) --threads 2 --out $(BARS)/growth $(ARGS)
-	./target/release/phr bench --set builtin $(SCENES) --build-only --filter ' ($(BARRED)) 4 ' \
-		--rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2 --one-thread --out $(BARS)/threads $(ARGS)
+		--rounds $(ROUNDS) --threads 2 --out $(TARGETS)/growth $(ARGS)
+	./target/release/phr bench --set builtin $(SCENES) --build-only --filter ' ($(TARGETED)) 4 ' \
+		--rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2 --one-thread --out $(TARGETS)/threads $(ARGS)
 	./target/release/phr bench --set builtin $(SCENES) --size $(SIZE) \
-		--rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2 --out $(BARS) $(ARGS)
+		--rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2 --out $(TARGETS) $(ARGS)
 	./target/release/phr bench --set builtin $(SCENES) --size $(SIZE) $(addprefix --builder ,$(ABLATED)) \
-		--rounds $(ROUNDS) --threads 2 --out $(BARS)-ablation $(ARGS)
-	./target/release/phr plot $(BARS)
-	./target/release/phr plot $(BARS)/growth
-	./target/release/phr bars $(BARS)
+		--rounds $(ROUNDS) --threads 2 --out $(TARGETS)-ablation $(ARGS)
+	./target/release/phr plot $(TARGETS)
+	./target/release/phr plot $(TARGETS)/growth
+	./target/release/phr targets $(TARGETS)
 
 bench-paper: packages
-	$(CARGO) build --release
+	$(CARGO) build --release --bin phr
 	./target/release/phr bench --set paper --frames $(ARGS)
 
 test: packages

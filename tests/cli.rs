@@ -331,3 +331,11 @@ fn single_verbs_do_their_work() {
     let told = text(&verify.stdout);
     assert!(verify.status.success() && told.contains("verified") && !told.contains("WRONG"), "{told}");
 }
+
+#[test]
+fn an_unknown_instruction_set_is_refused() {
+    let (_guard, folder) = workplace();
+    let output = command(&folder, &["scenes"]).env("PHR_ISA", "avx3").output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("PHR_ISA=avx3 names no instruction set"), "{}", text(&output.stderr));
+}

@@ -53,6 +53,9 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
             return ExitCode::from(error.exit_code() as u8);
         }
     };
+    if let Err(reason) = crate::simd::Isa::check_environment() {
+        return failure::Failure::Bad(reason).report();
+    }
     let result = match &arguments.verb {
         Verb::Bench(arguments) => bench::run(arguments),
         Verb::Build(arguments) => build::run(arguments),
