@@ -337,5 +337,9 @@ fn an_unknown_instruction_set_is_refused() {
     let (_guard, folder) = workplace();
     let output = command(&folder, &["scenes"]).env("PHR_ISA", "avx3").output().unwrap();
     assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("PHR_ISA=avx3 names no instruction set"), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("PHR_ISA=avx3 names no instruction set"),
+        "{}",
+        text(&output.stderr)
+    );
 }

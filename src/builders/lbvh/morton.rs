@@ -96,7 +96,7 @@ impl MortonEncoder {
     fn codes_deposited(&self, token: Avx2, points: impl Iterator<Item = Vec3A>, mut write: impl FnMut(u32)) {
         token.run(
             #[inline(always)]
-            || {
+            move || {
                 for point in points {
                     let [x, y, z] = self.cell(point);
                     let [bx, by, bz] = self.bits;

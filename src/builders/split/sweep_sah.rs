@@ -118,7 +118,7 @@ impl SubtreeSweep {
             None => self.tree::<AS_CUT>(levels, done),
             Some(token) => token.run(
                 #[inline(always)]
-                || self.tree::<AS_CUT>(levels, done),
+                move || self.tree::<AS_CUT>(levels, done),
             ),
         }
     }

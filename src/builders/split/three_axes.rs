@@ -63,11 +63,11 @@ pub(crate) fn order<const MOST: usize>(isa: Isa, centers: &[Vec3A], order: &mut 
     match isa {
         Isa::Avx512(token) => token.run(
             #[inline(always)]
-            || order_by_ranks(token, centers, order),
+            move || order_by_ranks(token, centers, order),
         ),
         Isa::Avx2(token) => token.run(
             #[inline(always)]
-            || order_by_ranks(token, centers, order),
+            move || order_by_ranks(token, centers, order),
         ),
         Isa::Scalar => {
             let mut keys = ArrayVec::<u64, MOST>::new();

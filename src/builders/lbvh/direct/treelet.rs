@@ -89,7 +89,7 @@ fn emit_leaves(
         None => emit_leaves_with(mesh, triangles, leaves, slots, blocks),
         Some(token) => token.run(
             #[inline(always)]
-            || emit_leaves_with(mesh, triangles, leaves, slots, blocks),
+            move || emit_leaves_with(mesh, triangles, leaves, slots, blocks),
         ),
     }
 }

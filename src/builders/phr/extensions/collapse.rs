@@ -2,13 +2,13 @@
 //! programming then chooses nodes and leaves ([`crate::builders::wide::optimal`]).
 
 use crate::builders::binary::kind::Kind;
-use crate::builders::binary::node::{Node, NodeRun};
+use crate::builders::binary::node::Node;
 use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::phr::cut::{Cut, CutLevel};
 use crate::builders::phr::memory::CutScratch;
 use crate::builders::phr::policy::CutPolicy;
 use crate::builders::phr::recursion::CutRecursion;
-use crate::builders::wide::binary_source::{BinarySource, Leaves};
+use crate::builders::wide::binary_source::Leaves;
 use crate::builders::wide::optimal::{Choices, CollapseCosts, CollapseSource};
 use crate::builders::wide::top_down::{BinarySplits, TopDown};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
@@ -28,7 +28,6 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
     ) -> Subtree {
         let root = self.split_to_blocks(part, scratch)?;
         let CutScratch { subtrees, choices, .. } = scratch;
-        let root = subtrees.run_of(&root);
         choices.solve(subtrees, root, subtrees.pairs.len(), costs, false);
         let mut leaves = Leaves::of(&self.order.refs, costs.max_leaf);
         // Spatial splits may have separated parts of a triangle that meet again.
@@ -61,34 +60,37 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
 }
 
 impl CollapseSource for Subtrees {
-    type At = NodeRun;
+    type At = Node;
 
-    fn half_area(&self, run: NodeRun) -> f32 {
-        run.node.bounds().half_area()
+    #[inline(always)]
+    fn half_area(&self, node: Node) -> f32 {
+        node.bounds().half_area()
     }
 
-    fn count(&self, run: NodeRun) -> u32 {
-        run.node.count()
+    #[inline(always)]
+    fn count(&self, node: Node) -> u32 {
+        node.count()
     }
 
-    fn pair(&self, run: NodeRun) -> Option<(usize, [NodeRun; 2])> {
-        run.node.pair().map(|pair| (pair, BinarySource::children(self, &run)))
+    #[inline(always)]
+    fn pair(&self, node: Node) -> Option<(usize, [Node; 2])> {
+        node.pair().map(|pair| (pair, self.pairs[pair]))
     }
 }
 
 /// Appends the nodes and blocks chosen for a subtree.
 fn emit(
-    run: &NodeRun,
+    node: &Node,
     choices: &Choices,
     subtrees: &Subtrees,
     leaves: &Leaves<'_>,
     treelet: &mut WideTreelet,
 ) -> Subtree {
-    if run.node.pair().is_none_or(|pair| choices.of(pair).is_leaf()) {
-        return leaves.emit(subtrees, run, treelet);
+    if node.pair().is_none_or(|pair| choices.of(pair).is_leaf()) {
+        return leaves.emit(subtrees, &subtrees.run_of(node), treelet);
     }
-    let mut children = ArrayVec::<NodeRun, WIDTH>::new();
-    choices.open(subtrees, *run, WIDTH, &mut children);
+    let mut children = ArrayVec::<Node, WIDTH>::new();
+    choices.open(subtrees, *node, WIDTH, &mut children);
     let built: ArrayVec<(Aabb, Link), WIDTH> =
         children.iter().filter_map(|child| emit(child, choices, subtrees, leaves, treelet)).collect();
     treelet.node(&built)

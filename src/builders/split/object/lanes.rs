@@ -15,7 +15,7 @@ pub(crate) const MOST: usize = 8;
 pub(crate) fn avx512(token: Avx512, nodes: &[Node], limit: f32, weight: Weight) -> ObjectSplit {
     token.run(
         #[inline(always)]
-        || match nodes.len() {
+        move || match nodes.len() {
             ..=5 => sweep::<_, 5>(token, nodes, limit, weight),
             _ => sweep::<_, 8>(Avx512Half(token), nodes, limit, weight),
         },
@@ -27,7 +27,7 @@ pub(crate) fn avx512(token: Avx512, nodes: &[Node], limit: f32, weight: Weight) 
 pub(crate) fn avx2(token: Avx2, nodes: &[Node], limit: f32, weight: Weight) -> ObjectSplit {
     token.run(
         #[inline(always)]
-        || match nodes.len() {
+        move || match nodes.len() {
             ..=2 => sweep::<_, 2>(token, nodes, limit, weight),
             3..=4 => sweep::<_, 4>(token, nodes, limit, weight),
             _ => sweep::<_, 8>(token, nodes, limit, weight),

@@ -44,7 +44,7 @@ impl RankSweep {
     pub fn best<L: Lanes>(&mut self, v: L, nodes: &[Node], limit: f32, weight: Weight) -> ObjectSplit {
         v.run(
             #[inline(always)]
-            || {
+            move || {
                 let n = nodes.len();
                 for (i, node) in nodes.iter().enumerate() {
                     let bounds = node.bounds();

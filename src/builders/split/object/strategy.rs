@@ -44,6 +44,7 @@ impl PlaneHint<'_> {
 impl ObjectSweep {
     /// The object split of `nodes` (two or more, with union `bounds`), as [`FullSweep::best`] defines it, and what was
     /// learnt about spatial splits.
+    #[inline]
     pub fn find(
         &mut self,
         isa: Isa,

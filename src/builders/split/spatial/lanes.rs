@@ -27,7 +27,7 @@ pub(crate) fn search<L: Lanes>(
 ) -> Option<[f32; 2]> {
     v.run(
         #[inline(always)]
-        || match axis {
+        move || match axis {
             0 => along::<L, 0>(v, range, boxes, planes, best),
             1 => along::<L, 1>(v, range, boxes, planes, best),
             _ => along::<L, 2>(v, range, boxes, planes, best),
