@@ -1,7 +1,7 @@
 //! Random configurations on random meshes of any scale: refused in one line, or a whole tree in which rays find every
 //! triangle.
 
-use glam::{Vec3, Vec3A};
+use glam::Vec3;
 use phr::builders::{
     Aac, AacConfig, AuxiliaryConfig, Build, Builder, Clusters, CollapseCosts, ConfigError, Extensions, Hunt,
     HuntConfig, LocalThreshold, NAMES, OptimiseConfig, OptimisedPhr, OptimisedPhrConfig, Phr, PhrConfig,
@@ -133,7 +133,7 @@ fn check_hits(mesh: &Mesh, build: &Build, what: &str) {
         if normal.length() > 1e-4 * extent * extent {
             let dir = -normal.normalize();
             let org = a * 0.3 + b * 0.36 + c * 0.34 - dir * extent;
-            rays.push(Ray { org: org.into(), tnear: 0.0, dir: Vec3A::from(dir).into(), tfar: f32::INFINITY });
+            rays.push(Ray { org: org.into(), tnear: 0.0, dir: dir.into(), tfar: f32::INFINITY });
         }
     }
     let (mut found, mut expected) = (vec![Hit::MISS; rays.len()], vec![Hit::MISS; rays.len()]);

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 /// A named part of a build and how long it took on the wall clock.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Phase {
-    /// What was done: "boxes", "codes", "sort", "auxiliary tree", "cuts", ...
+    /// What was done: "bounds", "presplit", "codes", "sort", "auxiliary tree", "cuts and nodes", ...
     pub name: &'static str,
     /// Wall-clock time.
     pub duration: Duration,
@@ -24,7 +24,7 @@ pub struct Counts {
     pub swept: u64,
     /// Nodes of the auxiliary tree.
     pub auxiliary_nodes: u64,
-    /// Bytes held at the peak, temporaries and tree together.
+    /// Bytes held at the peak: temporaries, but for the threads' small scratch memory, and the tree.
     pub peak_bytes: u64,
 }
 

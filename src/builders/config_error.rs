@@ -1,4 +1,4 @@
-//! What is wrong with a builder's configuration.
+//! Errors in a builder's configuration.
 
 use std::fmt::{Debug, Display};
 use std::ops::RangeInclusive;

@@ -20,7 +20,7 @@ use crate::simd::Isa;
 /// Parameters of Hunt's method.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct HuntConfig {
-    /// Nodes of every cut, while there are as many; 2 to 65536.
+    /// Nodes of every cut, as far as there are enough; 2 to 65536.
     pub cut_length: usize,
     /// Most triangles of a leaf, as in [`PhrConfig::max_leaf`].
     pub max_leaf: u32,

@@ -8,6 +8,9 @@
 //! * `hunt`, `aac`: the builders the paper compares with;
 //! * `optimise`: `phr-best`;
 //! * `registry`: builders by name.
+//!
+//! `builder` and `config_error` are what they share, `naive` is the oracle of the tests, `steps` has single steps for
+//! benchmarks.
 
 mod aac;
 mod binary;

@@ -1,4 +1,5 @@
-//! Instruction sets: detected once, and proven by tokens.
+//! Instruction sets: detected once, and proven by tokens. Builders take [`Isa::best`] when they are made; which way
+//! splits a cut is chosen by it in `builders/split/object/strategy.rs` and `builders/split/spatial/strategy.rs`.
 //!
 //! A value of [`Isa`] other than [`Isa::Scalar`] carries a token, [`Avx2`] or [`Avx512`], and only detection
 //! makes tokens. A function that takes one therefore runs only where the processor has the instructions, and

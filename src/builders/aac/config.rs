@@ -5,7 +5,7 @@ use crate::builders::config_error::{ConfigError, check};
 /// Parameters of AAC.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct AacConfig {
-    /// delta: runs of at most as many triangles are not partitioned further; 1 to 64.
+    /// delta: runs of at most this many triangles are not partitioned further; 1 to 64.
     pub delta: usize,
     /// epsilon of f(n) = delta^(0.5 + epsilon) / 2 * n^(0.5 - epsilon), the clusters left of n triangles; 0 to
     /// 0.5.

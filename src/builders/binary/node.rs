@@ -72,7 +72,7 @@ impl Node {
         self.lower(axis) + self.upper(axis)
     }
 
-    /// The lower corner and the upper one, each followed by a number of another meaning: to be loaded lane by lane.
+    /// The lower corner and the upper one, each followed by a tag: to be loaded lane by lane.
     #[inline]
     pub fn corners(&self) -> [&[f32; 4]; 2] {
         self.0.corners()

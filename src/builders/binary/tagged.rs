@@ -3,8 +3,7 @@
 use crate::geometry::Aabb;
 use glam::{Vec3A, Vec4, Vec4Swizzles};
 
-/// A box and two tags, in two vectors: written in parts and read as a whole, it would wait for the parts to reach the
-/// cache.
+/// A box and two tags, kept as two vectors: reading the whole right after writing its parts would stall.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct TaggedBox {

@@ -33,7 +33,7 @@ pub struct Clusters {
 pub struct AuxiliaryConfig {
     /// Which triangles are split before the sort (paper 5.3).
     pub presplit: Option<PresplitConfig>,
-    /// Subtrees of at most as many references are leaves, 1 to 4.
+    /// Subtrees of at most this many references are leaves, 1 to 4.
     pub auxiliary_leaf: Option<u32>,
     /// Larger subtrees that are leaves too.
     pub clusters: Option<Clusters>,
@@ -47,7 +47,7 @@ impl AuxiliaryConfig {
     /// That of the paper.
     pub const PAPER: Self = Self { presplit: None, auxiliary_leaf: None, clusters: None, calibration: None };
 
-    /// References that subtrees may have and always be a leaf.
+    /// Subtrees of at most this many references are always leaves.
     fn leaf(&self) -> u32 {
         self.auxiliary_leaf.unwrap_or(1)
     }

@@ -1,10 +1,10 @@
 //! The binary tree over a row of leaves with the deltas of neighbours: their Cartesian tree, in one pass with a stack (cf.
 //! Apetrei 2014).
 
-/// More than there are deltas: each subtree on the stack has a delta of its own.
+/// More than the levels at which neighbours are separated: each subtree on the stack has a delta of its own.
 const STACK: usize = 128;
 
-/// Builds the tree over `leaves`, of which there are some, each with the delta to the leaf before. `merge` makes the
+/// Builds the tree over `leaves`, one or more, each with the delta to the leaf before. `merge` makes the
 /// parent of two subtrees; `filler` is never read.
 #[inline(always)]
 pub(crate) fn cartesian_tree<T: Copy>(

@@ -76,7 +76,7 @@ impl Deltas {
             let count = 2 + left.iter().chain(&right).map(|&is| u8::from(is)).sum::<u8>();
             *begins = count > most as u8;
         }
-        // Whatever the number of references.
+        // Both ends, whatever lies between.
         self.begins[0] = true;
         self.begins[ends - 1] = true;
         leaves.resize(ends, 0);

@@ -9,7 +9,7 @@ use crate::bvh::limits::MIDDLE_DEPTH;
 use glam::{Vec3A, Vec4};
 use std::ops::Range;
 
-/// Most references of a small part.
+/// Most references of a small group.
 const SMALL: usize = 8;
 
 /// Neighbouring references that are to be partitioned.
@@ -123,7 +123,7 @@ impl Queue<'_> {
         deltas.separate_by_middle(middle as usize, depth);
         let halves = [(first, split), (middle, len - split)];
         for (first, len) in halves {
-            // If it is none, the same delta is set again.
+            // If the half is no pair, the delta of the group is set again.
             let is_pair = (len == 2) & (self.leaf == 1);
             let (at, depth) = if is_pair { (first + 1, depth + 1) } else { (middle, depth) };
             deltas.separate_by_middle(at as usize, depth);

@@ -8,7 +8,7 @@
 //! 6. [`auxiliary`]: all of it.
 //!
 //! [`direct`] is the builder `lbvh`, which widens the same tree and refines nothing.
-//! [`area_scale`] tells what thresholds of area are relative to, [`prefetch`] what is read next.
+//! [`area_scale`] gives the area that thresholds are relative to; [`prefetch`] fetches triangles ahead.
 
 pub(crate) mod area_scale;
 pub(crate) mod auxiliary;

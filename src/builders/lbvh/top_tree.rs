@@ -32,7 +32,7 @@ pub(crate) struct TopTree<'a> {
 }
 
 impl<'a> TopTree<'a> {
-    /// Divides `keys`, of which there are some; keys of one code are reordered.
+    /// Divides one or more `keys`; keys of one code are reordered.
     pub fn new(refs: &PrimRefs<'_>, keys: &'a mut [MortonKey]) -> Self {
         let mut top = Self { treelets: Vec::new(), pairs: Vec::new() };
         top.divide(refs, keys, 0, 0);

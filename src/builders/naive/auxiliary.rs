@@ -137,7 +137,7 @@ fn area_of_parts(run: &[Item]) -> f32 {
     if parts == 0 { f32::INFINITY } else { areas[parts / 2] }
 }
 
-/// The subtree over a run of sorted codes that has been parted `depth` times by the middle.
+/// The subtree over a run of sorted codes that has been partitioned `depth` times by the middle.
 fn subtree(run: &[Item], depth: u32, leaf: u32) -> Rc<Tree> {
     if run.len() <= leaf as usize {
         return Tree::leaf(&run.iter().map(|(_, reference)| *reference).collect::<Vec<_>>());

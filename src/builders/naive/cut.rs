@@ -69,9 +69,9 @@ impl Member {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Inner,
-    /// A leaf of several quartets.
+    /// A leaf of several blocks.
     SoftLeaf,
-    /// A leaf of one quartet.
+    /// A leaf of one block.
     Leaf,
 }
 

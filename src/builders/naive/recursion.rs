@@ -250,7 +250,7 @@ impl Naive<'_> {
         parts
     }
 
-    /// Whether a leaf costs no more than a node over two leaves: a leaf costs its quartets, a node one.
+    /// Whether a leaf costs no more than a node over two leaves: a leaf costs its blocks, a node one.
     fn leaf_is_cheaper(&self, cut: &Cut, sides: &[Vec<Member>; 2]) -> bool {
         let leaf = |members: &[Member]| {
             let bounds: Aabb = members.iter().map(|member| member.bounds).collect();

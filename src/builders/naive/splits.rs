@@ -66,7 +66,7 @@ impl Plane {
 }
 
 /// The spatial split of least cost (paper 4.4, equation 3): at every boundary of every box, all boxes are cut and
-/// those on both sides united. `None` if there is no plane.
+/// the parts on each side merged. `None` if there is no plane.
 pub fn spatial(boxes: &[Aabb], weight: Weight) -> Option<(f32, Plane)> {
     let bounds = union(boxes);
     let mut best: Option<(f32, Plane)> = None;

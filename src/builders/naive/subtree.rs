@@ -1,4 +1,4 @@
-//! The binary tree over few references by sweeps down to quartets, as simple as it can be.
+//! The binary tree over few references by sweeps down to blocks, as simple as it can be.
 
 use super::cut::Member;
 use super::splits::unions;
@@ -18,7 +18,7 @@ pub struct Swept {
 #[derive(Clone)]
 pub struct Side {
     pub members: Vec<Member>,
-    /// `None` for a quartet or less.
+    /// `None` for a block or less.
     pub below: Option<Rc<Swept>>,
 }
 

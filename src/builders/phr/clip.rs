@@ -1,4 +1,5 @@
-//! Clipping of cuts by the planes of spatial splits (paper 4.4): which child belongs to which side of a plane.
+//! Clipping of cuts by the planes of spatial splits (paper 4.4): which child of an opened node belongs to which side of
+//! a plane. The node of the cut that a plane cuts is clipped in [`super::split`] (`parts`).
 
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;

@@ -15,7 +15,8 @@ pub struct PhrConfig {
     pub delta: f32,
     /// Most nodes of the initial cut (paper 4.1: "e.g. 2048").
     pub max_cut: usize,
-    /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3").
+    /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3");
+    /// with [`AuxiliaryConfig::calibration`] relative to that scale.
     pub spatial_threshold: f32,
     /// Most triangles of a leaf, 4 to 28. Up to four always are a leaf; more are one where the cost model has a leaf of
     /// several blocks cheaper than a node (the paper leaves leaves open).
@@ -47,9 +48,9 @@ pub struct Extensions {
     pub spatial_bias: Option<f32>,
     /// Where a spatial split cuts a node of a single triangle, the triangle is clipped and not only its box.
     pub clip_triangles: bool,
-    /// Cuts of at most as many references are opened down to single ones, and their splits count the blocks of leaves.
+    /// Cuts of at most this many references are opened down to single ones, and their splits count the blocks of leaves.
     pub leaf_sweep: Option<u32>,
-    /// Cuts of at most as many references, whose boxes are too small for spatial splits, are split down to leaves
+    /// Cuts of at most this many references, whose boxes are too small for spatial splits, are split down to leaves
     /// in one go by sweeps over all of them.
     pub subtree_sweep: Option<u32>,
     /// Parts of the tree that fit a cache are split down to blocks and collapsed to the wide tree that is cheapest by these
@@ -61,7 +62,7 @@ pub struct Extensions {
 /// in the scene has few nodes large enough for equation 2, however much there is in it.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct LocalThreshold {
-    /// It holds for sides of splits with at least as many references;
+    /// It holds for sides of splits with at least this many references;
     pub references: u32,
     /// nodes of a larger area, relative to the side's, are opened too.
     pub area: f32,

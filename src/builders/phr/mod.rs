@@ -10,7 +10,8 @@
 //! | 4.5, 4.6 wide tree, threads | [`crate::builders::wide`] |
 //! | 4.7 auxiliary BVH | [`crate::builders::lbvh`] |
 //!
-//! [`exact`] holds shortcuts to the same tree, [`extensions`] what changes the tree. [`pipeline`] is all of it in order.
+//! [`pipeline`] has the steps in order; [`exact`] holds shortcuts that give the same tree, [`extensions`] what changes it.
+//! [`cut`] and [`policy`] are shared with Hunt's method.
 
 pub(crate) mod clip;
 pub(crate) mod config;

@@ -4,7 +4,7 @@
 use crate::geometry::{Aabb, Mesh};
 use rayon::prelude::*;
 
-/// PrimRefs per task of a parallel pass over all of them.
+/// References per task of a parallel pass over all of them.
 pub(crate) const GRAIN: usize = 1 << 13;
 
 /// A part of a triangle.

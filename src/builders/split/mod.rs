@@ -1,8 +1,8 @@
 //! Splits of a cut in two: object splits (paper 4.2) and spatial splits (4.4), and sweeps down to the leaves.
 //!
-//! * [`cost`]: what the sides of a split cost (equation 1 and 3);
+//! * [`cost`]: what the sides of a split cost (equations 1 and 3);
 //! * [`object`], [`spatial`]: one file each defines the split, the others find the same one faster;
-//! * [`three_axes`]: sweeps along all axes at once, for cuts of middling length and for
+//! * [`three_axes`]: sweeps along all axes at once, for cuts of middling length and for [`sweep_sah`];
 //! * [`sweep_sah`]: subtrees of a few references, split down to leaves in one go.
 
 pub(crate) mod cost;

@@ -103,7 +103,7 @@ impl SubtreeSweep {
         Some(self.compiled::<false>(isa, SUBTREE_DEPTH, done))
     }
 
-    /// The tree that splitting the references as a cut of leaves makes, of which there are some, to `levels` levels of
+    /// The tree that splitting the references as a cut of leaves makes, one or more, to `levels` levels of
     /// splits; below, references are halved in their given order. It is appended to `done`.
     pub fn build_as_cut(&mut self, isa: Isa, levels: u32, done: &mut Subtrees) -> Node {
         if self.len > BLOCK as usize {
@@ -165,7 +165,7 @@ impl SubtreeSweep {
         root
     }
 
-    /// Orders the references by centroid along each axis, of equal ones the first first.
+    /// Orders the references by centroid along each axis, equal ones in their given order.
     fn order_by_centroid(&mut self, isa: Isa) {
         let mut centers = [Vec3A::ZERO; MOST];
         for (center, bounds) in centers.iter_mut().zip(&self.boxes[..self.len]) {

@@ -57,7 +57,7 @@ fn half_areas(boxes: &[Aabb; 3]) -> Vec3A {
     e.x_axis * (e.y_axis + e.z_axis) + e.y_axis * e.z_axis
 }
 
-/// Orders boxes by centroid along each axis, of equal ones the first first.
+/// Orders boxes by centroid along each axis, equal ones in their given order.
 #[inline]
 pub(crate) fn order<const MOST: usize>(isa: Isa, centers: &[Vec3A], order: &mut [[u8; MOST]; 3]) {
     match isa {

@@ -1,4 +1,4 @@
-//! Paper 4.5 without a branch that depends on the tree, for builders that know all areas and leaves before; the nodes
+//! Paper 4.5 without a branch that depends on the tree, for builders that know all areas and leaves in advance; the nodes
 //! are those of [`super::open_largest`].
 //!
 //! A child that cannot be opened is replaced by itself, and unused slots are children like others. Nodes are found level
@@ -90,7 +90,7 @@ impl Widen {
         let link = |slot: &Slot| {
             let link = slot.link();
             let is_inner = slot.order() >= 0;
-            // Others look up any.
+            // Leaves look up number 0, which is not used.
             let number = numbers[if is_inner { link as usize } else { 0 }];
             Link::from_bits(if is_inner { first + number } else { link })
         };

@@ -63,7 +63,7 @@ impl Lbvh {
         Self { order: MortonOrder::default(), treelets: Pool::default(), memory: Memory::default(), isa }
     }
 
-    /// The tree over sorted keys, of which there are some, and the pairs of the binary tree below it.
+    /// The tree over one or more sorted keys, and the pairs of the binary tree below it.
     fn tree(&mut self, mesh: &Mesh, keys: &mut [u64]) -> (Bvh4, usize) {
         let refs = &self.order.refs(mesh);
         let (mut nodes, mut blocks) = self.memory.arrays(mesh.len());
@@ -76,7 +76,7 @@ impl Lbvh {
             built
         };
         let built = ordered_append::append(top.len(), &self.memory.treelets, &mut nodes, &mut blocks, make);
-        let pairs = built.iter().map(|((_, pairs), _)| pairs + 1).sum();
+        let pairs = built.iter().map(|((_, pairs), _)| pairs).sum::<usize>() + top.len() - 1;
         let subtrees = treelet::moved(built.into_iter().map(|((subtree, _), at)| (subtree, at)).collect());
         let bounds: Vec<Aabb> =
             subtrees.iter().map(|subtree| subtree.map_or(Aabb::EMPTY, |(b, _)| b)).collect();

@@ -19,6 +19,7 @@ impl PhrConfig {
                 clusters: Some(Clusters { most: 32, area: 1e-3 }),
                 calibration: Some(1e3),
             },
+            // With `max_cut` 2048: always 2048 nodes.
             cut_share: Some(1.0 / 256.0),
             local_threshold: Some(LocalThreshold { references: 1 << 15, area: 1.0 / 256.0 }),
             overlap_threshold: Some(1e-3),

@@ -1,5 +1,6 @@
 //! Paper 4.2: the object split of a cut, by its definition. Along each axis the nodes are sorted by centroid and swept
-//! from both sides; the split of least cost by equation 1 is taken. Everything else in this folder finds the same split
+//! from both sides; the split of least cost by equation 1, `C(i) = S_L(i) n_L(i) + S_R(i) n_R(i)`,
+//! is taken. Everything else in this folder finds the same split
 //! faster.
 
 use super::split::ObjectSplit;

@@ -24,7 +24,7 @@ pub(crate) struct SpatialSweep {
 
 impl SpatialSweep {
     /// The spatial split of `nodes`, whose union is `bounds`, of least cost, if that is below `limit`, as
-    /// [`PlaneSweep::best`] defines it.
+    /// [`PlaneSweep::improve`] defines it.
     pub fn find(
         &mut self,
         isa: Isa,
