@@ -39,7 +39,7 @@ NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 # The program alone: criterion's benchmarks are not built.
 bench: packages
 	$(CARGO) build --release --bin phr
-	./target/release/phr bench --set builtin --rounds 2 --size 128 $(ARGS)
+	./target/release/phr bench --set builtin --rounds 3 --size 96 $(ARGS)
 
 bench-full: packages
 	$(CARGO) build --release --bin phr
