@@ -1,6 +1,6 @@
 # make bench        the table and the plot on the built-in scenes, into results/builtin: under nine minutes from an empty
 #                   clone on two cores, compilation included
-# make bench-full   the same with more rays and rounds: a quarter of an hour
+# make bench-full   the same with more rays and rounds
 # make bench-paper  the same on the paper's nine scenes or their stand-ins, into results/paper-scenes: hours
 # make bench-builders
 #                   what the targets are judged by (`phr targets`), into results/targets: all builders on the files

@@ -7,7 +7,7 @@ use crate::builders::lbvh::key::{MortonKey, reference};
 use crate::builders::lbvh::prefetch;
 use crate::builders::prims::refs::PrimRefs;
 use crate::builders::wide::top_down::{BinarySplits, TopDown};
-use crate::bvh::limits::{BLOCK, WIDTH, follows_clusters};
+use crate::bvh::limits::{WIDTH, follows_clusters};
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
@@ -92,7 +92,7 @@ impl TopDown for ClusterTree<'_> {
     }
 
     fn is_leaf(&self, part: &ClusterPart) -> bool {
-        self.count(part) <= BLOCK
+        self.kind(part) == Kind::Leaf
     }
 
     fn children(&self, part: &ClusterPart, scratch: &mut Vec<u32>) -> ArrayVec<ClusterPart, WIDTH> {
@@ -117,7 +117,7 @@ impl TopDown for ClusterTree<'_> {
 
 impl BinarySplits for ClusterTree<'_> {
     fn kind(&self, part: &ClusterPart) -> Kind {
-        if self.count(part) <= BLOCK { Kind::Leaf } else { Kind::Inner }
+        Kind::of_count(self.count(part))
     }
 
     fn half_area(&self, part: &ClusterPart) -> f32 {

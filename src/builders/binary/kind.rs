@@ -30,6 +30,12 @@ pub(crate) fn leaf_is_cheaper(whole: (f32, u32), [left, right]: [(f32, u32); 2])
 }
 
 impl Kind {
+    /// The kind of `count` references by their number alone.
+    #[inline(always)]
+    pub fn of_count(count: u32) -> Self {
+        if count <= BLOCK { Self::Leaf } else { Self::Inner }
+    }
+
     /// The kind of `node`, where leaves hold at most `max_leaf` triangles. `children` is called only if the answer
     /// depends on them.
     #[inline(always)]

@@ -2,7 +2,6 @@
 
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::Node;
-use crate::bvh::limits::BLOCK;
 use crate::geometry::Aabb;
 use glam::Vec3A;
 
@@ -82,7 +81,7 @@ impl<'a> CutBuilder<'a> {
     /// The cut, otherwise as `like`.
     #[inline]
     pub fn finish(self, like: &Cut) -> Cut {
-        let kind = if self.count <= BLOCK { Kind::Leaf } else { Kind::Inner };
+        let kind = Kind::of_count(self.count);
         Cut {
             first: self.first as u32,
             len: (self.arena.len() - self.first) as u32,

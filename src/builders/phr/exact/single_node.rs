@@ -81,7 +81,7 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
         source.children(&run).map(|NodeRun { node: child, .. }| {
             scratch.arena.push(child);
             self.tree.prefetch(&child);
-            let kind = if child.count() <= BLOCK { Kind::Leaf } else { Kind::Inner };
+            let kind = Kind::of_count(child.count());
             let side = cut.of_last(&scratch.arena, CutLevel::Subtrees, kind);
             Some(Cut { capacity: child.count(), depth: cut.depth + 1, ..side })
         })
