@@ -9,7 +9,7 @@ use super::planned_scene::PlannedScene;
 use super::pools::Pools;
 use super::recorder::{RecordOptions, Recorder};
 use super::row::Row;
-use super::visit::{Bench, Turn};
+use super::visit::{Bench, SceneTraces, Turn};
 use super::{contender, rays, rows};
 use crate::geometry::Tracer;
 use crate::random::SplitMix64;
@@ -137,7 +137,7 @@ impl Run<'_> {
         }
         let invalid = rays.iter().map(|view| view.invalid as u64).sum();
         let index = recorder.scene(planned, scene, cells, rays.len(), invalid)?;
-        let mut bench = Bench::new(scene, &rays, reference, settings, pools, self.stop);
+        let mut bench = Bench::new(SceneTraces::new(scene, &rays, reference, settings, pools, self.stop));
         let start = Instant::now();
         for round in (0..).take_while(|&round| settings.wants(round, start.elapsed())) {
             for (place, cell) in order(cells, &planned.name, settings.seed, round).into_iter().enumerate() {

@@ -7,23 +7,16 @@ use crate::bench::build_times::BuildTimes;
 use crate::bench::cell::Cell;
 use crate::bench::contender::{BuildRequest, BuiltTree, Contender, TreeUnderKernel};
 use crate::bench::cpu_time::CpuClock;
-use crate::bench::pools::Pools;
-use crate::bench::rays::ViewRays;
 use crate::bench::samples::{CellSamples, KernelChecks, VisitSamples};
-use crate::bench::settings::Settings;
 use crate::bench::tree_facts::TreeFacts;
-use crate::geometry::Tracer;
-use crate::scene::Scene;
-use std::sync::atomic::AtomicBool;
-use traces::{SceneTraces, Stopped};
+pub use traces::SceneTraces;
+use traces::Stopped;
 
 /// How often a visit traces all batches; the median of the passes is robust against single disturbances.
 const PASSES: usize = 3;
 
 /// A scene under measurement.
 pub struct Bench<'a> {
-    scene: &'a Scene,
-    pools: &'a Pools,
     traces: SceneTraces<'a>,
 }
 
@@ -58,16 +51,9 @@ impl From<String> for Unfinished {
 }
 
 impl<'a> Bench<'a> {
-    /// Visits will trace `rays` and compare with the hits of `reference`, until told to `stop`.
-    pub fn new(
-        scene: &'a Scene,
-        rays: &'a [ViewRays],
-        reference: Option<&'a dyn Tracer>,
-        settings: &'a Settings,
-        pools: &'a Pools,
-        stop: &'a AtomicBool,
-    ) -> Self {
-        Self { scene, pools, traces: SceneTraces::new(scene, rays, reference, settings, pools, stop) }
+    /// Visits trace and compare by `traces`.
+    pub fn new(traces: SceneTraces<'a>) -> Self {
+        Self { traces }
     }
 
     /// Visits `cell` in its `turn` and adds the samples to `samples`. A builder that fails leaves its reason
@@ -122,7 +108,7 @@ impl<'a> Bench<'a> {
     where
         'a: 'b,
     {
-        let (mesh, pools) = (&self.scene.mesh, self.pools);
+        let (mesh, pools) = (&self.traces.scene.mesh, self.traces.pools);
         contender.build(&BuildRequest { mesh, pools, kernels: &cell.kernels, wants_facts })
     }
 
@@ -131,7 +117,7 @@ impl<'a> Bench<'a> {
         built: &'b BuiltTree<'_>,
         cell: &Cell,
     ) -> Result<Vec<TreeUnderKernel<'b>>, String> {
-        TreeUnderKernel::all(built, &cell.kernels, self.pools.all.current_num_threads())
+        TreeUnderKernel::all(built, &cell.kernels, self.traces.pools.all.current_num_threads())
     }
 
     /// Traces a tree, just built, under its kernels; facts come with the first visit, which verifies.

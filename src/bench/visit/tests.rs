@@ -3,11 +3,16 @@
 use super::*;
 use crate::bench::cell::Kernel;
 use crate::bench::contender::Ours;
+use crate::bench::pools::Pools;
 use crate::bench::rays;
+use crate::bench::settings::Settings;
 use crate::builders::{self, Build, Builder};
 use crate::bvh::Bvh4;
+use crate::geometry::Tracer;
 use crate::geometry::{Dropped, Hit, Mesh, Ray};
+use crate::scene::Scene;
 use crate::trace::{BvhTracer, RayKind};
+use std::sync::atomic::AtomicBool;
 use std::sync::atomic::Ordering;
 
 /// A hilly sheet seen from above.
@@ -54,7 +59,7 @@ fn with_bench(stop: &AtomicBool, test: impl FnOnce(&mut Bench<'_>, &dyn Tracer))
     let settings = Settings { width: 16, height: 16, max_depth: 4, frames: true, ..Settings::least() };
     let pools = Pools::new(&settings).unwrap();
     let recorded = pools.all.install(|| rays::record(&tracer, &scene, &settings));
-    let mut bench = Bench::new(&scene, &recorded, Some(&tracer), &settings, &pools, stop);
+    let mut bench = Bench::new(SceneTraces::new(&scene, &recorded, Some(&tracer), &settings, &pools, stop));
     test(&mut bench, &tracer);
 }
 

@@ -17,12 +17,14 @@ const SETTLE: Duration = Duration::from_millis(3);
 
 /// The recorded rays of a scene, with memory for the answers.
 pub struct SceneTraces<'a> {
-    scene: &'a Scene,
+    /// The scene.
+    pub(super) scene: &'a Scene,
     rays: &'a [ViewRays],
     /// Its hits are the reference; `None` where nothing is traced.
     reference: Option<&'a dyn Tracer>,
     settings: &'a Settings,
-    pools: &'a Pools,
+    /// The threads.
+    pub(super) pools: &'a Pools,
     stop: &'a AtomicBool,
     /// Memory for the answers, reused so that no page is touched for the first time in a timed trace.
     scratch: Vec<Vec<Answers>>,
@@ -33,7 +35,7 @@ pub struct SceneTraces<'a> {
 pub struct Stopped;
 
 impl<'a> SceneTraces<'a> {
-    /// Allocates the memory for the answers.
+    /// Of `rays`, compared with the hits of `reference`, until told to `stop`; allocates the memory for the answers.
     pub fn new(
         scene: &'a Scene,
         rays: &'a [ViewRays],

@@ -5,7 +5,7 @@ use crate::bench::plan::{Plan, Request};
 use crate::bench::rays;
 use crate::bench::samples::KernelChecks;
 use crate::bench::settings::Settings;
-use crate::bench::visit::Bench;
+use crate::bench::visit::{Bench, SceneTraces};
 use crate::cli::failure::Failure;
 use crate::cli::options::{all_threads, pools};
 use crate::cli::output::say;
@@ -70,7 +70,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let tree = tree.map_err(Failure::Wrong)?;
         let reference = tree.tracer().map_err(|reason| Failure::Wrong(reason.to_owned()))?;
         let rays = pools.all.install(|| rays::record(reference, &scene, &plan.settings));
-        let mut bench = Bench::new(&scene, &rays, Some(reference), &plan.settings, &pools, &stop);
+        let mut bench =
+            Bench::new(SceneTraces::new(&scene, &rays, Some(reference), &plan.settings, &pools, &stop));
         for cell in cells {
             let name = format!("{} / {}", cell.builder, cell.width);
             match bench.verify(cell) {
