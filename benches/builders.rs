@@ -12,7 +12,7 @@ fn builders(criterion: &mut Criterion) {
         let mut group = criterion.benchmark_group(format!("build/{name}"));
         group.sample_size(10).throughput(Throughput::Elements(scene.mesh.len() as u64));
         for builder in builders::NAMES {
-            let mut builder = builders::by_name(builder).expect("a name of the list");
+            let mut builder = builders::by_name::<4>(builder).expect("a name of the list");
             group.bench_function(BenchmarkId::from_parameter(builder.name()), |bencher| {
                 bencher.iter(|| builder.build(&scene.mesh));
             });

@@ -11,7 +11,7 @@ use phr::{builders, scene};
 fn kernels(criterion: &mut Criterion) {
     for name in ["rooms", "hair"] {
         let scene = scene::generator(name).expect("a built-in scene").generate();
-        let tree = builders::by_name("phr-hq").expect("a name of the list").build(&scene.mesh).tree;
+        let tree = builders::by_name::<4>("phr-hq").expect("a name of the list").build(&scene.mesh).tree;
         let settings = PathSettings { width: 128, height: 128, ..PathSettings::default() };
         let batches = record(&BvhTracer::new(&tree), &scene.mesh, &scene.views[0], &settings).batches;
         for kind in RayKind::ALL {

@@ -12,7 +12,7 @@ const SIZE: u32 = 512;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let scene = scene::generator("rooms").ok_or("no scene is called rooms")?.generate();
-    let mut builder = builders::by_name("phr-speed").ok_or("no builder is called phr-speed")?;
+    let mut builder = builders::by_name::<4>("phr-speed").ok_or("no builder is called phr-speed")?;
     let build = builder.build(&scene.mesh);
     println!("{} triangles in {:.1?}:", scene.mesh.len(), build.duration());
     for phase in &build.phases {

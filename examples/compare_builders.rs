@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut distances = Vec::new();
     for name in &names {
         let known = || format!("no builder is called {name}; there are {}", builders::NAMES.join(", "));
-        let build = builders::by_name(name).ok_or_else(known)?.build(&scene.mesh);
+        let build = builders::by_name::<4>(name).ok_or_else(known)?.build(&scene.mesh);
         let tree: &Bvh4 = &build.tree;
         let tracer = BvhTracer::new(tree);
         let counts = tracer.count_closest(&rays);

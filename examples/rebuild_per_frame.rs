@@ -8,7 +8,7 @@ use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let still = scene::generator("statue").ok_or("no scene is called statue")?.generate().mesh;
-    let mut builder = builders::by_name("phr-speed").ok_or("no builder is called phr-speed")?;
+    let mut builder = builders::by_name::<4>("phr-speed").ok_or("no builder is called phr-speed")?;
     // A pool of your own, if not all processors are to be used.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build()?;
     let down =

@@ -30,7 +30,7 @@
 //! use phr::builders;
 //!
 //! let scene = phr::scene::scalable(20_000, 1);
-//! let mut builder = builders::by_name("phr-speed").expect("a name of the list");
+//! let mut builder = builders::by_name::<4>("phr-speed").expect("a name of the list");
 //! let build = builder.build(&scene.mesh);
 //! for phase in &build.phases {
 //!     println!("{:<16} {:?}", phase.name, phase.duration);
@@ -46,7 +46,7 @@
 //!
 //! let scene = phr::scene::scalable(20_000, 1);
 //! let cost = |name: &str| {
-//!     let tree = phr::builders::by_name(name).expect("a name of the list").build(&scene.mesh).tree;
+//!     let tree = phr::builders::by_name::<4>(name).expect("a name of the list").build(&scene.mesh).tree;
 //!     assert_eq!(tree.validate(&scene.mesh), Ok(()));
 //!     Statistics::of(&tree, &scene.mesh).sah
 //! };
@@ -60,7 +60,7 @@
 //! use phr::trace::{BvhTracer, Camera};
 //!
 //! let scene = phr::scene::scalable(20_000, 1);
-//! let tree = phr::builders::by_name("phr-hq").expect("a name of the list").build(&scene.mesh).tree;
+//! let tree = phr::builders::by_name::<4>("phr-hq").expect("a name of the list").build(&scene.mesh).tree;
 //! let camera = Camera::new(&scene.views[0], 64, 64);
 //! let rays: Vec<_> = (0..64 * 64).map(|i| camera.ray(i % 64, i / 64, [0.5; 2])).collect();
 //! let mut hits = vec![Hit::MISS; rays.len()];

@@ -38,7 +38,7 @@ fn costs_are_within_5_percent_of_those_expected_and_no_triangle_is_lost() {
         }
         let scene = phr::scene::load(&path).unwrap();
         for (builder, expected) in [("phr-fast", fast), ("phr-hq", hq)] {
-            let tree = builders::by_name(builder).unwrap().build(&scene.mesh).tree;
+            let tree = builders::by_name::<4>(builder).unwrap().build(&scene.mesh).tree;
             tree.validate(&scene.mesh).unwrap_or_else(|invalid| panic!("{builder} on {name}: {invalid}"));
             let cost = sah_cost(&tree);
             println!("{name} {builder}: {cost:.2}, expected {expected}");

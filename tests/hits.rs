@@ -5,7 +5,7 @@
 #![cfg(all(feature = "embree", feature = "files"))]
 
 use phr::builders;
-use phr::embree::{Config, Device, EmbreeBuilder, Width};
+use phr::embree::{Config, Device, EmbreeBuilder, EmbreeScene, Width};
 use phr::geometry::{Hit, Tracer};
 use phr::scene::{self, Scene};
 use phr::trace::verify::{compare_any, compare_closest, witness};
@@ -36,38 +36,42 @@ fn check(scene: &Scene) {
     let config = Config { builder: EmbreeBuilder::Sah, width: Width::Four, threads: 2 };
     let device = Device::new(&config).unwrap();
     let embree = device.prepare(&scene.mesh).unwrap().commit().unwrap();
-    let settings = PathSettings { width: 48, height: 48, max_depth: 8, seed: 5 };
     for name in builders::NAMES {
-        let tree = builders::by_name(name).unwrap().build(&scene.mesh).tree;
-        tree.validate(&scene.mesh).unwrap_or_else(|invalid| panic!("{name} on {}: {invalid}", scene.name));
-        for isa in [Isa::Scalar, Isa::best()] {
-            let ours = BvhTracer::with_isa(&tree, isa);
-            for view in &scene.views {
-                let batches = record(&embree, &scene.mesh, view, &settings).batches;
+        check_builder::<4>(name, scene, &embree);
+        check_builder::<8>(name, scene, &embree);
+    }
+}
+
+fn check_builder<const N: usize>(name: &str, scene: &Scene, embree: &EmbreeScene<'_>) {
+    let settings = PathSettings { width: 48, height: 48, max_depth: 8, seed: 5 };
+    let tree = builders::by_name::<N>(name).unwrap().build(&scene.mesh).tree;
+    tree.validate(&scene.mesh)
+        .unwrap_or_else(|invalid| panic!("{name}, width {N}, on {}: {invalid}", scene.name));
+    for isa in [Isa::Scalar, Isa::best()] {
+        let ours = BvhTracer::with_isa(&tree, isa);
+        for view in &scene.views {
+            let batches = record(embree, &scene.mesh, view, &settings).batches;
+            assert!(!batches.primary.is_empty() && !batches.shadow.is_empty() && !batches.bounce.is_empty());
+            for kind in RayKind::ALL {
+                let rays = batches.get(kind);
+                let verdict = if kind.is_any_hit() {
+                    let (mut a, mut b) = (vec![false; rays.len()], vec![false; rays.len()]);
+                    embree.any(rays, &mut a);
+                    ours.any(rays, &mut b);
+                    compare_any(&scene.mesh, rays, &a, &b, witness(&[embree, &ours]))
+                } else {
+                    let (mut a, mut b) = (vec![Hit::MISS; rays.len()], vec![Hit::MISS; rays.len()]);
+                    embree.closest(rays, &mut a);
+                    ours.closest(rays, &mut b);
+                    compare_closest(&scene.mesh, rays, &a, &b)
+                };
                 assert!(
-                    !batches.primary.is_empty() && !batches.shadow.is_empty() && !batches.bounce.is_empty()
+                    verdict.is_ok() && verdict.edge * 1000 <= rays.len(),
+                    "{name}, width {N}, {}, {} rays on {}: {verdict:?}",
+                    isa.name(),
+                    kind.name(),
+                    scene.name
                 );
-                for kind in RayKind::ALL {
-                    let rays = batches.get(kind);
-                    let verdict = if kind.is_any_hit() {
-                        let (mut a, mut b) = (vec![false; rays.len()], vec![false; rays.len()]);
-                        embree.any(rays, &mut a);
-                        ours.any(rays, &mut b);
-                        compare_any(&scene.mesh, rays, &a, &b, witness(&[&embree, &ours]))
-                    } else {
-                        let (mut a, mut b) = (vec![Hit::MISS; rays.len()], vec![Hit::MISS; rays.len()]);
-                        embree.closest(rays, &mut a);
-                        ours.closest(rays, &mut b);
-                        compare_closest(&scene.mesh, rays, &a, &b)
-                    };
-                    assert!(
-                        verdict.is_ok() && verdict.edge * 1000 <= rays.len(),
-                        "{name}, {}, {} rays on {}: {verdict:?}",
-                        isa.name(),
-                        kind.name(),
-                        scene.name
-                    );
-                }
             }
         }
     }

@@ -42,7 +42,7 @@ fn hashes(threads: &[usize]) -> String {
     for scene in scene::builtin() {
         let mesh = scene.generate().mesh;
         for name in builders::NAMES.iter().chain(builders::ABLATION) {
-            let mut builder = builders::by_name(name).unwrap();
+            let mut builder = builders::by_name::<4>(name).unwrap();
             let mut of_pools = pools.iter().map(|pool| {
                 let tree = pool.install(|| builder.build(&mesh)).tree;
                 let hash = hash(&tree);
@@ -91,7 +91,7 @@ fn trees_are_the_same_with_lower_instruction_sets() {
 
 #[test]
 fn one_bit_is_a_difference() {
-    let mut tree = builders::by_name("lbvh").unwrap().build(&scene::scalable(100, 1).mesh).tree;
+    let mut tree = builders::by_name::<4>("lbvh").unwrap().build(&scene::scalable(100, 1).mesh).tree;
     let before = hash(&tree);
     tree.nodes[0].lower[0][0] = f32::from_bits(tree.nodes[0].lower[0][0].to_bits() ^ 1);
     assert_ne!(hash(&tree), before);

@@ -102,25 +102,34 @@ fn awkward() -> Vec<(&'static str, Mesh)> {
     ]
 }
 
-fn build_with(threads: usize, name: &str, mesh: &Mesh) -> Build {
+fn build_wide<const N: usize>(threads: usize, name: &str, mesh: &Mesh) -> Build<N> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let mut builder = builders::by_name(name).unwrap();
+    let mut builder = builders::by_name::<N>(name).unwrap();
     pool.install(|| builder.build(mesh))
+}
+
+fn build_with(threads: usize, name: &str, mesh: &Mesh) -> Build<4> {
+    build_wide(threads, name, mesh)
 }
 
 #[test]
 fn every_tree_is_whole_and_the_same_at_any_thread_count() {
     for (input, mesh) in awkward() {
         for name in builders::NAMES.iter().chain(builders::ABLATION) {
-            let build = build_with(1, name, &mesh);
-            if let Err(invalid) = build.tree.validate(&mesh) {
-                panic!("{name} on {input}: {invalid}");
-            }
-            for threads in [2, 8] {
-                let other = build_with(threads, name, &mesh).tree;
-                assert!(other == build.tree, "{name} on {input}: another tree at {threads} threads");
-            }
+            check_threads::<4>(name, input, &mesh);
+            check_threads::<8>(name, input, &mesh);
         }
+    }
+}
+
+fn check_threads<const N: usize>(name: &str, input: &str, mesh: &Mesh) {
+    let tree = build_wide::<N>(1, name, mesh).tree;
+    if let Err(invalid) = tree.validate(mesh) {
+        panic!("{name}, width {N}, on {input}: {invalid}");
+    }
+    for threads in [2, 8] {
+        let other = build_wide::<N>(threads, name, mesh).tree;
+        assert!(other == tree, "{name}, width {N}, on {input}: another tree at {threads} threads");
     }
 }
 
@@ -128,7 +137,7 @@ fn every_tree_is_whole_and_the_same_at_any_thread_count() {
 fn a_used_builder_builds_the_same_tree_as_a_new_one() {
     let (first, second) = (random_soup(20_000, 5.0), needles(3000));
     for name in builders::NAMES {
-        let mut used = builders::by_name(name).unwrap();
+        let mut used = builders::by_name::<4>(name).unwrap();
         used.build(&first);
         assert!(used.build(&second).tree == build_with(1, name, &second).tree, "{name}");
     }
@@ -190,7 +199,7 @@ fn a_better_preset_makes_a_cheaper_tree() {
     let costs = [PhrConfig::SPEED, PhrConfig::QUALITY].map(|config| {
         let build = {
             let extensions = Extensions { collapse: None, ..config.extensions };
-            Phr::new("", PhrConfig { extensions, ..config }).unwrap().build(&mesh)
+            Phr::<4>::new("", PhrConfig { extensions, ..config }).unwrap().build(&mesh)
         };
         sah_cost(&build.tree)
     });
@@ -199,7 +208,7 @@ fn a_better_preset_makes_a_cheaper_tree() {
     let costs = CollapseCosts { node: 1.0, leaf: 0.0, block: 1.0, max_leaf: 8 };
     let optimise = OptimiseConfig { costs, ..OptimiseConfig::DEFAULT };
     let mut best =
-        OptimisedPhr::new("optimised", OptimisedPhrConfig { phr: PhrConfig::HQ, optimise }).unwrap();
+        OptimisedPhr::<4>::new("optimised", OptimisedPhrConfig { phr: PhrConfig::HQ, optimise }).unwrap();
     let optimised = sah_cost(&best.build(&mesh).tree);
     assert!(optimised <= cost("phr-hq"), "optimised: {optimised}, phr-hq: {}", cost("phr-hq"));
 }

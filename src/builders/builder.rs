@@ -1,6 +1,6 @@
 //! What all builders have in common: a trait, a finished build, its phases and counts.
 
-use crate::bvh::Bvh4;
+use crate::bvh::WideBvh;
 use crate::geometry::Mesh;
 use std::time::{Duration, Instant};
 
@@ -28,21 +28,21 @@ pub struct Counts {
     pub peak_bytes: u64,
 }
 
-/// A finished build.
+/// A finished build of a tree of nodes of up to `N` children, 4 or 8.
 #[derive(Clone, Debug)]
-pub struct Build {
+pub struct Build<const N: usize> {
     /// The tree with its leaf data.
-    pub tree: Bvh4,
+    pub tree: WideBvh<N>,
     /// Durations, in order; they add up to the build.
     pub phases: Vec<Phase>,
     /// Counts.
     pub counts: Counts,
 }
 
-/// Builds a BVH. Builders are total: any [`Mesh`], empty ones included, has a tree. They run on the rayon
+/// Builds a BVH of nodes of up to `N` children, 4 or 8. Builders are total: any [`Mesh`], empty ones included, has a tree. They run on the rayon
 /// pool they are called from (`pool.install(|| builder.build(&mesh))`), and the tree is the same at any
 /// number of threads.
-pub trait Builder: Send {
+pub trait Builder<const N: usize>: Send {
     /// The name used in commands and records, e.g. `phr-fast`.
     fn name(&self) -> &'static str;
 
@@ -50,16 +50,16 @@ pub trait Builder: Send {
     fn config(&self) -> serde_json::Value;
 
     /// Builds the tree over all triangles of `mesh`. Temporary memory is kept for the next call.
-    fn build(&mut self, mesh: &Mesh) -> Build;
+    fn build(&mut self, mesh: &Mesh) -> Build<N>;
 
     /// Gives back a tree that is no longer needed, so that the next one is built in its memory: fresh memory
     /// costs as much as a good part of a build.
-    fn recycle(&mut self, tree: Bvh4);
+    fn recycle(&mut self, tree: WideBvh<N>);
 }
 
-impl Build {
+impl<const N: usize> Build<N> {
     /// Puts a build together; `temporary` is what the builder held beside the tree, bytes.
-    pub(crate) fn finish(tree: Bvh4, phases: Vec<Phase>, counts: Counts, temporary: usize) -> Self {
+    pub(crate) fn finish(tree: WideBvh<N>, phases: Vec<Phase>, counts: Counts, temporary: usize) -> Self {
         let peak_bytes = (temporary + tree.bytes()) as u64;
         Self { tree, phases, counts: Counts { peak_bytes, ..counts } }
     }

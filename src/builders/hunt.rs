@@ -12,7 +12,7 @@ use crate::builders::phr::memory::CutMemory;
 use crate::builders::phr::policy::CutPolicy;
 use crate::builders::phr::recursion::CutRecursion;
 use crate::builders::wide::build;
-use crate::bvh::Bvh4;
+use crate::bvh::WideBvh;
 use crate::bvh::limits::{BLOCK, MAX_LEAF};
 use crate::geometry::{Aabb, Mesh};
 use crate::simd::Isa;
@@ -64,16 +64,16 @@ impl CutPolicy for ConstantLength {
 }
 
 /// Builds by Hunt's method; memory is kept between builds.
-pub struct Hunt {
+pub struct Hunt<const N: usize> {
     name: &'static str,
     config: HuntConfig,
     /// The parameters that the recursion shares with PHR; without spatial splits.
     cuts: PhrConfig,
-    memory: CutMemory,
+    memory: CutMemory<N>,
     isa: Isa,
 }
 
-impl Hunt {
+impl<const N: usize> Hunt<N> {
     /// A builder called `name` in records.
     ///
     /// # Errors
@@ -92,7 +92,7 @@ impl Hunt {
     }
 }
 
-impl Builder for Hunt {
+impl<const N: usize> Builder<N> for Hunt<N> {
     fn name(&self) -> &'static str {
         self.name
     }
@@ -101,7 +101,7 @@ impl Builder for Hunt {
         serde_json::json!(self.config)
     }
 
-    fn build(&mut self, mesh: &Mesh) -> Build {
+    fn build(&mut self, mesh: &Mesh) -> Build<N> {
         let CutMemory { auxiliary, recursion: memory } = &mut self.memory;
         let mut phases = auxiliary.build(mesh, &self.cuts.extensions.auxiliary);
         let mut watch = Stopwatch::start();
@@ -117,7 +117,7 @@ impl Builder for Hunt {
         self.memory.finish(tree, phases)
     }
 
-    fn recycle(&mut self, tree: Bvh4) {
+    fn recycle(&mut self, tree: WideBvh<N>) {
         self.memory.recursion.recycle(tree);
     }
 }

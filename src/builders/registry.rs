@@ -128,15 +128,15 @@ impl OptimisedPhrConfig {
     pub const DEFAULT: Self = BEST;
 }
 
-/// The builder called `name`, or `None`; names are those of [`NAMES`] and [`ABLATION`].
-pub fn by_name(name: &str) -> Option<Box<dyn Builder>> {
+/// The builder of trees of nodes of up to `N` children, 4 or 8, called `name`, or `None`; names are those of [`NAMES`] and [`ABLATION`].
+pub fn by_name<const N: usize>(name: &str) -> Option<Box<dyn Builder<N>>> {
     let (name, config) = REGISTRY.iter().find(|(known, _)| *known == name)?;
     Some(build(name, *config).expect("the registry's parameters are in range, as a test tells"))
 }
 
-fn build(name: &'static str, config: Config) -> Result<Box<dyn Builder>, ConfigError> {
+fn build<const N: usize>(name: &'static str, config: Config) -> Result<Box<dyn Builder<N>>, ConfigError> {
     Ok(match config {
-        Config::Lbvh => Box::new(Lbvh::default()),
+        Config::Lbvh => Box::<Lbvh<N>>::default(),
         Config::Aac(config) => Box::new(Aac::new(config)?),
         Config::Hunt(config) => Box::new(Hunt::new(name, config)?),
         Config::Phr(config) => Box::new(Phr::new(name, config)?),
@@ -151,9 +151,9 @@ mod tests {
     #[test]
     fn every_name_is_that_of_its_builder() {
         for name in NAMES.iter().chain(ABLATION) {
-            assert_eq!(by_name(name).map(|builder| builder.name()), Some(*name));
+            assert_eq!(by_name::<4>(name).map(|builder| builder.name()), Some(*name));
         }
         assert_eq!((NAMES.len(), ABLATION.len()), (9, 16));
-        assert!(by_name("phr").is_none());
+        assert!(by_name::<4>("phr").is_none());
     }
 }

@@ -19,7 +19,7 @@ use crate::builders::split::object::{ObjectSweep, PlaneHint, lanes};
 use crate::builders::split::spatial::SpatialSweep;
 use crate::builders::split::sweep_sah::SubtreeSweep;
 use crate::builders::wide::treelet::WideTreelet;
-use crate::bvh::limits::{BLOCK, WIDTH};
+use crate::bvh::limits::BLOCK;
 use crate::bvh::{Link, TriangleBlock, WideNode};
 use crate::geometry::{Aabb, Mesh};
 use crate::parallel::ordered_append::Chunk;
@@ -43,8 +43,8 @@ pub struct Steps<'a> {
     auxiliary: Auxiliary,
     threshold: Threshold,
     prims: Vec<u32>,
-    children: Vec<[(Aabb, Link); WIDTH]>,
-    treelet: WideTreelet,
+    children: Vec<[(Aabb, Link); 4]>,
+    treelet: WideTreelet<4>,
     initial: Vec<Node>,
     arena: Vec<Node>,
     side: Side,
@@ -191,7 +191,7 @@ impl<'a> Steps<'a> {
 
     /// Of [`Steps::wide_nodes`].
     pub fn wide_node_traffic(&self) -> Traffic {
-        let written = self.children.len() * size_of::<WideNode<WIDTH>>();
+        let written = self.children.len() * size_of::<WideNode<4>>();
         Traffic { read: size_of_val(&self.children[..]), written }
     }
 }

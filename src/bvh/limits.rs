@@ -2,8 +2,8 @@
 
 use crate::geometry::Mesh;
 
-/// Children of an inner node of the trees that builders make.
-pub(crate) const WIDTH: usize = 4;
+/// Most children of an inner node.
+pub(crate) const MAX_WIDTH: usize = 8;
 
 /// Triangles of a leaf block.
 pub(crate) const BLOCK: u32 = 4;
@@ -32,7 +32,7 @@ pub const MAX_DEPTH: usize = 80;
 
 /// Items that wait on the stack while a tree is traversed. Each level leaves at most seven of eight children
 /// waiting while the eighth is visited; the lowest level has all eight on the stack for a moment.
-pub(crate) const TRAVERSAL_STACK: usize = 7 * MAX_DEPTH + 1;
+pub(crate) const TRAVERSAL_STACK: usize = (MAX_WIDTH - 1) * MAX_DEPTH + 1;
 
 /// From this depth on, cuts are halved by count rather than split by the SAH.
 pub(crate) const CUT_DEPTH: u32 = 50;
@@ -78,7 +78,7 @@ const _: () = assert!(MORTON_BITS + MIDDLE_DEPTH + halvings(MAX_REFERENCES) <= M
 /// The root of a cluster tree: from there on [`follows_clusters`] keeps the bound.
 const _: () = assert!(halvings(MAX_REFERENCES) < MAX_DEPTH as u32);
 /// Leaves.
-const _: () = assert!(MAX_LEAF == 28 && WIDTH <= 8);
+const _: () = assert!(MAX_LEAF == 28);
 
 #[cfg(test)]
 mod tests {

@@ -49,27 +49,34 @@ impl<const N: usize> WideNode<N> {
     }
 }
 
-impl WideNode<4> {
-    /// A node of at most four children.
+impl<const N: usize> WideNode<N> {
+    /// A node of at most `N` children.
     #[inline]
     pub fn of(children: &[(Aabb, Link)]) -> Self {
-        let mut boxes = [Aabb::EMPTY; 4];
-        let mut links = [Link::EMPTY; 4];
+        let mut boxes = [Aabb::EMPTY; N];
+        let mut links = [Link::EMPTY; N];
         for (slot, &(bounds, link)) in children.iter().enumerate() {
             boxes[slot] = bounds;
             links[slot] = link;
         }
-        Self::of_slots(boxes, links)
+        Self::of_slots(&boxes, links)
     }
 
     /// A node of the given slots, the used ones of which come first.
     #[inline(always)]
-    pub fn of_slots(boxes: [Aabb; 4], links: [Link; 4]) -> Self {
-        let [a, b, c, d] = boxes;
-        let [x, y, z] = transposed([a.min, b.min, c.min, d.min]);
-        let lower = [x.into(), y.into(), z.into()];
-        let [x, y, z] = transposed([a.max, b.max, c.max, d.max]);
-        Self { lower, upper: [x.into(), y.into(), z.into()], links }
+    pub fn of_slots(boxes: &[Aabb; N], links: [Link; N]) -> Self {
+        const { assert!(N.is_multiple_of(4), "boxes are transposed four at a time") };
+        let mut node = Self { links, ..Self::EMPTY };
+        for slot in (0..N).step_by(4) {
+            let [a, b, c, d] = [&boxes[slot], &boxes[slot + 1], &boxes[slot + 2], &boxes[slot + 3]];
+            let (lower, upper) =
+                (transposed([a.min, b.min, c.min, d.min]), transposed([a.max, b.max, c.max, d.max]));
+            for axis in 0..3 {
+                lower[axis].write_to_slice(&mut node.lower[axis][slot..slot + 4]);
+                upper[axis].write_to_slice(&mut node.upper[axis][slot..slot + 4]);
+            }
+        }
+        node
     }
 }
 

@@ -5,31 +5,34 @@
 use glam::Vec4;
 use std::mem::MaybeUninit;
 
-/// An element that is so many vectors in memory.
+/// An element that is a number of vectors in memory.
 ///
 /// # Safety
-/// It is valid wherever [`Vectors::vectors`] of one lie in its place, at its alignment, which is at least theirs.
-pub(crate) unsafe trait Vectors<const N: usize>: Sized {
-    /// What lies in its memory, with zeros for padding.
-    fn vectors(&self) -> [Vec4; N];
+/// [`Vectors::for_each`] writes each of the element's vectors, and no others; where they lie in its place, at its
+/// alignment, it is valid.
+pub(crate) unsafe trait Vectors: Sized {
+    /// Hands each vector of its memory to `write`, with its index and with zeros for padding.
+    fn for_each(&self, write: impl FnMut(usize, Vec4));
 }
 
 /// Writes `from` to `to`, as [`MaybeUninit::write`]; other threads see it only after [`fence`].
 #[inline(always)]
-pub(crate) fn write<T: Vectors<N>, const N: usize>(to: &mut MaybeUninit<T>, from: &T) {
-    const { assert!(size_of::<T>() == N * size_of::<Vec4>() && align_of::<T>() >= align_of::<Vec4>()) };
+pub(crate) fn write<T: Vectors>(to: &mut MaybeUninit<T>, from: &T) {
+    const { assert!(size_of::<T>().is_multiple_of(size_of::<Vec4>()) && align_of::<T>() >= align_of::<Vec4>()) };
     let to: *mut Vec4 = to.as_mut_ptr().cast();
-    let vectors = from.vectors();
-    for (i, &vector) in vectors.iter().enumerate() {
-        // SAFETY: the element has as many vectors, as was just asserted, and is borrowed to be written; the
-        // processor has these instructions, as every x86-64 has.
-        unsafe {
-            #[cfg(target_arch = "x86_64")]
-            std::arch::x86_64::_mm_stream_ps(to.add(i).cast(), vector.into());
-            #[cfg(not(target_arch = "x86_64"))]
-            to.add(i).write(vector);
-        }
-    }
+    from.for_each(
+        #[inline(always)]
+        |i, vector| {
+            // SAFETY: the element has a vector `i`, as the trait promises, and is borrowed to be written; the
+            // processor has these instructions, as every x86-64 has.
+            unsafe {
+                #[cfg(target_arch = "x86_64")]
+                std::arch::x86_64::_mm_stream_ps(to.add(i).cast(), vector.into());
+                #[cfg(not(target_arch = "x86_64"))]
+                to.add(i).write(vector);
+            }
+        },
+    );
 }
 
 /// Lets others see what was written before: such stores wait for no others.
@@ -47,26 +50,38 @@ mod tests {
     use super::*;
     use crate::bvh::{Link, TriangleBlock, WideNode};
 
+    fn written<T: Vectors>(from: &T) -> T {
+        let mut to = MaybeUninit::uninit();
+        write(&mut to, from);
+        fence();
+        // SAFETY: it was just written.
+        unsafe { to.assume_init() }
+    }
+
+    fn node<const N: usize>() -> WideNode<N> {
+        let mut node = WideNode::EMPTY;
+        for slot in 0..N {
+            for axis in 0..3 {
+                node.lower[axis][slot] = (axis * N + slot) as f32 + 0.5;
+                node.upper[axis][slot] = -node.lower[axis][slot];
+            }
+            node.links[slot] = [Link::inner(7 + slot), Link::leaf(9, 2), Link::EMPTY][slot % 3];
+        }
+        node
+    }
+
     #[test]
     fn elements_are_written_as_they_are() {
-        let mut node = WideNode::<4>::EMPTY;
         let mut block = TriangleBlock::EMPTY;
         for i in 0..12 {
             let x = i as f32 + 0.5;
-            node.lower[i / 4][i % 4] = x;
-            node.upper[i / 4][i % 4] = -x;
             block.v0[i / 4][i % 4] = x;
             block.e1[i / 4][i % 4] = -x;
             block.e2[i / 4][i % 4] = 2.0 * x;
         }
-        node.links = [Link::inner(7), Link::leaf(9, 2), Link::leaf(1 << 20, 7), Link::EMPTY];
         block.prims = [3, 1 << 23 | 1, u32::MAX - 1, u32::MAX];
-        let (mut to_node, mut to_block) = (MaybeUninit::uninit(), MaybeUninit::uninit());
-        write(&mut to_node, &node);
-        write(&mut to_block, &block);
-        fence();
-        // SAFETY: they were just written.
-        let written = unsafe { (to_node.assume_init(), to_block.assume_init()) };
-        assert_eq!(written, (node, block));
+        assert_eq!(written(&block), block);
+        assert_eq!(written(&node::<4>()), node::<4>());
+        assert_eq!(written(&node::<8>()), node::<8>());
     }
 }

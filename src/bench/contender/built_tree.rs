@@ -28,6 +28,18 @@ pub enum EitherWidth {
     Eight(Bvh8),
 }
 
+impl From<Bvh4> for EitherWidth {
+    fn from(tree: Bvh4) -> Self {
+        Self::Four(tree)
+    }
+}
+
+impl From<Bvh8> for EitherWidth {
+    fn from(tree: Bvh8) -> Self {
+        Self::Eight(tree)
+    }
+}
+
 /// A tree as its contender built it.
 pub struct BuiltTree<'a> {
     /// How long the builds took.

@@ -25,8 +25,10 @@ use without_embree as embree;
 
 /// A builder under measurement. Each visit makes a new one, so that its first build is cold.
 pub enum Contender {
-    /// One of our builders.
-    Ours(Ours),
+    /// One of our builders, of 4-wide trees.
+    Four(Ours<4>),
+    /// One of our builders, of 8-wide trees.
+    Eight(Ours<8>),
     /// One of Embree's builders.
     Embree(Embree),
 }
@@ -37,10 +39,13 @@ impl Contender {
     /// # Errors
     /// No such builder, in one line.
     pub fn of(cell: &Cell) -> Result<Self, String> {
-        match Ours::by_name(&cell.builder) {
-            Some(ours) => Ok(Self::Ours(ours)),
-            None => Embree::new(cell).map(Self::Embree),
-        }
+        let name = &cell.builder;
+        let ours = match cell.width {
+            4 => Ours::by_name(name).map(Self::Four),
+            8 => Ours::by_name(name).map(Self::Eight),
+            _ => None,
+        };
+        ours.map_or_else(|| Embree::new(cell).map(Self::Embree), Ok)
     }
 
     /// Builds the tree once cold and then warm.
@@ -50,7 +55,8 @@ impl Contender {
     /// further use.
     pub fn build<'a>(&mut self, request: &BuildRequest<'a>) -> Result<BuiltTree<'a>, String> {
         match self {
-            Self::Ours(ours) => ours.build(request),
+            Self::Four(ours) => ours.build(request),
+            Self::Eight(ours) => ours.build(request),
             Self::Embree(embree) => embree.build(request),
         }
     }

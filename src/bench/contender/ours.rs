@@ -7,31 +7,36 @@ use crate::bench::cell::{Cell, Kernel};
 use crate::bench::cpu_time::{CpuClock, least_disturbed};
 use crate::bench::tree_facts::TreeFacts;
 use crate::builders::{self, Build, Builder};
-use crate::bvh::Statistics;
+use crate::bvh::{Statistics, WideBvh};
 use crate::geometry::Mesh;
 use rayon::ThreadPool;
 use std::convert::Infallible;
 use std::time::{Duration, Instant};
 
-/// One of our builders.
-pub struct Ours {
-    builder: Box<dyn Builder>,
+/// One of our builders, of trees of nodes of up to `N` children.
+pub struct Ours<const N: usize> {
+    builder: Box<dyn Builder<N>>,
 }
 
-/// The cells of all our builders, traced by `kernels`.
+/// The cells of all our builders, traced by `kernels`: those of a table in both widths, those that show single
+/// extensions in the paper's.
 pub fn cells(kernels: &[Kernel]) -> impl Iterator<Item = Cell> {
-    let names = builders::NAMES.iter().chain(builders::ABLATION);
-    names.map(|name| Cell { builder: (*name).into(), width: 4, kernels: kernels.into() })
+    let cell = |name: &str, width| Cell { builder: name.into(), width, kernels: kernels.into() };
+    let both = builders::NAMES.iter().flat_map(move |name| [4, 8].map(|width| cell(name, width)));
+    both.chain(builders::ABLATION.iter().map(move |name| cell(name, 4)))
 }
 
-impl Ours {
+impl<const N: usize> Ours<N>
+where
+    EitherWidth: From<WideBvh<N>>,
+{
     /// The builder called `name`, new.
     pub fn by_name(name: &str) -> Option<Self> {
         builders::by_name(name).map(Self::new)
     }
 
     /// Measures `builder`.
-    pub fn new(builder: Box<dyn Builder>) -> Self {
+    pub fn new(builder: Box<dyn Builder<N>>) -> Self {
         Self { builder }
     }
 
@@ -64,11 +69,11 @@ impl Ours {
             let statistics = pools.all.install(|| Statistics::of(&built.tree, mesh));
             TreeFacts::of(&statistics, engine, self.builder.config().to_string())
         });
-        BuiltTree { times, facts, mesh, tree: Ok(EitherWidth::Four(built.tree)), native: None }
+        BuiltTree { times, facts, mesh, tree: Ok(built.tree.into()), native: None }
     }
 
     /// Warm builds, repeated while other programs disturb them.
-    fn warm(&mut self, pool: &ThreadPool, mesh: &Mesh, built: Build) -> (WarmTimes, Build) {
+    fn warm(&mut self, pool: &ThreadPool, mesh: &Mesh, built: Build<N>) -> (WarmTimes, Build<N>) {
         let mut last = Some(built);
         let Ok((ms, cpu_time)) = least_disturbed(|| {
             let clock = CpuClock::read();
@@ -84,7 +89,12 @@ impl Ours {
     }
 
     /// One build, in the memory of the tree before it if there is one.
-    fn once(&mut self, pool: &ThreadPool, mesh: &Mesh, no_longer_needed: Option<Build>) -> (Duration, Build) {
+    fn once(
+        &mut self,
+        pool: &ThreadPool,
+        mesh: &Mesh,
+        no_longer_needed: Option<Build<N>>,
+    ) -> (Duration, Build<N>) {
         pool.install(|| {
             if let Some(Build { tree, .. }) = no_longer_needed {
                 self.builder.recycle(tree);

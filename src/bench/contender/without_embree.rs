@@ -64,7 +64,7 @@ pub fn graft<'a, const N: usize>(
 /// # Errors
 /// A builder that panicked, in one line.
 pub fn reference<'a>(mesh: &'a Mesh, pool: &ThreadPool) -> Result<BuiltTree<'a>, String> {
-    let builder = builders::NAMES.last().and_then(|name| builders::by_name(name));
+    let builder = builders::NAMES.last().and_then(|name| builders::by_name::<4>(name));
     let mut builder = builder.ok_or("this program has no builders")?;
     let built = caught("the builder", || pool.install(|| builder.build(mesh)))?;
     let tree = Ok(EitherWidth::Four(built.tree));

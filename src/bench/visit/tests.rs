@@ -54,7 +54,7 @@ impl Tracer for Liar<'_> {
 /// Runs `test` with a bench over the sheet and the reference's own tree.
 fn with_bench(stop: &AtomicBool, test: impl FnOnce(&mut Bench<'_>, &dyn Tracer)) {
     let scene = scene();
-    let built = builders::by_name("lbvh").unwrap().build(&scene.mesh);
+    let built = builders::by_name::<4>("lbvh").unwrap().build(&scene.mesh);
     let tracer = BvhTracer::new(&built.tree);
     let settings = Settings { width: 16, height: 16, max_depth: 4, frames: true, ..Settings::least() };
     let pools = Pools::new(&settings).unwrap();
@@ -145,7 +145,7 @@ fn a_stopped_visit_leaves_no_samples() {
 /// A builder with a bug.
 struct Panicking;
 
-impl Builder for Panicking {
+impl Builder<4> for Panicking {
     fn name(&self) -> &'static str {
         "panicking"
     }
@@ -154,7 +154,7 @@ impl Builder for Panicking {
         serde_json::Value::Null
     }
 
-    fn build(&mut self, _: &Mesh) -> Build {
+    fn build(&mut self, _: &Mesh) -> Build<4> {
         let (build, ()) = rayon::join(|| panic!("node {} has no parent", 7), || ());
         build
     }
@@ -166,7 +166,7 @@ impl Builder for Panicking {
 fn a_builder_that_panics_fails_and_the_bench_goes_on() {
     with_bench(&AtomicBool::new(false), |bench, _| {
         let mut failed = samples();
-        let mut contender = Contender::Ours(Ours::new(Box::new(Panicking)));
+        let mut contender = Contender::Four(Ours::new(Box::new(Panicking)));
         let visit = bench.visit_contender(&mut contender, &cell("panicking"), Turn::default(), &mut failed);
         let reason = "the builder panicked: node 7 has no parent";
         assert_eq!(visit, Err(Unfinished::Failed(reason.into())));

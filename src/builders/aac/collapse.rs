@@ -7,7 +7,7 @@ use crate::builders::lbvh::key::{MortonKey, reference};
 use crate::builders::lbvh::prefetch;
 use crate::builders::prims::refs::PrimRefs;
 use crate::builders::wide::top_down::{BinarySplits, TopDown};
-use crate::bvh::limits::{WIDTH, follows_clusters};
+use crate::bvh::limits::follows_clusters;
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
@@ -95,7 +95,11 @@ impl TopDown for ClusterTree<'_> {
         self.kind(part) == Kind::Leaf
     }
 
-    fn children(&self, part: &ClusterPart, scratch: &mut Vec<u32>) -> ArrayVec<ClusterPart, WIDTH> {
+    fn children<const N: usize>(
+        &self,
+        part: &ClusterPart,
+        scratch: &mut Vec<u32>,
+    ) -> ArrayVec<ClusterPart, N> {
         self.split_largest(part, scratch)
     }
 

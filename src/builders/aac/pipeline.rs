@@ -10,19 +10,19 @@ use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::sort::MortonOrder;
 use crate::builders::wide::build;
 use crate::builders::wide::memory::Memory;
-use crate::bvh::Bvh4;
+use crate::bvh::WideBvh;
 use crate::geometry::Mesh;
 use crate::memory::huge_pages;
 
-/// Builds by AAC; memory is kept between builds.
-pub struct Aac {
+/// Builds trees of nodes of up to `N` children by AAC; memory is kept between builds.
+pub struct Aac<const N: usize> {
     config: AacConfig,
     order: MortonOrder,
     tree: BinaryTree,
-    memory: Memory<Vec<u32>>,
+    memory: Memory<Vec<u32>, N>,
 }
 
-impl Aac {
+impl<const N: usize> Aac<N> {
     /// A builder with the given parameters.
     ///
     /// # Errors
@@ -38,7 +38,7 @@ impl Aac {
     }
 }
 
-impl Builder for Aac {
+impl<const N: usize> Builder<N> for Aac<N> {
     fn name(&self) -> &'static str {
         "aac"
     }
@@ -47,7 +47,7 @@ impl Builder for Aac {
         serde_json::json!(self.config)
     }
 
-    fn build(&mut self, mesh: &Mesh) -> Build {
+    fn build(&mut self, mesh: &Mesh) -> Build<N> {
         let mut watch = Stopwatch::start();
         self.order.sort(mesh, None, self.memory.blocks(mesh.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
@@ -64,7 +64,7 @@ impl Builder for Aac {
         Build::finish(tree, watch.phases, counts, held)
     }
 
-    fn recycle(&mut self, tree: Bvh4) {
+    fn recycle(&mut self, tree: WideBvh<N>) {
         self.memory.recycle(tree);
     }
 }

@@ -40,7 +40,7 @@ impl Tree {
     }
 
     /// The same with wide nodes: children of largest area are opened first (paper 4.5).
-    pub fn widened(&self) -> Wide {
+    pub fn widened(&self, width: usize) -> Wide {
         let mut children = match &self.content {
             Content::Node(pair) => pair.to_vec(),
             Content::Leaf(references) => {
@@ -49,7 +49,7 @@ impl Tree {
                 return Wide::Leaf(self.bounds, prims);
             }
         };
-        while children.len() < 4 {
+        while children.len() < width {
             let mut largest = None;
             for (i, child) in children.iter().enumerate() {
                 let area = child.bounds.half_area();
@@ -62,7 +62,7 @@ impl Tree {
             let Some((i, _, pair)) = largest else { break };
             children.splice(i..=i, pair);
         }
-        Wide::Node(self.bounds, children.iter().map(|child| child.widened()).collect())
+        Wide::Node(self.bounds, children.iter().map(|child| child.widened(width)).collect())
     }
 
     /// The tree whose subtrees of at most `most` references and half `area` are leaves.

@@ -12,7 +12,7 @@ use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
 use crate::geometry::{Aabb, Mesh};
 
 /// PHR.
-pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
+pub fn phr(mesh: &Mesh, config: &PhrConfig, width: usize) -> Option<Wide> {
     let scene = mesh.bounds().half_area();
     let (root, scale) = lbvh(mesh, &config.extensions.auxiliary)?;
     let threshold = |depth: u32| {
@@ -22,6 +22,7 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
     };
     let builder = Naive {
         mesh,
+        width,
         config,
         spatial_above: scale * config.spatial_threshold,
         overlap_above: config.extensions.overlap_threshold.map(|threshold| scale * threshold),
@@ -47,17 +48,18 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig) -> Option<Wide> {
 }
 
 /// The LBVH itself.
-pub fn linear(mesh: &Mesh) -> Option<Wide> {
+pub fn linear(mesh: &Mesh, width: usize) -> Option<Wide> {
     lbvh(mesh, &AuxiliaryConfig { auxiliary_leaf: Some(4), ..AuxiliaryConfig::PAPER })
-        .map(|(root, _)| root.widened())
+        .map(|(root, _)| root.widened(width))
 }
 
 /// The method of Hunt et al. 2007 with cuts of constant length.
-pub fn hunt(mesh: &Mesh, config: &HuntConfig) -> Option<Wide> {
+pub fn hunt(mesh: &Mesh, config: &HuntConfig, width: usize) -> Option<Wide> {
     let (root, _) = lbvh(mesh, &AuxiliaryConfig::PAPER)?;
     let cuts = PhrConfig { max_leaf: config.max_leaf, ..PhrConfig::FAST };
     let builder = Naive {
         mesh,
+        width,
         config: &cuts,
         spatial_above: f32::INFINITY,
         overlap_above: None,

@@ -1,16 +1,16 @@
 //! The cheapest wide tree over the binary splits of a part, as simple as it can be.
 
 use super::cut::Member;
-use super::subtree::Side;
+use super::subtree::{Side, Swept};
 use super::wide::Wide;
 use crate::builders::wide::optimal::CollapseCosts;
 use crate::geometry::Aabb;
 
-/// A binary tree, with what it costs as at most one, two and three children of a wide node.
+/// A binary tree, with what it costs as at most one, two, ... children of a wide node, but not all.
 pub struct Binary {
     bounds: Aabb,
     count: u32,
-    costs: [f32; 3],
+    costs: Vec<f32>,
     content: Content,
 }
 
@@ -23,45 +23,56 @@ enum Content {
 
 impl Binary {
     /// Up to four triangles.
-    pub fn leaf(bounds: Aabb, prims: Vec<u32>, costs: &CollapseCosts) -> Self {
+    pub fn leaf(bounds: Aabb, prims: Vec<u32>, costs: &CollapseCosts, width: usize) -> Self {
         let cost = bounds.half_area() * (costs.leaf + costs.block * 1.0);
-        Self { bounds, count: prims.len() as u32, costs: [cost; 3], content: Content::Leaf(prims) }
+        Self {
+            bounds,
+            count: prims.len() as u32,
+            costs: vec![cost; width - 1],
+            content: Content::Leaf(prims),
+        }
     }
 
     /// A subtree made by sweeps.
-    pub fn swept(side: &Side, costs: &CollapseCosts) -> Self {
+    pub fn swept(side: &Side, costs: &CollapseCosts, width: usize) -> Self {
         match &side.below {
-            Some(swept) => Self::pair(swept.sides.each_ref().map(|side| Self::swept(side, costs)), costs),
+            Some(swept) => Self::swept_pair(swept, costs, width),
             None => {
                 let bounds = side.members.iter().map(|member| member.bounds).collect();
-                Self::leaf(bounds, side.members.iter().map(Member::prim).collect(), costs)
+                Self::leaf(bounds, side.members.iter().map(Member::prim).collect(), costs, width)
             }
         }
     }
 
+    /// Two subtrees made by a sweep.
+    pub fn swept_pair(swept: &Swept, costs: &CollapseCosts, width: usize) -> Self {
+        Self::pair(swept.sides.each_ref().map(|side| Self::swept(side, costs, width)), costs, width)
+    }
+
     /// The parent of two subtrees.
-    pub fn pair(pair: [Self; 2], costs: &CollapseCosts) -> Self {
+    pub fn pair(pair: [Self; 2], costs: &CollapseCosts, width: usize) -> Self {
         let bounds: Aabb = pair.iter().map(|side| side.bounds).collect();
         let count = pair[0].count + pair[1].count;
         let area = bounds.half_area();
         let blocks = count.div_ceil(4) as f32;
         let leaf = area * (costs.leaf + costs.block * blocks);
-        let inner = area * costs.node + opened(&pair, 4).0;
+        let inner = area * costs.node + opened(&pair, width).0;
         let is_leaf = count <= costs.max_leaf && leaf <= inner && leaf < f32::INFINITY;
-        let one = if is_leaf { leaf } else { inner };
-        let two = one.min(opened(&pair, 2).0);
-        let three = two.min(opened(&pair, 3).0);
-        Self { bounds, count, costs: [one, two, three], content: Content::Pair(Box::new(pair), is_leaf) }
+        let mut fewer = vec![if is_leaf { leaf } else { inner }];
+        for slots in 2..width {
+            fewer.push(fewer[slots - 2].min(opened(&pair, slots).0));
+        }
+        Self { bounds, count, costs: fewer, content: Content::Pair(Box::new(pair), is_leaf) }
     }
 
     /// As a wide tree.
-    pub fn widened(&self) -> Wide {
+    pub fn widened(&self, width: usize) -> Wide {
         match &self.content {
             Content::Pair(pair, false) => {
                 let mut children = Vec::new();
-                let left = opened(pair, 4).1;
-                pair[0].children(left, &mut children);
-                pair[1].children(4 - left, &mut children);
+                let left = opened(pair, width).1;
+                pair[0].children(left, width, &mut children);
+                pair[1].children(width - left, width, &mut children);
                 Wide::of(children).expect("there are two at least")
             }
             _ => {
@@ -75,17 +86,17 @@ impl Binary {
     }
 
     /// Appends what is to be at most `slots` children of a wide node.
-    fn children(&self, slots: usize, children: &mut Vec<Wide>) {
+    fn children(&self, slots: usize, width: usize, children: &mut Vec<Wide>) {
         match &self.content {
             Content::Pair(..) if slots > 1 && self.costs[slots - 1] >= self.costs[slots - 2] => {
-                self.children(slots - 1, children);
+                self.children(slots - 1, width, children);
             }
             Content::Pair(pair, _) if slots > 1 => {
                 let left = opened(pair, slots).1;
-                pair[0].children(left, children);
-                pair[1].children(slots - left, children);
+                pair[0].children(left, width, children);
+                pair[1].children(slots - left, width, children);
             }
-            _ => children.push(self.widened()),
+            _ => children.push(self.widened(width)),
         }
     }
 

@@ -10,7 +10,7 @@ use crate::builders::{
     AuxiliaryConfig, Build, Builder, Clusters, CollapseCosts, Extensions, Hunt, HuntConfig, Lbvh,
     LocalThreshold, OptimiseConfig, OptimisedPhr, OptimisedPhrConfig, Phr, PhrConfig, PresplitConfig,
 };
-use crate::bvh::Bvh4;
+use crate::bvh::WideBvh;
 use crate::geometry::Mesh;
 use crate::scene::scalable;
 use crate::simd::Isa;
@@ -122,34 +122,35 @@ fn large_meshes() -> Vec<(&'static str, Mesh)> {
     ]
 }
 
-fn assert_same(tree: &Bvh4, mesh: &Mesh, expected: Option<&Wide>, what: &str) {
+fn assert_same<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh, expected: Option<&Wide>, what: &str) {
     assert_eq!(tree.validate(mesh), Ok(()), "{what}");
     let difference = Wide::difference(Wide::of_tree(tree).as_ref(), expected);
     assert!(difference.is_none(), "{what}, child {}", difference.unwrap());
 }
 
-/// Compares all builders on a mesh; returns how many spatial splits were made by the configurations.
-fn compare(what: &str, mesh: &Mesh) -> Vec<u64> {
+/// Compares all builders at a width on a mesh; returns how many spatial splits were made by the configurations.
+fn compare<const N: usize>(what: &str, mesh: &Mesh) -> Vec<u64> {
     let mut spatial_splits = Vec::new();
     for (name, config) in configs() {
-        let Build { tree, counts, .. } = Phr::new("", config).unwrap().build(mesh);
+        let Build { tree, counts, .. } = Phr::<N>::new("", config).unwrap().build(mesh);
         spatial_splits.push(counts.spatial_splits);
-        assert_same(&tree, mesh, phr(mesh, &config).as_ref(), &format!("{what}, {name}"));
+        assert_same(&tree, mesh, phr(mesh, &config, N).as_ref(), &format!("{what}, {name}, width {N}"));
     }
     // Each treelet is widened on its own; nodes over treelets do not reach into them.
     if mesh.len() <= TREELET {
-        let tree = Lbvh::default().build(mesh).tree;
-        assert_same(&tree, mesh, linear(mesh).as_ref(), &format!("{what}, lbvh"));
+        let tree = Lbvh::<N>::default().build(mesh).tree;
+        assert_same(&tree, mesh, linear(mesh, N).as_ref(), &format!("{what}, lbvh, width {N}"));
     }
-    let tree = Hunt::new("", HUNT_50).unwrap().build(mesh).tree;
-    assert_same(&tree, mesh, hunt(mesh, &HUNT_50).as_ref(), &format!("{what}, hunt"));
+    let tree = Hunt::<N>::new("", HUNT_50).unwrap().build(mesh).tree;
+    assert_same(&tree, mesh, hunt(mesh, &HUNT_50, N).as_ref(), &format!("{what}, hunt, width {N}"));
     spatial_splits
 }
 
 #[test]
 fn small_trees_are_the_naive_ones_node_for_node() {
     small_meshes().iter().for_each(|(what, mesh)| {
-        compare(what, mesh);
+        compare::<4>(what, mesh);
+        compare::<8>(what, mesh);
     });
 }
 
@@ -157,31 +158,37 @@ fn small_trees_are_the_naive_ones_node_for_node() {
 fn large_trees_are_the_naive_ones_node_for_node() {
     let mut spatial_splits = vec![0; configs().len()];
     for (what, mesh) in large_meshes() {
-        spatial_splits.iter_mut().zip(compare(what, &mesh)).for_each(|(sum, n)| *sum += n);
+        spatial_splits.iter_mut().zip(compare::<4>(what, &mesh)).for_each(|(sum, n)| *sum += n);
+        compare::<8>(what, &mesh);
     }
     assert!(spatial_splits.iter().all(|&n| n > 50), "{spatial_splits:?}");
 }
 
 #[test]
 fn trees_are_the_same_with_any_instructions_and_any_number_of_threads() {
-    let pools = [1, 2, 8].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
     for (what, mesh) in large_meshes() {
-        let same = |name: &str, build: &(dyn Fn(Isa) -> Bvh4 + Sync)| {
-            let expected = build(Isa::Scalar);
-            for isa in Isa::available() {
-                for pool in &pools {
-                    let tree = pool.install(|| build(isa));
-                    let threads = pool.current_num_threads();
-                    assert!(tree == expected, "{what}, {name}: {isa:?}, {threads} threads");
-                }
-            }
-        };
-        for (name, config) in configs() {
-            same(name, &|isa| Phr::with_isa("", config, isa).unwrap().build(&mesh).tree);
-        }
-        same("lbvh", &|isa| Lbvh::with_isa(isa).build(&mesh).tree);
-        let best = OptimisedPhrConfig { phr: PhrConfig::HQ, optimise: OptimiseConfig::DEFAULT };
-        same("optimised", &|isa| OptimisedPhr::with_isa("", best, isa).unwrap().build(&mesh).tree);
-        same("hunt", &|isa| Hunt::with_isa("", HUNT_50, isa).unwrap().build(&mesh).tree);
+        same_tree_everywhere::<4>(what, &mesh);
+        same_tree_everywhere::<8>(what, &mesh);
     }
+}
+
+fn same_tree_everywhere<const N: usize>(what: &str, mesh: &Mesh) {
+    let pools = [1, 2, 8].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
+    let same = |name: &str, build: &(dyn Fn(Isa) -> WideBvh<N> + Sync)| {
+        let expected = build(Isa::Scalar);
+        for isa in Isa::available() {
+            for pool in &pools {
+                let tree = pool.install(|| build(isa));
+                let threads = pool.current_num_threads();
+                assert!(tree == expected, "{what}, {name}, width {N}: {isa:?}, {threads} threads");
+            }
+        }
+    };
+    for (name, config) in configs() {
+        same(name, &|isa| Phr::with_isa("", config, isa).unwrap().build(mesh).tree);
+    }
+    same("lbvh", &|isa| Lbvh::with_isa(isa).build(mesh).tree);
+    let best = OptimisedPhrConfig { phr: PhrConfig::HQ, optimise: OptimiseConfig::DEFAULT };
+    same("optimised", &|isa| OptimisedPhr::with_isa("", best, isa).unwrap().build(mesh).tree);
+    same("hunt", &|isa| Hunt::with_isa("", HUNT_50, isa).unwrap().build(mesh).tree);
 }

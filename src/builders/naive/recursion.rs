@@ -19,6 +19,8 @@ pub type Refine<'a> = dyn Fn(Vec<Member>, &Aabb, u32) -> Vec<Member> + 'a;
 /// The recursion over cuts (paper 3.2, Figure 3).
 pub struct Naive<'a> {
     pub mesh: &'a Mesh,
+    /// Most children of a node.
+    pub width: usize,
     pub config: &'a PhrConfig,
     pub spatial_above: f32,
     pub overlap_above: Option<f32>,
@@ -42,7 +44,7 @@ impl Naive<'_> {
         if let Some(costs) = &self.extensions().collapse
             && cut.count() < self.part
         {
-            return self.binary(cut, costs).map(|root| root.widened());
+            return self.binary(cut, costs).map(|root| root.widened(self.width));
         }
         if cut.kind() != Kind::Inner {
             return leaf(cut);
@@ -53,30 +55,31 @@ impl Naive<'_> {
     /// The binary tree over a cut; `None` if clipping left nothing of it.
     fn binary(&self, cut: &Cut, costs: &CollapseCosts) -> Option<Binary> {
         if let Some(swept) = &cut.swept {
-            return Some(Binary::pair(swept.sides.each_ref().map(|side| Binary::swept(side, costs)), costs));
+            return Some(Binary::swept_pair(swept, costs, self.width));
         }
         if cut.kind() != Kind::Inner {
             let Wide::Leaf(bounds, prims) = leaf(cut)? else { unreachable!("a leaf") };
-            return Some(Binary::leaf(bounds, prims, costs));
+            return Some(Binary::leaf(bounds, prims, costs, self.width));
         }
         if self.is_small(cut) {
             let references = cut.references();
-            return (!references.is_empty()).then(|| Binary::swept(&subtree::sweep(references), costs));
+            return (!references.is_empty())
+                .then(|| Binary::swept(&subtree::sweep(references), costs, self.width));
         }
         let mut sides: Vec<Binary> =
             self.split(cut).iter().filter_map(|side| self.binary(side, costs)).collect();
         let last = sides.pop()?;
         Some(match sides.pop() {
-            Some(first) => Binary::pair([first, last], costs),
+            Some(first) => Binary::pair([first, last], costs, self.width),
             None => last,
         })
     }
 
-    /// Up to four children: the largest is split first (paper 4.5). Once no inner one is left, a leaf that was
+    /// Up to `width` children: the largest is split first (paper 4.5). Once no inner one is left, a leaf that was
     /// made only because it is no dearer than a node is split too, as that costs no node here.
     fn children(&self, cut: &Cut) -> Vec<Cut> {
         let mut children = vec![cut.clone()];
-        while children.len() < 4 {
+        while children.len() < self.width {
             let largest = |kind: Kind| {
                 let mut found: Option<usize> = None;
                 for (i, child) in children.iter().enumerate() {

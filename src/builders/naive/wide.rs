@@ -1,6 +1,6 @@
 //! A wide tree as a nested value, to compare trees by.
 
-use crate::bvh::{Bvh4, Child, Link};
+use crate::bvh::{Child, Link, WideBvh};
 use crate::geometry::Aabb;
 
 /// A subtree with its box.
@@ -8,7 +8,7 @@ use crate::geometry::Aabb;
 pub enum Wide {
     /// Triangles in ascending order.
     Leaf(Aabb, Vec<u32>),
-    /// Two to four children.
+    /// Two children or more.
     Node(Aabb, Vec<Wide>),
 }
 
@@ -28,11 +28,11 @@ impl Wide {
     }
 
     /// The tree of a builder; `None` if it is empty.
-    pub fn of_tree(tree: &Bvh4) -> Option<Self> {
+    pub fn of_tree<const N: usize>(tree: &WideBvh<N>) -> Option<Self> {
         Self::of_link(tree, tree.bounds, tree.root)
     }
 
-    fn of_link(tree: &Bvh4, bounds: Aabb, link: Link) -> Option<Self> {
+    fn of_link<const N: usize>(tree: &WideBvh<N>, bounds: Aabb, link: Link) -> Option<Self> {
         match link.get() {
             Child::Empty => None,
             Child::Leaf { first, count } => {

@@ -3,7 +3,6 @@
 use super::tree::Tree;
 use crate::builders::wide::optimal::{Choice, Choices, CollapseSource};
 use crate::builders::wide::top_down::TopDown;
-use crate::bvh::limits::WIDTH;
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
@@ -72,9 +71,9 @@ impl TopDown for CollapsedTree<'_> {
         self.choice(index).is_none_or(Choice::is_leaf)
     }
 
-    fn children(&self, &index: &u32, (): &mut ()) -> ArrayVec<u32, WIDTH> {
+    fn children<const N: usize>(&self, &index: &u32, (): &mut ()) -> ArrayVec<u32, N> {
         let mut children = ArrayVec::new();
-        self.choices.open(self.tree, index, WIDTH, &mut children);
+        self.choices.open(self.tree, index, N, &mut children);
         children
     }
 

@@ -6,7 +6,7 @@ use crate::builders::builder::{Build, Builder, Stopwatch};
 use crate::builders::config_error::ConfigError;
 use crate::builders::phr::memory::CutMemory;
 use crate::builders::phr::{Extensions, PhrConfig, begin};
-use crate::bvh::Bvh4;
+use crate::bvh::WideBvh;
 use crate::bvh::limits::BLOCK;
 use crate::geometry::Mesh;
 use crate::simd::Isa;
@@ -20,18 +20,18 @@ pub struct OptimisedPhrConfig {
     pub optimise: OptimiseConfig,
 }
 
-/// Builds by PHR and optimises; memory is kept between builds.
-pub struct OptimisedPhr {
+/// Builds trees of nodes of up to `N` children by PHR and optimises; memory is kept between builds.
+pub struct OptimisedPhr<const N: usize> {
     name: &'static str,
     config: OptimisedPhrConfig,
     /// Leaves of one block: which are worth more is decided in the end.
     phr: PhrConfig,
-    memory: CutMemory,
-    optimiser: Optimiser,
+    memory: CutMemory<N>,
+    optimiser: Optimiser<N>,
     isa: Isa,
 }
 
-impl OptimisedPhr {
+impl<const N: usize> OptimisedPhr<N> {
     /// A builder called `name` in records.
     ///
     /// # Errors
@@ -54,7 +54,7 @@ impl OptimisedPhr {
     }
 }
 
-impl Builder for OptimisedPhr {
+impl<const N: usize> Builder<N> for OptimisedPhr<N> {
     fn name(&self) -> &'static str {
         self.name
     }
@@ -63,7 +63,7 @@ impl Builder for OptimisedPhr {
         serde_json::json!(self.config)
     }
 
-    fn build(&mut self, mesh: &Mesh) -> Build {
+    fn build(&mut self, mesh: &Mesh) -> Build<N> {
         let CutMemory { auxiliary, recursion: memory } = &mut self.memory;
         let mut phases = auxiliary.build(mesh, &self.phr.extensions.auxiliary);
         let mut watch = Stopwatch::start();
@@ -73,7 +73,7 @@ impl Builder for OptimisedPhr {
         let tree = if has_root {
             self.optimiser.improve(mesh, &self.config.optimise, &mut watch)
         } else {
-            Bvh4::default()
+            WideBvh::default()
         };
         phases.extend(watch.phases);
         let mut build = self.memory.finish(tree, phases);
@@ -81,7 +81,7 @@ impl Builder for OptimisedPhr {
         build
     }
 
-    fn recycle(&mut self, tree: Bvh4) {
+    fn recycle(&mut self, tree: WideBvh<N>) {
         self.optimiser.recycle(tree);
     }
 }

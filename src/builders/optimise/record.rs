@@ -52,12 +52,12 @@ impl Chunk for RecordedChunk {
 impl Tree {
     /// Becomes the tree of the splits of `recursion` below `root`, over leaves of up to four triangles of `mesh`. Returns
     /// false if there are none.
-    pub fn record<P: CutPolicy>(
+    pub fn record<P: CutPolicy, const N: usize>(
         &mut self,
         recursion: &CutRecursion<'_, P>,
         root: (OwnedCut, Subtrees),
         mesh: &Mesh,
-        memory: &Memory<CutScratch>,
+        memory: &Memory<CutScratch, N>,
         pool: &Pool<RecordedChunk>,
     ) -> bool {
         self.clear(mesh.len());

@@ -9,8 +9,8 @@ use crate::builders::testing::soup;
 use crate::builders::wide::build;
 use crate::builders::wide::memory::Memory;
 use crate::builders::wide::optimal::{Choices, CollapseCosts};
-use crate::bvh::limits::{BLOCK, WIDTH};
-use crate::bvh::{Bvh4, Child, Link};
+use crate::bvh::limits::BLOCK;
+use crate::bvh::{Child, Link, WideBvh};
 use crate::geometry::Mesh;
 use crate::simd::Isa;
 
@@ -21,29 +21,29 @@ fn recorded(mesh: &Mesh) -> Tree {
     auxiliary.build(mesh, &config.extensions.auxiliary);
     let (recursion, cut) = begin(&auxiliary, mesh, &config, Isa::best());
     let mut tree = Tree::default();
-    assert!(tree.record(&recursion, cut.unwrap(), mesh, &Memory::default(), &Default::default()));
+    assert!(tree.record(&recursion, cut.unwrap(), mesh, &Memory::<_, 4>::default(), &Default::default()));
     tree
 }
 
 const COSTS: CollapseCosts = CollapseCosts { node: 1.0, leaf: 0.3, block: 0.7, max_leaf: 8 };
 
-/// The least cost of node `index` as at most `slots` children, by trying everything.
-fn least(tree: &Tree, index: u32, slots: usize) -> (f32, u32) {
+/// The least cost of node `index` as at most `slots` children of a node of up to `N`, by trying everything.
+fn least<const N: usize>(tree: &Tree, index: u32, slots: usize) -> (f32, u32) {
     let node = tree.node(index);
     let Some(pair) = node.pair() else { return (node.half_area() * leaf_cost(1), node.count()) };
     let [l, r] = [2 * pair as u32, 2 * pair as u32 + 1];
-    let count = least(tree, l, 1).1 + least(tree, r, 1).1;
+    let count = least::<N>(tree, l, 1).1 + least::<N>(tree, r, 1).1;
     let opened = |slots: usize| {
         (1..slots)
-            .map(|left| least(tree, l, left).0 + least(tree, r, slots - left).0)
+            .map(|left| least::<N>(tree, l, left).0 + least::<N>(tree, r, slots - left).0)
             .fold(f32::MAX, f32::min)
     };
     let leaf = if count <= COSTS.max_leaf { leaf_cost(count.div_ceil(4)) } else { f32::INFINITY };
-    let closed = (node.half_area() * leaf).min(node.half_area() * COSTS.node + opened(WIDTH));
+    let closed = (node.half_area() * leaf).min(node.half_area() * COSTS.node + opened(N));
     ((2..=slots).map(opened).fold(closed, f32::min), count)
 }
 
-fn cost_of(tree: &Bvh4, link: Link, area: f32) -> f32 {
+fn cost_of<const N: usize>(tree: &WideBvh<N>, link: Link, area: f32) -> f32 {
     match link.get() {
         Child::Empty => 0.0,
         Child::Leaf { count, .. } => area * leaf_cost(count as u32),
@@ -58,20 +58,21 @@ fn cost_of(tree: &Bvh4, link: Link, area: f32) -> f32 {
 fn no_other_choice_is_cheaper_and_the_tree_costs_what_was_promised() {
     for triangles in [5, 9, 13, 21, 30, 60] {
         let mesh = soup(triangles, 0.09, 7);
-        let (tree, mut choices) = (recorded(&mesh), Choices::default());
-        let promised = choices.solve(&tree, ROOT, tree.pairs.len(), &COSTS, true);
-        let expected = least(&tree, ROOT, 1).0;
-        assert!((promised - expected).abs() <= 1e-5 * expected, "{promised} for {expected}");
-        let wide = build::build(
-            &CollapsedTree { tree: &tree, choices: &choices },
-            Some(ROOT),
-            &mesh,
-            &mut Memory::default(),
-        );
-        assert_eq!(wide.validate(&mesh), Ok(()));
-        let cost = cost_of(&wide, wide.root, wide.bounds.half_area());
-        assert!((cost - expected).abs() <= 1e-5 * expected, "{cost} for {expected}");
+        check_cheapest::<4>(&mesh);
+        check_cheapest::<8>(&mesh);
     }
+}
+
+fn check_cheapest<const N: usize>(mesh: &Mesh) {
+    let (tree, mut choices) = (recorded(mesh), Choices::default());
+    let promised = choices.solve::<_, N>(&tree, ROOT, tree.pairs.len(), &COSTS, true);
+    let expected = least::<N>(&tree, ROOT, 1).0;
+    assert!((promised - expected).abs() <= 1e-5 * expected, "{promised} for {expected}");
+    let collapsed = CollapsedTree { tree: &tree, choices: &choices };
+    let wide: WideBvh<N> = build::build(&collapsed, Some(ROOT), mesh, &mut Memory::default());
+    assert_eq!(wide.validate(mesh), Ok(()));
+    let cost = cost_of(&wide, wide.root, wide.bounds.half_area());
+    assert!((cost - expected).abs() <= 1e-5 * expected, "{cost} for {expected}");
 }
 
 fn leaf_cost(blocks: u32) -> f32 {

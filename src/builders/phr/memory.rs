@@ -10,7 +10,7 @@ use crate::builders::split::spatial::SpatialSweep;
 use crate::builders::split::sweep_sah::SubtreeSweep;
 use crate::builders::wide::memory::{Memory, Scratch};
 use crate::builders::wide::optimal::Choices;
-use crate::bvh::Bvh4;
+use crate::bvh::WideBvh;
 
 /// A thread's memory.
 #[derive(Default)]
@@ -50,16 +50,16 @@ impl Scratch for CutScratch {
 
 /// The memory of a builder over cuts.
 #[derive(Default)]
-pub(crate) struct CutMemory {
+pub(crate) struct CutMemory<const N: usize> {
     /// The auxiliary BVH.
     pub auxiliary: Auxiliary,
     /// Of the recursion.
-    pub recursion: Memory<CutScratch>,
+    pub recursion: Memory<CutScratch, N>,
 }
 
-impl CutMemory {
+impl<const N: usize> CutMemory<N> {
     /// Puts a build together.
-    pub fn finish(&mut self, tree: Bvh4, phases: Vec<Phase>) -> Build {
+    pub fn finish(&mut self, tree: WideBvh<N>, phases: Vec<Phase>) -> Build<N> {
         let mut counts =
             Counts { auxiliary_nodes: 2 * self.auxiliary.tree.pairs.len() as u64 + 1, ..Counts::default() };
         self.recursion.workers.for_each(|worker| {

@@ -11,20 +11,20 @@ use crate::builders::builder::{Build, Builder, Stopwatch};
 use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::wide::build;
-use crate::bvh::Bvh4;
+use crate::bvh::WideBvh;
 use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
 use crate::geometry::Mesh;
 use crate::simd::Isa;
 
-/// Builds by PHR; memory is kept between builds.
-pub struct Phr {
+/// Builds trees of nodes of up to `N` children by PHR; memory is kept between builds.
+pub struct Phr<const N: usize> {
     name: &'static str,
     config: PhrConfig,
-    memory: CutMemory,
+    memory: CutMemory<N>,
     isa: Isa,
 }
 
-impl Phr {
+impl<const N: usize> Phr<N> {
     /// A builder called `name` in records.
     ///
     /// # Errors
@@ -40,7 +40,7 @@ impl Phr {
     }
 }
 
-impl Builder for Phr {
+impl<const N: usize> Builder<N> for Phr<N> {
     fn name(&self) -> &'static str {
         self.name
     }
@@ -49,7 +49,7 @@ impl Builder for Phr {
         serde_json::json!(self.config)
     }
 
-    fn build(&mut self, mesh: &Mesh) -> Build {
+    fn build(&mut self, mesh: &Mesh) -> Build<N> {
         let Self { config, memory: CutMemory { auxiliary, recursion: memory }, isa, .. } = self;
         // Presplit, Morton codes, sort, auxiliary BVH (4.7).
         let mut phases = auxiliary.build(mesh, &config.extensions.auxiliary);
@@ -63,7 +63,7 @@ impl Builder for Phr {
         self.memory.finish(tree, phases)
     }
 
-    fn recycle(&mut self, tree: Bvh4) {
+    fn recycle(&mut self, tree: WideBvh<N>) {
         self.memory.recursion.recycle(tree);
     }
 }

@@ -12,7 +12,6 @@ use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::lbvh::prefetch;
 use crate::builders::wide::top_down::{BinarySplits, TopDown};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
-use crate::bvh::limits::WIDTH;
 use crate::geometry::{Aabb, Mesh};
 use crate::simd::Isa;
 use arrayvec::ArrayVec;
@@ -118,7 +117,7 @@ impl<P: CutPolicy> TopDown for CutRecursion<'_, P> {
         cut.kind != Kind::Inner
     }
 
-    fn children(&self, cut: &Cut, scratch: &mut CutScratch) -> ArrayVec<Cut, WIDTH> {
+    fn children<const N: usize>(&self, cut: &Cut, scratch: &mut CutScratch) -> ArrayVec<Cut, N> {
         self.split_largest(cut, scratch)
     }
 
@@ -126,7 +125,12 @@ impl<P: CutPolicy> TopDown for CutRecursion<'_, P> {
         self.gather(cut, prims, scratch, |_, bounds| Some(bounds))
     }
 
-    fn try_emit(&self, cut: &Cut, treelet: &mut WideTreelet, scratch: &mut CutScratch) -> Option<Subtree> {
+    fn try_emit<const N: usize>(
+        &self,
+        cut: &Cut,
+        treelet: &mut WideTreelet<N>,
+        scratch: &mut CutScratch,
+    ) -> Option<Subtree> {
         if let Some(costs) = &self.config.extensions.collapse {
             return Some(self.collapse(cut, costs, treelet, scratch));
         }

@@ -40,10 +40,10 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
     }
 
     /// Appends the wide nodes of such a cut; `None` for others.
-    pub(super) fn emit_swept(
+    pub(super) fn emit_swept<const N: usize>(
         &self,
         cut: &Cut,
-        treelet: &mut WideTreelet,
+        treelet: &mut WideTreelet<N>,
         scratch: &mut CutScratch,
     ) -> Option<Subtree> {
         if cut.level == CutLevel::Swept {
@@ -62,12 +62,12 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
         Some(subtree)
     }
 
-    fn emit_subtree(
+    fn emit_subtree<const N: usize>(
         &self,
         node: &Node,
         kind: Kind,
         subtrees: &Subtrees,
-        treelet: &mut WideTreelet,
+        treelet: &mut WideTreelet<N>,
     ) -> Subtree {
         let leaves = Leaves::of(&self.order.refs, self.config.leaf_size());
         subtrees

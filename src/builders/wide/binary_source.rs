@@ -7,7 +7,7 @@ use crate::builders::binary::node::NodeRun;
 use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::prims::refs::PrimRefs;
 use crate::bvh::Link;
-use crate::bvh::limits::{BLOCK, MAX_LEAF, WIDTH};
+use crate::bvh::limits::{BLOCK, MAX_LEAF};
 use crate::geometry::{Aabb, Mesh};
 use arrayvec::ArrayVec;
 
@@ -37,18 +37,18 @@ pub(crate) trait BinarySource {
 
     /// Appends the wide nodes and leaf blocks of a subtree, as [`open_largest`] forms them. `None` if there are splits
     /// below `levels` others: the treelet is then to be rolled back. Counts binary splits.
-    fn emit(
+    fn emit<const N: usize>(
         &self,
         (run, kind): (&NodeRun, Kind),
         levels: u32,
         leaves: &Leaves<'_>,
-        treelet: &mut WideTreelet,
+        treelet: &mut WideTreelet<N>,
         splits: &mut u64,
     ) -> Option<Subtree> {
         if kind != Kind::Inner {
             return Some(leaves.emit(self, run, treelet));
         }
-        let mut children = ArrayVec::<Child, WIDTH>::new();
+        let mut children = ArrayVec::<Child, N>::new();
         children.extend(self.open(run, levels, leaves.max_leaf)?);
         open_largest(
             &mut children,
@@ -62,7 +62,7 @@ pub(crate) trait BinarySource {
                 Some(())
             },
         )?;
-        let mut built = ArrayVec::<(Aabb, Link), WIDTH>::new();
+        let mut built = ArrayVec::<(Aabb, Link), N>::new();
         for Child { run, kind, levels, .. } in &children {
             built.extend(self.emit((run, *kind), *levels, leaves, treelet, splits)?);
         }
@@ -102,11 +102,11 @@ impl<'a> Leaves<'a> {
 
     /// Appends the leaf of a subtree's triangles.
     #[inline]
-    pub fn emit(
+    pub fn emit<const N: usize>(
         &self,
         source: &(impl BinarySource + ?Sized),
         run: &NodeRun,
-        treelet: &mut WideTreelet,
+        treelet: &mut WideTreelet<N>,
     ) -> Subtree {
         let positions = run.first as usize..(run.first + run.node.count()) as usize;
         let bounds = run.node.bounds();

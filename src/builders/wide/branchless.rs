@@ -6,7 +6,6 @@
 //! indices follow by counting.
 
 use crate::builders::binary::tagged::TaggedBox;
-use crate::bvh::limits::WIDTH;
 use crate::bvh::{Link, WideNode};
 use crate::geometry::Aabb;
 
@@ -53,13 +52,13 @@ impl Slot {
     }
 }
 
-/// Memory to widen a tree in.
+/// Memory to widen a tree in, to nodes of `N` children.
 #[derive(Default)]
-pub(crate) struct Widen {
+pub(crate) struct Widen<const N: usize> {
     /// Siblings, children before parents.
     pub pairs: Vec<[Slot; 2]>,
     /// The children of the wide node over a pair, as indices of slots.
-    children: Vec<[u32; WIDTH]>,
+    children: Vec<[u32; N]>,
     /// Whether a wide node lies over a pair.
     is_node: Vec<bool>,
     /// The index of the node over a pair.
@@ -68,17 +67,17 @@ pub(crate) struct Widen {
     nodes: Vec<u32>,
 }
 
-impl Widen {
+impl<const N: usize> Widen<N> {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.pairs.capacity() * size_of::<[Slot; 2]>()
-            + self.children.capacity() * size_of::<[u32; WIDTH]>()
+            + self.children.capacity() * size_of::<[u32; N]>()
             + self.is_node.capacity()
             + (self.numbers.capacity() + self.nodes.capacity()) * size_of::<u32>()
     }
 
     /// Appends the wide nodes below `root`, over the last of the pairs.
-    pub fn write(&mut self, root: &Slot, nodes: &mut Vec<WideNode<WIDTH>>) -> Link {
+    pub fn write(&mut self, root: &Slot, nodes: &mut Vec<WideNode<N>>) -> Link {
         let pairs = self.pairs.len();
         if pairs == 0 {
             return Link::from_bits(root.link());
@@ -95,17 +94,14 @@ impl Widen {
             Link::from_bits(if is_inner { first + number } else { link })
         };
         nodes.extend(of_nodes.iter().map(|&pair| {
-            let [a, b, c, d] = children[pair as usize];
-            let [a, b, c, d] =
-                [&slots[a as usize], &slots[b as usize], &slots[c as usize], &slots[d as usize]];
-            let links = [link(a), link(b), link(c), link(d)];
-            let boxes = [
-                a.0.bounds_with_tags(),
-                b.0.bounds_with_tags(),
-                c.0.bounds_with_tags(),
-                d.0.bounds_with_tags(),
-            ];
-            WideNode::of_slots(boxes, links)
+            let children = &children[pair as usize];
+            let (mut boxes, mut links) = ([Aabb::EMPTY; N], [Link::EMPTY; N]);
+            for i in 0..N {
+                let slot = &slots[children[i] as usize];
+                boxes[i] = slot.0.bounds_with_tags();
+                links[i] = link(slot);
+            }
+            WideNode::of_slots(&boxes, links)
         }));
         self.pairs.pop();
         Link::inner(nodes.len() - 1)
@@ -119,11 +115,11 @@ impl Widen {
         pairs.push([Slot::NONE; 2]);
         let none = 2 * count as u32;
         let slots = pairs.as_flattened();
-        children.resize(count, [0; WIDTH]);
+        children.resize(count, [0; N]);
         numbers.resize(count, 0);
         is_node.clear();
         is_node.resize(count, false);
-        nodes.resize(count + WIDTH, 0);
+        nodes.resize(count + N, 0);
         nodes[0] = count as u32 - 1;
         let (mut next, mut found) = (0, 1);
         while next < found {
@@ -150,50 +146,39 @@ impl Widen {
 
 /// The children of the wide node over a pair, in order; `none` is an unused slot.
 #[inline]
-fn children_of(slots: &[Slot], pair: u32, none: u32) -> [u32; WIDTH] {
+fn children_of<const N: usize>(slots: &[Slot], pair: u32, none: u32) -> [u32; N] {
     let order = |slot: u32| slots[slot as usize].order();
-    // Instead of a leaf the unused slots are opened, and the result is not used.
-    let open = |slot: u32, order: i32| if order >= 0 { 2 * slots[slot as usize].link() } else { none };
-    let [a, b] = [2 * pair, 2 * pair + 1];
-    let [order_a, order_b] = [order(a), order(b)];
-    let second = order_b > order_a;
-    let (largest, of_largest) = if second { (b, order_b) } else { (a, order_a) };
-    let first = open(largest, of_largest);
-    let is_open = of_largest >= 0;
-    // [first, first + 1, b] or [a, first, first + 1].
-    let [mut x, mut y, mut z] = if second { [a, first, first + 1] } else { [first, first + 1, b] };
-    (x, y, z) = if is_open { (x, y, z) } else { (a, b, none) };
-
-    let [order_x, order_y, order_z] = [order(x), order(y), order(z)];
-    let (mut largest, mut of_largest) = if order_y > order_x { (1, order_y) } else { (0, order_x) };
-    (largest, of_largest) = if order_z > of_largest { (2, order_z) } else { (largest, of_largest) };
-    let slot = if largest == 0 {
-        x
-    } else if largest == 1 {
-        y
-    } else {
-        z
-    };
-    let first = open(slot, of_largest);
-    let is_open = of_largest >= 0;
-    let opened = [
-        if largest == 0 { first } else { x },
-        if largest == 0 {
-            first + 1
-        } else if largest == 1 {
-            first
-        } else {
-            y
-        },
-        if largest == 2 {
-            first
-        } else if largest == 1 {
-            first + 1
-        } else {
-            y
-        },
-        if largest == 2 { first + 1 } else { z },
-    ];
-    let closed = [x, y, z, none];
-    std::array::from_fn(|i| if is_open { opened[i] } else { closed[i] })
+    let mut children = [none; N];
+    let mut orders = [order(none); N];
+    for (i, slot) in [2 * pair, 2 * pair + 1].into_iter().enumerate() {
+        (children[i], orders[i]) = (slot, order(slot));
+    }
+    for count in 2..N {
+        let (mut at, mut largest, mut slot) = (0, orders[0], children[0]);
+        for i in 1..count {
+            let is_larger = orders[i] > largest;
+            at = if is_larger { i } else { at };
+            slot = if is_larger { children[i] } else { slot };
+            largest = if is_larger { orders[i] } else { largest };
+        }
+        // Instead of a leaf the unused slots are opened, and put behind the last place.
+        let is_open = largest >= 0;
+        let first = if is_open { 2 * slots[slot as usize].link() } else { none };
+        at = if is_open { at } else { N };
+        let opened = [order(first), order(first + 1)];
+        let insert = |old: [u32; N], [left, right]: [u32; 2]| {
+            let mut new = old;
+            for i in 0..=count {
+                let before = old[i.saturating_sub(1)];
+                let moved = if i == at + 1 { right } else { before };
+                let moved = if i == at { left } else { moved };
+                new[i] = if i < at { old[i] } else { moved };
+            }
+            new
+        };
+        children = insert(children, [first, first + 1]);
+        orders = insert(orders.map(|order| order as u32), opened.map(|order| order as u32))
+            .map(|order| order as i32);
+    }
+    children
 }

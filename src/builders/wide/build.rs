@@ -4,44 +4,43 @@ use super::memory::{Memory, Scratch, Worker};
 use super::parallel::ParallelBuild;
 use super::top_down::TopDown;
 use super::treelet::{self, Subtree, WideTreelet};
-use crate::bvh::limits::WIDTH;
-use crate::bvh::{Bvh4, Link};
+use crate::bvh::{Link, WideBvh};
 use crate::geometry::{Aabb, Mesh};
 use arrayvec::ArrayVec;
 
-/// Builds the tree below `root` over `mesh`.
-pub(crate) fn build<T: TopDown>(
+/// Builds the tree of nodes of up to `N` children below `root` over `mesh`.
+pub(crate) fn build<T: TopDown, const N: usize>(
     builder: &T,
     root: Option<T::Task>,
     mesh: &Mesh,
-    memory: &mut Memory<T::Scratch>,
-) -> Bvh4 {
-    let Some(root) = root else { return Bvh4::default() };
+    memory: &mut Memory<T::Scratch, N>,
+) -> WideBvh<N> {
+    let Some(root) = root else { return WideBvh::default() };
     let (mut nodes, mut blocks) = memory.arrays(mesh.len());
     let (tree, built) = ParallelBuild::new(builder, &memory.workers, mesh.len()).run(
         root,
         &memory.treelets,
         (&mut nodes, &mut blocks),
-        |part, scratch| builder.children(part, scratch).into_iter().collect(),
-        |part, treelet: &mut WideTreelet, worker| emit(builder, mesh, part, treelet, worker),
+        |part, scratch| builder.children::<N>(part, scratch).into_iter().collect(),
+        |part, treelet: &mut WideTreelet<N>, worker| emit(builder, mesh, part, treelet, worker),
     );
     let subtrees = treelet::moved(built);
     let root = tree.fold(&subtrees, &mut |parts| {
-        let children: ArrayVec<(Aabb, Link), WIDTH> = parts.iter().copied().flatten().collect();
+        let children: ArrayVec<(Aabb, Link), N> = parts.iter().copied().flatten().collect();
         treelet::append_node(&children, &mut nodes)
     });
     match root {
-        None => Bvh4::default(),
-        Some((bounds, root)) => Bvh4 { root, bounds, nodes, blocks },
+        None => WideBvh::default(),
+        Some((bounds, root)) => WideBvh { root, bounds, nodes, blocks },
     }
 }
 
 /// Appends the subtree of a part to `treelet`, depth first.
-fn emit<T: TopDown>(
+fn emit<T: TopDown, const N: usize>(
     builder: &T,
     mesh: &Mesh,
     part: &T::Part,
-    treelet: &mut WideTreelet,
+    treelet: &mut WideTreelet<N>,
     worker: &mut Worker<T::Scratch>,
 ) -> Subtree {
     if let Some(subtree) = builder.try_emit(part, treelet, &mut worker.scratch) {
@@ -53,8 +52,8 @@ fn emit<T: TopDown>(
         return treelet.leaf(mesh, &worker.prims).map(|link| (bounds, link));
     }
     let checkpoint = worker.scratch.checkpoint();
-    let children = builder.children(part, &mut worker.scratch);
-    let built: ArrayVec<(Aabb, Link), WIDTH> =
+    let children = builder.children::<N>(part, &mut worker.scratch);
+    let built: ArrayVec<(Aabb, Link), N> =
         children.iter().filter_map(|child| emit(builder, mesh, child, treelet, worker)).collect();
     // Clipping may leave a single child, or the part be found to be a leaf: it takes its parent's place.
     let subtree = treelet.node(&built);

@@ -1,8 +1,7 @@
 //! Memory of builds, kept from build to build.
 
 use super::treelet::WideTreelet;
-use crate::bvh::limits::WIDTH;
-use crate::bvh::{Bvh4, TriangleBlock, WideNode};
+use crate::bvh::{TriangleBlock, WideBvh, WideNode};
 use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
 
@@ -48,33 +47,33 @@ pub(crate) struct Worker<S> {
 }
 
 /// Memory of tasks, and a tree no longer used.
-pub(crate) struct Memory<S> {
+pub(crate) struct Memory<S, const N: usize> {
     /// Of threads.
     pub workers: Pool<Box<Worker<S>>>,
     /// Of treelets.
-    pub treelets: Pool<WideTreelet>,
-    tree: Option<Bvh4>,
+    pub treelets: Pool<WideTreelet<N>>,
+    tree: Option<WideBvh<N>>,
 }
 
-impl<S> Default for Memory<S> {
+impl<S, const N: usize> Default for Memory<S, N> {
     fn default() -> Self {
         Self { workers: Pool::default(), treelets: Pool::default(), tree: None }
     }
 }
 
-impl<S: Default> Memory<S> {
+impl<S: Default, const N: usize> Memory<S, N> {
     /// Takes a tree whose memory the next one may use.
-    pub fn recycle(&mut self, tree: Bvh4) {
+    pub fn recycle(&mut self, tree: WideBvh<N>) {
         self.tree = Some(tree);
     }
 
     /// The arrays of a tree over `n` triangles, empty, with the capacity that most trees need.
-    pub fn arrays(&mut self, n: usize) -> (Vec<WideNode<WIDTH>>, Vec<TriangleBlock>) {
+    pub fn arrays(&mut self, n: usize) -> (Vec<WideNode<N>>, Vec<TriangleBlock>) {
         self.blocks(n);
-        let Bvh4 { mut nodes, mut blocks, .. } = self.tree.take().unwrap_or_default();
+        let WideBvh { mut nodes, mut blocks, .. } = self.tree.take().unwrap_or_default();
         nodes.clear();
         blocks.clear();
-        huge_pages::reserve(&mut nodes, n / 4 + 64);
+        huge_pages::reserve(&mut nodes, n / N + 64);
         (nodes, blocks)
     }
 

@@ -1,7 +1,6 @@
 //! Paper 4.5: a wide node is formed by opening the largest child until there are as many as the node holds.
 
 use crate::builders::binary::kind::Kind;
-use crate::bvh::limits::WIDTH;
 use arrayvec::ArrayVec;
 
 /// Which child of a wide node in the making is opened first: the greatest. Children of [`Kind::Inner`] come before those
@@ -33,18 +32,14 @@ impl Priority {
     }
 }
 
-/// The children of a wide node in the making.
-pub(crate) type Children<T> = ArrayVec<T, WIDTH>;
-
-/// Opens the child of the greatest priority, the first of equal ones, until there are [`WIDTH`] children or none may be
-/// opened. `open` replaces the child at an index by two ([`replace`]), one, or none; it may give up with `None`.
+/// Opens the child of the greatest priority, the first of equal ones, until there are `N` children or none may be opened. `open` replaces the child at an index by two ([`replace`]), one, or none; it may give up with `None`.
 #[inline(always)]
-pub(crate) fn open_largest<T>(
-    children: &mut Children<T>,
+pub(crate) fn open_largest<T, const N: usize>(
+    children: &mut ArrayVec<T, N>,
     priority: impl Fn(&T) -> Priority,
-    mut open: impl FnMut(&mut Children<T>, usize) -> Option<()>,
+    mut open: impl FnMut(&mut ArrayVec<T, N>, usize) -> Option<()>,
 ) -> Option<()> {
-    while (1..WIDTH).contains(&children.len()) {
+    while (1..N).contains(&children.len()) {
         let first = (0, priority(&children[0]));
         let later = children.iter().map(&priority).enumerate().skip(1);
         let (next, largest) = later.fold(first, |best, other| if other.1 > best.1 { other } else { best });
@@ -58,7 +53,7 @@ pub(crate) fn open_largest<T>(
 
 /// Replaces the child at an index by two, in order.
 #[inline(always)]
-pub(crate) fn replace<T>(children: &mut Children<T>, index: usize, [left, right]: [T; 2]) {
+pub(crate) fn replace<T, const N: usize>(children: &mut ArrayVec<T, N>, index: usize, [left, right]: [T; 2]) {
     children[index] = left;
     children.insert(index + 1, right);
 }

@@ -1,7 +1,7 @@
 //! The cheapest wide tree over a binary one, by dynamic programming (Wald, Benthin, Boulos 2008; Ylitie, Karras, Laine
 //! 2017): which subtrees become leaves, and how the children of each wide node are distributed over the subtrees below.
 
-use crate::bvh::limits::{BLOCK, WIDTH};
+use crate::bvh::limits::{BLOCK, MAX_WIDTH};
 use arrayvec::ArrayVec;
 use rayon::join;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -32,58 +32,78 @@ impl CollapseCosts {
 
     /// A leaf of at most a block.
     #[inline]
-    fn block(&self, area: f32, count: u32) -> Solved {
-        Solved { cost: [area * self.of_leaf(1); WIDTH - 1], count }
+    fn block<const N: usize>(&self, area: f32, count: u32) -> Solved<N> {
+        Solved { cost: [area * self.of_leaf(1); N], count }
     }
 
     /// A subtree of half area `area` over two others, and the choice for it.
     #[inline]
-    fn over(&self, area: f32, l: &Solved, r: &Solved) -> (Solved, Choice) {
+    fn over<const N: usize>(&self, area: f32, l: &Solved<N>, r: &Solved<N>) -> (Solved<N>, Choice) {
         let count = l.count + r.count;
-        let shared = |slots: u32| {
-            let of = |left: u32| (l.cost[left as usize - 1] + r.cost[(slots - left) as usize - 1], left);
+        let shared = |slots: usize| {
+            let of = |left: usize| (l.cost[left - 1] + r.cost[slots - left - 1], left);
             (2..slots).map(of).fold(of(1), |best, other| if other.0 < best.0 { other } else { best })
         };
-        let [of2, of3, of4] = [2, 3, 4].map(shared);
         let leaf =
             if count <= self.max_leaf { area * self.of_leaf(count.div_ceil(BLOCK)) } else { f32::INFINITY };
-        let inner = area * self.node + of4.0;
+        let all = shared(N);
+        let inner = area * self.node + all.0;
         // Costs of huge scenes overflow to infinity: a node always is possible, a leaf is not.
         let is_leaf = leaf <= inner && leaf < f32::INFINITY;
-        let one = leaf.min(inner);
-        let two = one.min(of2.0);
-        let three = two.min(of3.0);
-        let if_cheaper = |of: (f32, u32), fewer: f32| if of.0 < fewer { of.1 } else { 0 };
-        let choice = Choice::new(count, is_leaf, [if_cheaper(of2, one), if_cheaper(of3, two), of4.1]);
-        (Solved { cost: [one, two, three], count }, choice)
+        let mut choice = Choice::new(count, is_leaf);
+        let mut cost = [leaf.min(inner); N];
+        for slots in 2..N {
+            let (shared, left) = shared(slots);
+            let fewer = cost[slots - 2];
+            cost[slots - 1] = fewer.min(shared);
+            choice.set_left(slots, if shared < fewer { left } else { 0 });
+        }
+        choice.set_left(N, all.1);
+        (Solved { cost, count }, choice)
     }
 }
 
-/// Least costs of a subtree as up to 1, 2, 3 children of a wide node.
+/// The least cost of a subtree as up to 1, 2, ... `N - 1` children of a wide node; the last place is not used.
 #[derive(Clone, Copy)]
-struct Solved {
-    cost: [f32; WIDTH - 1],
+struct Solved<const N: usize> {
+    cost: [f32; N],
     count: u32,
 }
 
-/// What was chosen for an inner node of the binary tree.
+/// What was chosen for an inner node of the binary tree. From the lowest bit on: whether it is a leaf; of 2, 3, ...
+/// children those on the left side; references below, as far as they have room.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Choice(u32);
 
 impl Choice {
     const LEAF: u32 = 1;
-    const COUNT_SHIFT: u32 = 6;
-    const MOST: u32 = u32::MAX >> Self::COUNT_SHIFT;
+    /// Where the number of those on the left side begins, of `slots` children; at the index after the last, the count.
+    const LEFT: [u32; MAX_WIDTH + 2] = {
+        let mut shifts = [1; MAX_WIDTH + 2];
+        let mut slots = 2;
+        while slots <= MAX_WIDTH {
+            shifts[slots + 1] = shifts[slots] + (slots as u32 - 1).ilog2() + 1;
+            slots += 1;
+        }
+        shifts
+    };
+    const COUNT: u32 = Self::LEFT[MAX_WIDTH + 1];
+    /// The largest count that is told; larger ones are told as this. No task is as large ([`super::parallel`]).
+    pub const MOST: u32 = u32::MAX >> Self::COUNT;
 
-    /// `left[k]`: of `k + 2` children those on the left side; 0 if fewer children cost no more.
-    fn new(count: u32, is_leaf: bool, left: [u32; WIDTH - 1]) -> Self {
-        let [of2, of3, of4] = left;
-        Self(count.min(Self::MOST) << Self::COUNT_SHIFT | u32::from(is_leaf) | of2 << 1 | of3 << 2 | of4 << 4)
+    fn new(count: u32, is_leaf: bool) -> Self {
+        Self(count.min(Self::MOST) << Self::COUNT | u32::from(is_leaf))
     }
 
-    /// References below, at most 2^26 - 1.
+    /// Of `slots` children, those on the left side; 0 if fewer children cost no more.
+    #[inline(always)]
+    fn set_left(&mut self, slots: usize, left: usize) {
+        self.0 |= (left as u32) << Self::LEFT[slots];
+    }
+
+    /// References below, or 2^14 - 1 of more.
     pub fn count(self) -> u32 {
-        self.0 >> Self::COUNT_SHIFT
+        self.0 >> Self::COUNT
     }
 
     /// To be a leaf rather than a wide node.
@@ -93,12 +113,8 @@ impl Choice {
 
     /// Of `slots` children, at least 2, those on the left side; 0 if fewer children cost no more.
     fn left(self, slots: usize) -> usize {
-        let bits = match slots {
-            2 => self.0 >> 1 & 1,
-            3 => self.0 >> 2 & 3,
-            _ => self.0 >> 4 & 3,
-        };
-        bits as usize
+        let bits = Self::LEFT[slots + 1] - Self::LEFT[slots];
+        (self.0 >> Self::LEFT[slots] & ((1 << bits) - 1)) as usize
     }
 }
 
@@ -125,8 +141,9 @@ const PARALLEL_LEVELS: u32 = 12;
 pub(crate) struct Choices(Vec<AtomicU32>);
 
 impl Choices {
-    /// Chooses for a tree of `pairs` pairs below `root`, on all threads if `in_parallel`; returns the wide tree's cost.
-    pub fn solve<S: CollapseSource>(
+    /// Chooses for a tree of `pairs` pairs below `root`, on all threads if `in_parallel`; returns the cost of the tree of
+    /// nodes of up to `N` children.
+    pub fn solve<S: CollapseSource, const N: usize>(
         &mut self,
         source: &S,
         root: S::At,
@@ -137,16 +154,16 @@ impl Choices {
         if self.0.len() < pairs {
             self.0.resize_with(pairs, AtomicU32::default);
         }
-        self.solve_below(source, root, costs, if in_parallel { PARALLEL_LEVELS } else { 0 }).cost[0]
+        self.solve_below::<S, N>(source, root, costs, if in_parallel { PARALLEL_LEVELS } else { 0 }).cost[0]
     }
 
-    fn solve_below<S: CollapseSource>(
+    fn solve_below<S: CollapseSource, const N: usize>(
         &self,
         source: &S,
         at: S::At,
         costs: &CollapseCosts,
         levels: u32,
-    ) -> Solved {
+    ) -> Solved<N> {
         let area = source.half_area(at);
         let Some((pair, [left, right])) = source.pair(at) else {
             return costs.block(area, source.count(at));
@@ -167,12 +184,12 @@ impl Choices {
     }
 
     /// Opens a subtree into up to `slots` children.
-    pub fn open<S: CollapseSource>(
+    pub fn open<S: CollapseSource, const N: usize>(
         &self,
         source: &S,
         at: S::At,
         slots: usize,
-        children: &mut ArrayVec<S::At, WIDTH>,
+        children: &mut ArrayVec<S::At, N>,
     ) {
         match source.pair(at) {
             Some((pair, [left, right])) if slots > 1 => match self.of(pair).left(slots) {
@@ -198,9 +215,13 @@ mod tests {
 
     #[test]
     fn choices_round_trip() {
-        let choice = Choice::new(77, true, [1, 2, 3]);
+        let mut choice = Choice::new(77, true);
+        for slots in 2..=MAX_WIDTH {
+            choice.set_left(slots, slots - 1);
+        }
         assert_eq!((choice.count(), choice.is_leaf()), (77, true));
-        assert_eq!([2, 3, 4].map(|slots| choice.left(slots)), [1, 2, 3]);
-        assert_eq!(Choice::new(u32::MAX, false, [0, 0, 1]).count(), (1 << 26) - 1);
+        (2..=MAX_WIDTH).for_each(|slots| assert_eq!(choice.left(slots), slots - 1));
+        let choice = Choice::new(u32::MAX, false);
+        assert_eq!((choice.count(), choice.is_leaf(), choice.left(5)), ((1 << 14) - 1, false, 0));
     }
 }

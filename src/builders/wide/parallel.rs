@@ -5,10 +5,17 @@
 //! ([`ordered_append`]), so that the tree is the same at any number of threads.
 
 use super::memory::{Scratch, Worker};
+use super::optimal::Choice;
 use super::top_down::TopDown;
 use crate::memory::pool::Pool;
 use crate::parallel::ordered_append::{self, Chunk, Offset};
 use crate::parallel::task_tree::{Division, TaskTree};
+
+/// Parts of as many references are divided further in any scene.
+const MAX_GRAIN: usize = 1 << 12;
+
+/// A count that [`Choice`] does not tell exactly is above it.
+const _: () = assert!(MAX_GRAIN <= Choice::MOST as usize);
 
 /// A recursion over a scene, divided into tasks.
 pub(crate) struct ParallelBuild<'a, T: TopDown> {
@@ -24,7 +31,7 @@ impl<'a, T: TopDown> ParallelBuild<'a, T> {
     /// Over a scene of `n` triangles.
     pub fn new(builder: &'a T, workers: &'a Pool<Box<Worker<T::Scratch>>>, n: usize) -> Self {
         // Tasks are small enough for caches and many enough for threads, and their number depends on the scene alone.
-        Self { builder, workers, grain: (n / 256).clamp(1 << 9, 1 << 12) as u32 }
+        Self { builder, workers, grain: (n / 256).clamp(1 << 9, MAX_GRAIN) as u32 }
     }
 
     /// Divides `root` by `divide` into tasks, builds each by `make` into a chunk, and appends the chunks to `a` and `b`.

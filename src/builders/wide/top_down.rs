@@ -4,7 +4,6 @@ use super::memory::Scratch;
 use super::open_largest::{Priority, open_largest, replace};
 use super::treelet::{Subtree, WideTreelet};
 use crate::builders::binary::kind::Kind;
-use crate::bvh::limits::WIDTH;
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
@@ -33,15 +32,24 @@ pub(crate) trait TopDown: Sync {
     /// Whether the part becomes a leaf; it then has at most [`crate::bvh::limits::MAX_LEAF`] references.
     fn is_leaf(&self, part: &Self::Part) -> bool;
 
-    /// The children of the wide node over a part, none to [`WIDTH`].
-    fn children(&self, part: &Self::Part, scratch: &mut Self::Scratch) -> ArrayVec<Self::Part, WIDTH>;
+    /// The children of the wide node over a part, none to `N`.
+    fn children<const N: usize>(
+        &self,
+        part: &Self::Part,
+        scratch: &mut Self::Scratch,
+    ) -> ArrayVec<Self::Part, N>;
 
     /// Appends the triangles of a leaf; returns their box, clipped like the part.
     fn leaf(&self, part: &Self::Part, prims: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb;
 
     /// Appends the whole subtree of a part, where there is a faster or another way than one wide node after another;
     /// `None` elsewhere.
-    fn try_emit(&self, _: &Self::Part, _: &mut WideTreelet, _: &mut Self::Scratch) -> Option<Subtree> {
+    fn try_emit<const N: usize>(
+        &self,
+        _: &Self::Part,
+        _: &mut WideTreelet<N>,
+        _: &mut Self::Scratch,
+    ) -> Option<Subtree> {
         None
     }
 }
@@ -59,7 +67,11 @@ pub(crate) trait BinarySplits: TopDown<Part: Clone> {
     fn split(&self, part: &Self::Part, scratch: &mut Self::Scratch) -> [Option<Self::Part>; 2];
 
     /// The children of the wide node over a part that is to be split: the largest is split first (paper 4.5).
-    fn split_largest(&self, part: &Self::Part, scratch: &mut Self::Scratch) -> ArrayVec<Self::Part, WIDTH> {
+    fn split_largest<const N: usize>(
+        &self,
+        part: &Self::Part,
+        scratch: &mut Self::Scratch,
+    ) -> ArrayVec<Self::Part, N> {
         let priority = |part: &Self::Part| Priority::new(self.kind(part), self.half_area(part));
         let mut children = ArrayVec::new();
         children.push(part.clone());

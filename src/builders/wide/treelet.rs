@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code)]
 
-use crate::bvh::limits::{BLOCK, MAX_LEAF, WIDTH};
+use crate::bvh::limits::{BLOCK, MAX_LEAF};
 use crate::bvh::{Link, TriangleBlock, WideNode};
 use crate::geometry::{Aabb, Mesh};
 use crate::memory::stream::{self, Vectors};
@@ -22,7 +22,10 @@ pub(crate) fn moved(built: Vec<(Subtree, Offset)>) -> Vec<Subtree> {
 }
 
 /// Appends a node over finished subtrees: nodes come after those below them. A lone subtree takes its place.
-pub(crate) fn append_node(children: &[(Aabb, Link)], nodes: &mut Vec<WideNode<WIDTH>>) -> Subtree {
+pub(crate) fn append_node<const N: usize>(
+    children: &[(Aabb, Link)],
+    nodes: &mut Vec<WideNode<N>>,
+) -> Subtree {
     match children {
         [] => None,
         [only] => Some(*only),
@@ -34,20 +37,19 @@ pub(crate) fn append_node(children: &[(Aabb, Link)], nodes: &mut Vec<WideNode<WI
     }
 }
 
-/// Nodes and leaf blocks of one task.
+/// Nodes of `N` children and leaf blocks of one task.
 #[derive(Default)]
-pub(crate) struct WideTreelet {
+pub(crate) struct WideTreelet<const N: usize> {
     /// Children before parents.
-    pub nodes: Vec<WideNode<WIDTH>>,
+    pub nodes: Vec<WideNode<N>>,
     /// Those of a leaf in a row.
     pub blocks: Vec<TriangleBlock>,
 }
 
-impl WideTreelet {
+impl<const N: usize> WideTreelet<N> {
     /// Bytes of its memory.
     pub fn bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<WideNode<WIDTH>>()
-            + self.blocks.capacity() * size_of::<TriangleBlock>()
+        self.nodes.capacity() * size_of::<WideNode<N>>() + self.blocks.capacity() * size_of::<TriangleBlock>()
     }
 
     /// Removes what was appended since the lengths were as given.
@@ -80,8 +82,8 @@ impl WideTreelet {
     }
 }
 
-impl Chunk for WideTreelet {
-    type A = WideNode<WIDTH>;
+impl<const N: usize> Chunk for WideTreelet<N> {
+    type A = WideNode<N>;
     type B = TriangleBlock;
 
     fn elements(&self) -> (&[Self::A], &[Self::B]) {
@@ -91,8 +93,7 @@ impl Chunk for WideTreelet {
     #[inline]
     fn moved(node: &Self::A, [nodes, blocks]: Offset) -> Self::A {
         let mut node = *node;
-        let [a, b, c, d] = &mut node.links;
-        for link in [a, b, c, d] {
+        for link in &mut node.links {
             *link = link.moved(nodes, blocks);
         }
         node
@@ -115,37 +116,36 @@ impl Chunk for WideTreelet {
     }
 }
 
-// SAFETY: a node is three lower planes, three upper ones, four links and padding, in this order; any bits are floats
-// and links.
-unsafe impl Vectors<8> for WideNode<WIDTH> {
+// SAFETY: a node is three lower planes, three upper ones, the links and padding, in this order, each of `N` numbers of
+// four bytes, as is asserted; any bits are floats and links.
+unsafe impl<const N: usize> Vectors for WideNode<N> {
     #[inline(always)]
-    fn vectors(&self) -> [Vec4; 8] {
-        let ([a, b, c], [d, e, f]) = (self.lower, self.upper);
-        let link = |slot: usize| f32::from_bits(self.links[slot].bits());
-        let links = [link(0), link(1), link(2), link(3)];
-        [a.into(), b.into(), c.into(), d.into(), e.into(), f.into(), links.into(), Vec4::ZERO]
+    fn for_each(&self, mut write: impl FnMut(usize, Vec4)) {
+        const { assert!(N.is_multiple_of(4) && size_of::<Self>() == 8 * N * size_of::<f32>()) };
+        for i in 0..N / 4 {
+            let four = |plane: &[f32; N]| Vec4::from_slice(&plane[4 * i..]);
+            let link = |lane: usize| f32::from_bits(self.links[4 * i + lane].bits());
+            for axis in 0..3 {
+                write(axis * N / 4 + i, four(&self.lower[axis]));
+                write((3 + axis) * N / 4 + i, four(&self.upper[axis]));
+            }
+            write(6 * N / 4 + i, Vec4::new(link(0), link(1), link(2), link(3)));
+            write(7 * N / 4 + i, Vec4::ZERO);
+        }
     }
 }
 
 // SAFETY: a block is three rows of corners, three of either edge and four numbers, in this order; any bits are floats
 // and numbers.
-unsafe impl Vectors<10> for TriangleBlock {
+unsafe impl Vectors for TriangleBlock {
     #[inline(always)]
-    fn vectors(&self) -> [Vec4; 10] {
-        let ([a, b, c], [d, e, f], [g, h, i]) = (self.v0, self.e1, self.e2);
+    fn for_each(&self, mut write: impl FnMut(usize, Vec4)) {
+        for axis in 0..3 {
+            write(axis, self.v0[axis].into());
+            write(3 + axis, self.e1[axis].into());
+            write(6 + axis, self.e2[axis].into());
+        }
         let prim = |lane: usize| f32::from_bits(self.prims[lane]);
-        let prims = [prim(0), prim(1), prim(2), prim(3)];
-        [
-            a.into(),
-            b.into(),
-            c.into(),
-            d.into(),
-            e.into(),
-            f.into(),
-            g.into(),
-            h.into(),
-            i.into(),
-            prims.into(),
-        ]
+        write(9, Vec4::new(prim(0), prim(1), prim(2), prim(3)));
     }
 }

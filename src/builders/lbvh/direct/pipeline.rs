@@ -9,29 +9,29 @@ use crate::builders::lbvh::top_tree::{TopNode, TopTree, result_of};
 use crate::builders::wide::memory::Memory;
 use crate::builders::wide::open_largest::{Priority, open_largest, replace};
 use crate::builders::wide::treelet::{self, Subtree, WideTreelet};
-use crate::bvh::limits::{MORTON_BITS, WIDTH};
-use crate::bvh::{Bvh4, Link, WideNode};
+use crate::bvh::limits::MORTON_BITS;
+use crate::bvh::{Link, WideBvh, WideNode};
 use crate::geometry::{Aabb, Mesh};
 use crate::memory::pool::Pool;
 use crate::parallel::ordered_append;
 use crate::simd::Isa;
 use arrayvec::ArrayVec;
 
-/// Builds the LBVH of paper 4.7; memory is kept between builds.
-pub struct Lbvh {
+/// Builds the LBVH of paper 4.7 as a tree of nodes of up to `N` children; memory is kept between builds.
+pub struct Lbvh<const N: usize> {
     order: MortonOrder,
-    treelets: Pool<DirectTreelet>,
-    memory: Memory<()>,
+    treelets: Pool<DirectTreelet<N>>,
+    memory: Memory<(), N>,
     isa: Isa,
 }
 
-impl Default for Lbvh {
+impl<const N: usize> Default for Lbvh<N> {
     fn default() -> Self {
         Self::with_isa(Isa::best())
     }
 }
 
-impl Builder for Lbvh {
+impl<const N: usize> Builder<N> for Lbvh<N> {
     fn name(&self) -> &'static str {
         "lbvh"
     }
@@ -40,7 +40,7 @@ impl Builder for Lbvh {
         serde_json::json!({ "code_bits": MORTON_BITS })
     }
 
-    fn build(&mut self, mesh: &Mesh) -> Build {
+    fn build(&mut self, mesh: &Mesh) -> Build<N> {
         let mut watch = Stopwatch::start();
         self.order.sort(mesh, None, self.memory.blocks(mesh.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
@@ -52,23 +52,23 @@ impl Builder for Lbvh {
         Build::finish(tree, watch.phases, counts, held)
     }
 
-    fn recycle(&mut self, tree: Bvh4) {
+    fn recycle(&mut self, tree: WideBvh<N>) {
         self.memory.recycle(tree);
     }
 }
 
-impl Lbvh {
+impl<const N: usize> Lbvh<N> {
     /// A builder with the given instructions.
     pub(crate) fn with_isa(isa: Isa) -> Self {
         Self { order: MortonOrder::default(), treelets: Pool::default(), memory: Memory::default(), isa }
     }
 
     /// The tree over one or more sorted keys, and the pairs of the binary tree below it.
-    fn tree(&mut self, mesh: &Mesh, keys: &mut [u64]) -> (Bvh4, usize) {
+    fn tree(&mut self, mesh: &Mesh, keys: &mut [u64]) -> (WideBvh<N>, usize) {
         let refs = &self.order.refs(mesh);
         let (mut nodes, mut blocks) = self.memory.arrays(mesh.len());
         let top = TopTree::new(refs, keys);
-        let make = |i: usize, wide: &mut WideTreelet| {
+        let make = |i: usize, wide: &mut WideTreelet<N>| {
             let mut treelet = self.treelets.take();
             let (_, depth, keys) = top.treelet(i);
             let built = treelet.build(self.isa, mesh, &keys, depth, wide);
@@ -83,7 +83,7 @@ impl Lbvh {
         let pair_bounds = top.fold(&bounds, |[left, right]| left.union(right));
         let wide = WideTop { top: &top, subtrees: &subtrees, bounds: &bounds, pair_bounds: &pair_bounds };
         let tree = wide.emit(top.root(), &mut nodes);
-        (tree.map_or_else(Bvh4::default, |(bounds, root)| Bvh4 { root, bounds, nodes, blocks }), pairs)
+        (tree.map_or_else(WideBvh::default, |(bounds, root)| WideBvh { root, bounds, nodes, blocks }), pairs)
     }
 }
 
@@ -97,7 +97,7 @@ struct WideTop<'a> {
 
 impl WideTop<'_> {
     /// Appends the wide nodes below `node`.
-    fn emit(&self, node: TopNode, nodes: &mut Vec<WideNode<WIDTH>>) -> Subtree {
+    fn emit<const N: usize>(&self, node: TopNode, nodes: &mut Vec<WideNode<N>>) -> Subtree {
         if let TopNode::Treelet(treelet) = node {
             return self.subtrees[treelet];
         }
@@ -105,13 +105,13 @@ impl WideTop<'_> {
             let kind = if matches!(node, TopNode::Pair(_)) { Kind::Inner } else { Kind::Leaf };
             Priority::new(kind, result_of(*node, self.bounds, self.pair_bounds).half_area())
         };
-        let mut children = ArrayVec::<TopNode, WIDTH>::from_iter([node]);
+        let mut children = ArrayVec::<TopNode, N>::from_iter([node]);
         open_largest(&mut children, priority, |children, next| {
             let TopNode::Pair(pair) = children[next] else { return None };
             replace(children, next, self.top.children(pair));
             Some(())
         });
-        let built: ArrayVec<(Aabb, Link), WIDTH> =
+        let built: ArrayVec<(Aabb, Link), N> =
             children.into_iter().filter_map(|child| self.emit(child, nodes)).collect();
         treelet::append_node(&built, nodes)
     }

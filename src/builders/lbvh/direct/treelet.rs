@@ -15,7 +15,7 @@ use crate::simd::Isa;
 
 /// Memory of a task that builds one treelet.
 #[derive(Default)]
-pub(crate) struct DirectTreelet {
+pub(crate) struct DirectTreelet<const N: usize> {
     /// Corners of the triangles, as vertex indices, and the triangle.
     triangles: Vec<[u32; 4]>,
     copied_triangles: Vec<[u32; 4]>,
@@ -25,10 +25,10 @@ pub(crate) struct DirectTreelet {
     leaves: Vec<u32>,
     /// The leaves.
     slots: Vec<Slot>,
-    widen: Widen,
+    widen: Widen<N>,
 }
 
-impl DirectTreelet {
+impl<const N: usize> DirectTreelet<N> {
     /// Bytes of its memory.
     pub fn bytes(&self) -> usize {
         (self.triangles.capacity() + self.copied_triangles.capacity()) * size_of::<[u32; 4]>()
@@ -47,7 +47,7 @@ impl DirectTreelet {
         mesh: &Mesh,
         keys: &[MortonKey],
         depth: u32,
-        treelet: &mut WideTreelet,
+        treelet: &mut WideTreelet<N>,
     ) -> (Subtree, usize) {
         let Self { triangles, copied_triangles, deltas, equal_codes, leaves, slots, widen } = self;
         triangles.clear();

@@ -89,11 +89,11 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
 
     /// Appends the wide nodes below such a cut, if no extension applies to the parts of it either; `None`, and nothing
     /// appended, if that makes the tree too deep.
-    pub(in crate::builders::phr) fn emit_single_node(
+    pub(in crate::builders::phr) fn emit_single_node<const N: usize>(
         &self,
         cut: &Cut,
         node: &Node,
-        treelet: &mut WideTreelet,
+        treelet: &mut WideTreelet<N>,
         counts: &mut Counts,
     ) -> Option<Subtree> {
         let max_leaf = self.config.leaf_size();

@@ -13,22 +13,21 @@ use crate::builders::wide::optimal::{Choices, CollapseCosts, CollapseSource};
 use crate::builders::wide::top_down::{BinarySplits, TopDown};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
 use crate::bvh::Link;
-use crate::bvh::limits::WIDTH;
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
 impl<P: CutPolicy> CutRecursion<'_, P> {
     /// Appends the cheapest wide nodes and blocks of a part.
-    pub(in crate::builders::phr) fn collapse(
+    pub(in crate::builders::phr) fn collapse<const N: usize>(
         &self,
         part: &Cut,
         costs: &CollapseCosts,
-        treelet: &mut WideTreelet,
+        treelet: &mut WideTreelet<N>,
         scratch: &mut CutScratch,
     ) -> Subtree {
         let root = self.split_to_blocks(part, scratch)?;
         let CutScratch { subtrees, choices, .. } = scratch;
-        choices.solve(subtrees, root, subtrees.pairs.len(), costs, false);
+        choices.solve::<_, N>(subtrees, root, subtrees.pairs.len(), costs, false);
         let mut leaves = Leaves::of(&self.order.refs, costs.max_leaf);
         // Spatial splits may have separated parts of a triangle that meet again.
         leaves.may_repeat |= self.splits_in_space(part);
@@ -79,19 +78,19 @@ impl CollapseSource for Subtrees {
 }
 
 /// Appends the nodes and blocks chosen for a subtree.
-fn emit(
+fn emit<const N: usize>(
     node: &Node,
     choices: &Choices,
     subtrees: &Subtrees,
     leaves: &Leaves<'_>,
-    treelet: &mut WideTreelet,
+    treelet: &mut WideTreelet<N>,
 ) -> Subtree {
     if node.pair().is_none_or(|pair| choices.of(pair).is_leaf()) {
         return leaves.emit(subtrees, &subtrees.run_of(node), treelet);
     }
-    let mut children = ArrayVec::<Node, WIDTH>::new();
-    choices.open(subtrees, *node, WIDTH, &mut children);
-    let built: ArrayVec<(Aabb, Link), WIDTH> =
+    let mut children = ArrayVec::<Node, N>::new();
+    choices.open(subtrees, *node, N, &mut children);
+    let built: ArrayVec<(Aabb, Link), N> =
         children.iter().filter_map(|child| emit(child, choices, subtrees, leaves, treelet)).collect();
     treelet.node(&built)
 }
