@@ -43,8 +43,8 @@ pub enum PlanError {
     /// `--one-thread` beside `--threads 1`, or without `--build-only`.
     #[error("--one-thread {0}")]
     OneThread(&'static str),
-    /// The filter matches nothing.
-    #[error("--filter {0}: matches no \"scene builder width kernel\"; see `phr bench --list`")]
+    /// The filter and the width match nothing.
+    #[error("{0}: matches no \"scene builder width kernel\"; see `phr bench --list`")]
     NothingLeft(String),
     /// `--scenes` does not name a folder.
     #[error("{}: not a folder; --scenes takes the folder that holds the paper's scene files", .0.display())]

@@ -32,6 +32,8 @@ pub struct Request {
     pub folder: Option<PathBuf>,
     /// Builders by name; all if empty.
     pub builders: Vec<String>,
+    /// Children per node of the trees; any if not given.
+    pub width: Option<u32>,
     /// Only what matches "scene builder width kernel".
     pub filter: Option<Regex>,
     /// The settings.
@@ -68,7 +70,8 @@ impl Plan {
                 return Err(PlanError::SameName(scene.name.clone()));
             }
         }
-        let cells = cells(&request.builders, request.settings.build_only)?;
+        let mut cells = cells(&request.builders, request.settings.build_only)?;
+        cells.retain(|cell| request.width.is_none_or(|width| cell.width == width));
         let mut plan = Self { scenes: Vec::new(), settings: request.settings.clone() };
         for scene in scenes {
             let left: Vec<Cell> = cells
@@ -80,8 +83,10 @@ impl Plan {
             }
         }
         if plan.scenes.is_empty() {
-            let filter = request.filter.as_ref().map_or("", Regex::as_str);
-            return Err(PlanError::NothingLeft(filter.into()));
+            let filter = request.filter.as_ref().map(|filter| format!("--filter {filter}"));
+            let width = request.width.map(|width| format!("--width {width}"));
+            let options: Vec<String> = filter.into_iter().chain(width).collect();
+            return Err(PlanError::NothingLeft(options.join(" ")));
         }
         Ok(plan)
     }
@@ -151,6 +156,7 @@ mod tests {
             set: None,
             folder: None,
             builders: Vec::new(),
+            width: None,
             filter: filter.map(|filter| Regex::new(filter).unwrap()),
             settings: Settings::least(),
         }

@@ -36,6 +36,9 @@ pub struct Arguments {
     /// Only this builder (repeatable)
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
+    /// Only trees of this width: 4 or 8 children per node
+    #[arg(long, value_name = "N", value_parser = width)]
+    width: Option<u32>,
     /// Only what matches "scene builder width kernel" (see --list)
     #[arg(long, value_name = "REGEX")]
     filter: Option<String>,
@@ -95,6 +98,10 @@ fn set(name: &str) -> Result<Set, String> {
     }
 }
 
+fn width(text: &str) -> Result<u32, String> {
+    text.parse().ok().filter(|width| [4, 8].contains(width)).ok_or_else(|| "give 4 or 8".into())
+}
+
 impl Arguments {
     fn set(&self) -> Option<Set> {
         self.set.or(self.scenes.is_empty().then_some(Set::Builtin))
@@ -132,6 +139,7 @@ impl Arguments {
             set: self.set(),
             folder: self.folder.clone(),
             builders: self.builders.clone(),
+            width: self.width,
             filter: self.filter.as_ref().map(regex).transpose()?,
             settings,
         })

@@ -52,6 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         set: None,
         folder: None,
         builders: arguments.builders.clone(),
+        width: None,
         filter: None,
         settings,
     };
