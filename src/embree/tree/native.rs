@@ -8,6 +8,7 @@ use super::layout::{Node, RootSlot, Triangle4, Unavailable};
 use crate::bvh::{Bvh4, Bvh8, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::embree::scene::{EmbreeScene, GEOMETRY};
 use crate::geometry::{Aabb, Mesh};
+use crate::memory::huge_pages;
 use glam::Vec3A;
 
 /// The tree of a scene built with [`crate::embree::Width::Four`].
@@ -91,8 +92,16 @@ unsafe fn walk<const N: usize>(root: u64, bounds: Aabb, mesh: &Mesh) -> Result<W
     }
     match seen.iter().position(|seen| !seen) {
         Some(prim) => Unavailable::because(format_args!("triangle {prim} is in no leaf")),
-        None => Ok(tree),
+        None => Ok(WideBvh { nodes: on_huge_pages(tree.nodes), blocks: on_huge_pages(tree.blocks), ..tree }),
     }
+}
+
+/// The same elements where Embree and our builders keep theirs: a copy on small pages would be slower to trace.
+fn on_huge_pages<T>(mut elements: Vec<T>) -> Vec<T> {
+    let mut moved = Vec::new();
+    huge_pages::reserve(&mut moved, elements.len());
+    moved.append(&mut elements);
+    moved
 }
 
 /// A reference still to follow, and the slot that waits for it (none for the root).
