@@ -7,12 +7,8 @@ use phr::bvh::WideBvh;
 use phr::geometry::{Hit, Mesh, Ray};
 use phr::random::SplitMix64;
 use phr::trace::verify::{compare_any, compare_closest, witness};
-use phr::trace::{BruteForce, BvhTracer, Isa, kernel_isa};
+use phr::trace::{BruteForce, BvhTracer, Isa};
 use trace_support::*;
-
-fn isas() -> impl Iterator<Item = Isa> {
-    Isa::available().filter(|&isa| isa <= kernel_isa())
-}
 
 /// Traces `rays` through trees of `N` children by every instruction set and compares with brute force.
 /// At most `edge` rays per thousand may be left to rounding.
@@ -21,7 +17,7 @@ fn check<const N: usize>(mesh: &Mesh, rays: &[Ray], edge: usize) {
     let (reference, occluded) = (closest(&brute, rays), any(&brute, rays));
     for leaf in [1, 4, 11, 28] {
         let tree = median_tree::<N>(mesh, leaf);
-        for isa in isas() {
+        for isa in Isa::available() {
             let tracer = BvhTracer::with_isa(&tree, isa);
             assert_eq!(tracer.isa(), isa);
             let hits = closest(&tracer, rays);
@@ -91,7 +87,7 @@ fn walls_never_leak() {
         .filter(|ray| ray.dir != Vec3::ZERO)
         .collect();
     let tree = median_tree::<4>(&mesh, 4);
-    for isa in isas() {
+    for isa in Isa::available() {
         let tracer = BvhTracer::with_isa(&tree, isa);
         let misses: Vec<usize> = closest(&tracer, &rays)
             .iter()
@@ -128,7 +124,7 @@ fn the_interval_is_open_at_its_start_and_closed_at_its_end() {
     let mesh = one_triangle();
     let tree = median_tree::<4>(&mesh, 4);
     let down = ray([0.25, 0.25, 2.0], [0.0, 0.0, -1.0]);
-    for isa in isas() {
+    for isa in Isa::available() {
         let tracer = BvhTracer::with_isa(&tree, isa);
         for (tnear, tfar, expected) in [
             (0.0, f32::INFINITY, true),
@@ -152,7 +148,7 @@ fn the_interval_is_open_at_its_start_and_closed_at_its_end() {
 fn hits_carry_barycentric_coordinates_from_both_sides() {
     let mesh = one_triangle();
     let tree = median_tree::<8>(&mesh, 4);
-    for isa in isas() {
+    for isa in Isa::available() {
         let tracer = BvhTracer::with_isa(&tree, isa);
         for (from, dir) in [(2.0, -1.0), (-4.0, 2.0)] {
             let hit = closest(&tracer, &[ray([0.25, 0.5, from], [0.0, 0.0, dir])])[0];
@@ -174,7 +170,7 @@ fn empty_trees_and_degenerate_triangles_are_missed() {
     let flat = mesh(vec![[0.0; 3], [1.0, 0.0, 0.0]], vec![[0, 1, 1], [0, 0, 0], [0, 1, 0]]);
     let flat_tree = median_tree::<4>(&flat, 1);
     let rays = rays(&flat, 600, 3);
-    for isa in isas() {
+    for isa in Isa::available() {
         for tree in [&nothing, &flat_tree] {
             let tracer = BvhTracer::with_isa(tree, isa);
             assert!(closest(&tracer, &rays).iter().all(|hit| *hit == Hit::MISS));
@@ -199,7 +195,7 @@ fn invalid_rays_are_harmless() {
             Ray { org, tnear: x[6], dir, tfar: x[7] }
         })
         .collect();
-    for isa in isas() {
+    for isa in Isa::available() {
         let tracer = BvhTracer::with_isa(&tree, isa);
         for hit in closest(&tracer, &rays) {
             assert!(hit == Hit::MISS || (hit.prim as usize) < mesh.len());

@@ -2,6 +2,7 @@
 //!
 //! * [`BvhTracer`] answers closest-hit and any-hit queries over any [`crate::bvh::WideBvh`], with the best
 //!   instructions the machine has ([`Isa`]);
+//! * [`WatertightTracer`] does so without gaps between triangles that share an edge or a vertex;
 //! * [`record`] runs a path tracer once per view and keeps its rays ([`RayBatches`]), so that every tree
 //!   traces the very same ones; [`render`] is the same path tracer without the recording;
 //! * [`verify`] compares the hits of two tracers, with [`oracle`] in double precision to settle disputes.
@@ -24,6 +25,6 @@ pub use camera::Camera;
 pub use image::Image;
 #[cfg(feature = "harness")]
 pub use image::ImageError;
-pub use kernel::{BvhTracer, TraversalCounts, kernel_isa};
+pub use kernel::{BvhTracer, TraversalCounts, WatertightTracer, kernel_isa};
 pub use path::{PathSettings, Recording, record, render};
 pub use verify::{hit_count, hit_hash};

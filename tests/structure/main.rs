@@ -46,7 +46,11 @@ const UNSAFE_FILES: &[&str] = &[
     // Functions compiled for an instruction set run behind tokens.
     "simd/mod.rs",
     "simd/vector.rs",
-    "trace/kernel/avx2.rs",
+    "trace/kernel/avx2/boxes.rs",
+    "trace/kernel/avx2/crossing.rs",
+    "trace/kernel/avx2/fast.rs",
+    "trace/kernel/avx2/mod.rs",
+    "trace/kernel/avx2/watertight.rs",
     // Memory from the system, prefetches, and stores past the caches.
     "memory/huge_pages.rs",
     "memory/prefetch.rs",

@@ -4,16 +4,22 @@
 //! 2. [`sound_tree`]: proves that links may be followed unchecked;
 //! 3. [`traverse`]: the algorithm, generic over its two tests, with a [`stack`] of fixed size;
 //! 4. [`scalar`] and `avx2`: the tests of boxes and triangles per instruction set;
-//! 5. [`counts`]: nodes and leaf blocks visited.
+//! 5. [`watertight`]: the same traversal with tests that leave no gap between triangles, over [`corners`] instead of
+//!    edges, and the ray as those tests see it ([`frame`]);
+//! 6. [`counts`]: nodes and leaf blocks visited.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+mod corners;
 mod counts;
+mod frame;
 mod scalar;
 mod sound_tree;
 mod stack;
 mod tracer;
 mod traverse;
+mod watertight;
 
 pub use counts::TraversalCounts;
 pub use tracer::{BvhTracer, kernel_isa};
+pub use watertight::WatertightTracer;

@@ -7,19 +7,21 @@ use crate::bvh::limits::MAX_BLOCKS;
 use crate::bvh::{Child, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 
 /// A tree whose links are in range, whose nodes have one parent each and whose inner levels do not exceed
-/// [`MAX_DEPTH`]. Only made by [`SoundTree::new`]; the borrow keeps the proof true.
+/// [`MAX_DEPTH`], over leaf blocks of some form. Only made by [`SoundTree::new`]; the borrow keeps the proof true.
 #[derive(Debug)]
-pub(super) struct SoundTree<'a, const N: usize> {
-    tree: &'a WideBvh<N>,
+pub(super) struct SoundTree<'a, const N: usize, B = TriangleBlock> {
+    root: Link,
+    nodes: &'a [WideNode<N>],
+    blocks: &'a [B],
 }
 
-impl<const N: usize> Clone for SoundTree<'_, N> {
+impl<const N: usize, B> Clone for SoundTree<'_, N, B> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<const N: usize> Copy for SoundTree<'_, N> {}
+impl<const N: usize, B> Copy for SoundTree<'_, N, B> {}
 
 impl<'a, const N: usize> SoundTree<'a, N> {
     /// Walks `tree` from the root.
@@ -48,12 +50,20 @@ impl<'a, const N: usize> SoundTree<'a, N> {
                 }
             }
         }
-        Ok(Self { tree })
+        Ok(Self { root: tree.root, nodes: &tree.nodes, blocks: &tree.blocks })
     }
 
+    /// The same tree over `blocks`, one for each of its own.
+    pub(super) fn over<B>(self, blocks: &'a [B]) -> SoundTree<'a, N, B> {
+        assert_eq!(blocks.len(), self.blocks.len(), "a block for each of the tree's");
+        SoundTree { root: self.root, nodes: self.nodes, blocks }
+    }
+}
+
+impl<'a, const N: usize, B> SoundTree<'a, N, B> {
     #[inline(always)]
     pub(super) fn root(self) -> Link {
-        self.tree.root
+        self.root
     }
 
     /// Node `index`.
@@ -62,9 +72,9 @@ impl<'a, const N: usize> SoundTree<'a, N> {
     /// `index` comes from an inner link reached from the root.
     #[inline(always)]
     pub(super) unsafe fn node(self, index: usize) -> &'a WideNode<N> {
-        debug_assert!(index < self.tree.nodes.len());
+        debug_assert!(index < self.nodes.len());
         // SAFETY: `new` found every inner link reached from the root in range.
-        unsafe { self.tree.nodes.get_unchecked(index) }
+        unsafe { self.nodes.get_unchecked(index) }
     }
 
     /// The blocks of a leaf.
@@ -72,10 +82,10 @@ impl<'a, const N: usize> SoundTree<'a, N> {
     /// # Safety
     /// `first` and `count` come from a leaf's link reached from the root.
     #[inline(always)]
-    pub(super) unsafe fn leaf(self, first: usize, count: usize) -> &'a [TriangleBlock] {
-        debug_assert!(first + count <= self.tree.blocks.len());
+    pub(super) unsafe fn leaf(self, first: usize, count: usize) -> &'a [B] {
+        debug_assert!(first + count <= self.blocks.len());
         // SAFETY: `new` found every leaf reached from the root in range.
-        unsafe { self.tree.blocks.get_unchecked(first..first + count) }
+        unsafe { self.blocks.get_unchecked(first..first + count) }
     }
 
     /// Address of the data of `link`, for prefetching only.
@@ -83,9 +93,9 @@ impl<'a, const N: usize> SoundTree<'a, N> {
     pub(super) fn address(self, link: Link) -> *const u8 {
         const INDEX: u32 = MAX_BLOCKS as u32 - 1;
         if link.is_inner() {
-            self.tree.nodes.as_ptr().wrapping_add(link.bits() as usize).cast()
+            self.nodes.as_ptr().wrapping_add(link.bits() as usize).cast()
         } else {
-            self.tree.blocks.as_ptr().wrapping_add((link.bits() & INDEX) as usize).cast()
+            self.blocks.as_ptr().wrapping_add((link.bits() & INDEX) as usize).cast()
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Our kernel as a [`Tracer`]: picks the instruction set once per tracer.
 
 #[cfg(target_arch = "x86_64")]
-use super::avx2;
+use super::avx2::{self, FastAvx2};
 use super::counts::{Counter, TraversalCounts};
-use super::scalar::ScalarKernel;
+use super::scalar::FastScalar;
 use super::sound_tree::SoundTree;
 use super::traverse::{self, Query};
 use crate::bvh::WideBvh;
@@ -13,14 +13,14 @@ use rayon::prelude::*;
 use std::ops::Add as _;
 
 /// Traces rays through a tree with our kernel. The interval is `tnear < t <= tfar`; among equal distances
-/// the triangle tested last wins. A ray that is not [`Ray::is_valid`] has an unspecified answer.
+/// the triangle tested last wins. A ray that is not [`Ray::is_valid`] hits nothing.
 ///
 /// The test multiplies two edges and the direction in `f32`, as Embree's does: where such a product
 /// overflows or vanishes (scenes of 1e12 and more, or 1e-12 and less, traced with directions as long), hits
 /// are missed. Unit directions are safe over a far wider range.
 ///
-/// With AVX2 the arithmetic is that of Embree's kernel on the same processor, operation by operation, so that
-/// hits on the same tree are the same bits.
+/// With AVX2 and AVX-512 the arithmetic is that of Embree's kernel for the same instructions, operation by operation,
+/// so that hits on the same tree are the same bits.
 #[derive(Clone, Copy, Debug)]
 pub struct BvhTracer<'a, const N: usize> {
     tree: SoundTree<'a, N>,
@@ -29,12 +29,12 @@ pub struct BvhTracer<'a, const N: usize> {
 
 /// The instruction set that [`BvhTracer::new`] picks on this machine.
 pub fn kernel_isa() -> Isa {
-    narrowed(Isa::best())
+    Isa::best()
 }
 
-/// The most able instruction set up to `isa` that a kernel is written for: AVX-512 processors run AVX2's.
-fn narrowed(isa: Isa) -> Isa {
-    isa.avx2().map_or(Isa::Scalar, Isa::Avx2)
+/// Proves that the kernel may follow the links of `tree` unchecked, or panics.
+pub(super) fn sound<const N: usize>(tree: &WideBvh<N>) -> SoundTree<'_, N> {
+    SoundTree::new(tree).unwrap_or_else(|flaw| panic!("malformed tree: {flaw}"))
 }
 
 impl<'a, const N: usize> BvhTracer<'a, N> {
@@ -48,15 +48,12 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
         Self::with_isa(tree, Isa::best())
     }
 
-    /// As [`BvhTracer::new`] with instructions of choice; there is no kernel for AVX-512, which runs AVX2's.
+    /// As [`BvhTracer::new`] with instructions of choice. AVX-512 adds but its estimate of reciprocals to AVX2's.
     ///
     /// # Panics
     /// As [`BvhTracer::new`].
     pub fn with_isa(tree: &'a WideBvh<N>, isa: Isa) -> Self {
-        match SoundTree::new(tree) {
-            Ok(tree) => Self { tree, isa: narrowed(isa) },
-            Err(flaw) => panic!("malformed tree: {flaw}"),
-        }
+        Self { tree: sound(tree), isa }
     }
 
     /// The instructions in use.
@@ -100,8 +97,12 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
     fn run<C: Counter>(&self, query: Query<'_>, counter: &mut C) {
         match self.isa {
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2(token) => avx2::run(token, self.tree, query, counter),
-            _ => traverse::run::<ScalarKernel, C, N>((), self.tree, query, counter),
+            Isa::Avx2(token) => avx2::run::<FastAvx2<_>, C, N>(token, token, self.tree, query, counter),
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx512(token) => {
+                avx2::run::<FastAvx2<_>, C, N>(token.avx2(), token, self.tree, query, counter);
+            }
+            _ => traverse::run::<FastScalar, C, N>((), self.tree, query, counter),
         }
     }
 }

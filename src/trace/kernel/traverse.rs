@@ -6,7 +6,7 @@
 use super::counts::Counter;
 use super::sound_tree::SoundTree;
 use super::stack::{Item, Stack, ordered};
-use crate::bvh::{Child, Link, TriangleBlock, WideNode};
+use crate::bvh::{Child, Link, WideNode};
 use crate::geometry::{Hit, Ray};
 
 /// A batch and the place for its answers, equally long.
@@ -21,31 +21,40 @@ pub(super) struct Entries<const N: usize>(pub [u32; N]);
 
 /// One ray, prepared, and its two tests in some instruction set.
 pub(super) trait Kernel: Copy {
-    /// Proves that the machine has the instructions.
-    type Token: Copy;
+    /// What all rays share: the proof that the machine has the instructions.
+    type Setup: Copy;
+    /// The triangles of a leaf, four by four.
+    type Block;
 
-    /// Prepares a ray. A negative `tnear` counts as 0.
-    fn new(token: Self::Token, ray: &Ray) -> Self;
+    /// The ray with its direction scaled, and the factor by which distances along it are to be multiplied.
+    #[inline(always)]
+    fn scaled(ray: &Ray) -> (Ray, f32) {
+        (*ray, 1.0)
+    }
+
+    /// Prepares a ray that is valid and scaled.
+    fn new(setup: Self::Setup, ray: &Ray) -> Self;
 
     /// The children whose boxes meet the ray in `tnear..=tfar`, as a bit mask, and where it enters them.
     /// Unused slots are never met by a valid ray.
     fn enter<const N: usize>(&self, node: &WideNode<N>, tfar: f32) -> (u32, Entries<N>);
 
     /// Replaces `hit` by the block's closest hit in `tnear < t <= hit.t`, if there is one.
-    fn closest(&self, block: &TriangleBlock, hit: &mut Hit);
+    fn closest(&self, block: &Self::Block, hit: &mut Hit);
 
     /// Whether the block has a hit in `tnear < t <= tfar`.
-    fn any(&self, block: &TriangleBlock, tfar: f32) -> bool;
+    fn any(&self, block: &Self::Block, tfar: f32) -> bool;
 
     /// Hints that `bytes` from `address` will be read soon.
     fn prefetch(address: *const u8, bytes: usize);
 }
 
-/// Runs a batch. Instruction sets wrap it in a function that enables theirs, into which all is inlined.
+/// Runs a batch. Instruction sets wrap it in a function that enables theirs, into which all is inlined. Rays that are
+/// not valid hit nothing.
 #[inline(always)]
 pub(super) fn run<K: Kernel, C: Counter, const N: usize>(
-    token: K::Token,
-    tree: SoundTree<'_, N>,
+    setup: K::Setup,
+    tree: SoundTree<'_, N, K::Block>,
     query: Query<'_>,
     counter: &mut C,
 ) {
@@ -53,22 +62,36 @@ pub(super) fn run<K: Kernel, C: Counter, const N: usize>(
         Query::Closest(rays, hits) => {
             assert_eq!(rays.len(), hits.len(), "as many hits as rays");
             for (ray, hit) in rays.iter().zip(hits) {
-                *hit = closest::<K, C, N>(K::new(token, ray), tree, ray.tfar, counter);
+                *hit = Hit::MISS;
+                if ray.is_valid() {
+                    let (ray, factor) = K::scaled(ray);
+                    let found = closest::<K, C, N>(K::new(setup, &ray), tree, ray.tfar, counter);
+                    *hit = Hit { t: found.t * factor, ..found };
+                }
             }
         }
         Query::Any(rays, occluded) => {
             assert_eq!(rays.len(), occluded.len(), "as many answers as rays");
             for (ray, occluded) in rays.iter().zip(occluded) {
-                *occluded = any::<K, C, N>(K::new(token, ray), tree, ray.tfar, counter);
+                *occluded = ray.is_valid() && {
+                    let (ray, _) = K::scaled(ray);
+                    any::<K, C, N>(K::new(setup, &ray), tree, ray.tfar, counter)
+                };
             }
         }
     }
 }
 
+/// Bytes of a node or of a leaf's first block, whichever is larger.
+const fn bytes_ahead<K: Kernel, const N: usize>() -> usize {
+    let (node, block) = (size_of::<WideNode<N>>(), size_of::<K::Block>());
+    if node > block { node } else { block }
+}
+
 #[inline(always)]
 fn closest<K: Kernel, C: Counter, const N: usize>(
     kernel: K,
-    tree: SoundTree<'_, N>,
+    tree: SoundTree<'_, N, K::Block>,
     tfar: f32,
     counter: &mut C,
 ) -> Hit {
@@ -91,7 +114,7 @@ fn closest<K: Kernel, C: Counter, const N: usize>(
                     let slot = mask.trailing_zeros() as usize % N;
                     mask &= mask - 1;
                     let item = Item::new(entries.0[slot], node.links[slot]);
-                    K::prefetch(tree.address(item.link()), size_of::<WideNode<N>>());
+                    K::prefetch(tree.address(item.link()), bytes_ahead::<K, N>());
                     (item, mask == 0)
                 };
                 let (a, last) = next();
@@ -101,10 +124,16 @@ fn closest<K: Kernel, C: Counter, const N: usize>(
                 }
                 let (b, last) = next();
                 if last {
-                    let (near, far) = if a.entry() < b.entry() { (a, b) } else { (b, a) };
-                    // SAFETY: see `Stack`.
-                    unsafe { stack.push(far) };
-                    link = near.link();
+                    // A branch, not moves: where it is foreseen, the nearer child is fetched before the comparison.
+                    if a.entry() < b.entry() {
+                        // SAFETY: see `Stack`.
+                        unsafe { stack.push(b) };
+                        link = a.link();
+                    } else {
+                        // SAFETY: see `Stack`.
+                        unsafe { stack.push(a) };
+                        link = b.link();
+                    }
                     continue;
                 }
                 let (c, last) = next();
@@ -167,7 +196,7 @@ fn closest<K: Kernel, C: Counter, const N: usize>(
 #[inline(always)]
 fn any<K: Kernel, C: Counter, const N: usize>(
     kernel: K,
-    tree: SoundTree<'_, N>,
+    tree: SoundTree<'_, N, K::Block>,
     tfar: f32,
     counter: &mut C,
 ) -> bool {
@@ -186,7 +215,7 @@ fn any<K: Kernel, C: Counter, const N: usize>(
                 }
                 loop {
                     link = node.links[mask.trailing_zeros() as usize % N];
-                    K::prefetch(tree.address(link), size_of::<WideNode<N>>());
+                    K::prefetch(tree.address(link), bytes_ahead::<K, N>());
                     mask &= mask - 1;
                     if mask == 0 {
                         break;

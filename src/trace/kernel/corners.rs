@@ -1,0 +1,42 @@
+//! Leaf blocks for the watertight tests: corners as the mesh has them. The blocks of the tree hold a corner and two
+//! rounded edges, from which neighbours would not get the same bits for a corner that they share.
+
+use crate::bvh::{TriangleBlock, WideBvh};
+use crate::geometry::{Hit, Mesh};
+use crate::memory::huge_pages;
+use rayon::prelude::*;
+
+/// Four triangles in structure-of-arrays form. Unused lanes hold zeros, which nothing hits.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(super) struct CornerBlock {
+    /// `corners[corner][axis][lane]`.
+    pub corners: [[[f32; 4]; 3]; 3],
+    /// Triangle ids.
+    pub prims: [u32; 4],
+}
+
+impl CornerBlock {
+    fn of(block: &TriangleBlock, mesh: &Mesh) -> Self {
+        let mut corners = [[[0.0; 4]; 3]; 3];
+        for (lane, &prim) in block.prims.iter().enumerate().filter(|&(_, &prim)| prim != Hit::NONE) {
+            for (planes, corner) in corners.iter_mut().zip(mesh.corners(prim)) {
+                for (plane, x) in planes.iter_mut().zip(corner.to_array()) {
+                    plane[lane] = x;
+                }
+            }
+        }
+        Self { corners, prims: block.prims }
+    }
+}
+
+/// A block for each of `tree`, which was built over `mesh`.
+///
+/// # Panics
+/// If the tree names a triangle that the mesh lacks.
+pub(super) fn corner_blocks<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh) -> Vec<CornerBlock> {
+    let mut blocks = Vec::new();
+    huge_pages::reserve(&mut blocks, tree.blocks.len());
+    blocks.par_extend(tree.blocks.par_iter().map(|block| CornerBlock::of(block, mesh)));
+    blocks
+}

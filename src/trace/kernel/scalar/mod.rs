@@ -1,0 +1,11 @@
+//! The portable tests, on plain arrays that the compiler vectorises, without fused operations.
+//!
+//! [`fast`] and [`watertight`] are the two kernels, [`boxes`] and [`crossing`] what they share.
+
+mod boxes;
+mod crossing;
+mod fast;
+mod watertight;
+
+pub(super) use fast::{FastScalar, SMALLEST_DIRECTION};
+pub(super) use watertight::WatertightScalar;

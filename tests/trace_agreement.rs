@@ -1,0 +1,165 @@
+//! All kernels answer alike: scalar, AVX2 and AVX-512, both widths, over rays and scenes at the limits.
+
+mod trace_support;
+
+use glam::Vec3;
+use phr::geometry::{Hit, Mesh, Ray};
+use phr::random::SplitMix64;
+use phr::trace::verify::{compare_any, compare_closest, witness};
+use phr::trace::{BvhTracer, Isa, WatertightTracer};
+use trace_support::*;
+
+/// Holds the answers of every instruction set, width and kernel to those of the scalar one over four children. At most
+/// `edge` rays per thousand may be left to rounding.
+fn agree(what: &str, mesh: &Mesh, rays: &[Ray], edge: usize) {
+    let (four, eight) = (median_tree::<4>(mesh, 4), median_tree::<8>(mesh, 11));
+    let reference = BvhTracer::with_isa(&four, Isa::Scalar);
+    let (hits, shadows) = (closest(&reference, rays), any(&reference, rays));
+    let check = |name: String, tracer: &dyn phr::geometry::Tracer| {
+        let found = closest(tracer, rays);
+        let verdict = compare_closest(mesh, rays, &hits, &found);
+        assert!(verdict.is_ok() && verdict.edge * 1000 <= edge * rays.len(), "{what}, {name}: {verdict}");
+        let occluded = any(tracer, rays);
+        let verdict = compare_any(mesh, rays, &shadows, &occluded, witness(&[&reference, tracer]));
+        assert!(verdict.is_ok(), "{what}, {name}, any hit: {verdict}");
+        for ((hit, shadow), ray) in found.iter().zip(occluded).zip(rays) {
+            assert_eq!(hit.is_hit(), shadow, "{what}, {name}: closest and any hit disagree on {ray:?}");
+        }
+    };
+    for isa in Isa::available() {
+        check(format!("{isa}, width 4"), &BvhTracer::with_isa(&four, isa));
+        check(format!("{isa}, width 8"), &BvhTracer::with_isa(&eight, isa));
+        check(format!("{isa}, watertight"), &WatertightTracer::with_isa(&eight, mesh, isa));
+    }
+}
+
+fn ray_of(org: Vec3, dir: Vec3) -> Ray {
+    Ray { org, tnear: 0.0, dir, tfar: f32::INFINITY }
+}
+
+fn made(count: usize, seed: u64, mut ray: impl FnMut(&mut SplitMix64) -> Ray) -> Vec<Ray> {
+    let mut random = SplitMix64::new(seed);
+    (0..count).map(|_| ray(&mut random)).collect()
+}
+
+#[test]
+fn over_random_rays_at_all_scales() {
+    let small = soup(1000, 1);
+    let random = rays(&small, 4000, 2);
+    for scale in [1e-6, 1.0, 1e6] {
+        let placed = |v: &[f32; 3]| v.map(|x| x * scale);
+        let mesh = mesh(small.vertices().iter().map(placed).collect(), small.triangles().to_vec());
+        let unscaled = random.iter().map(|ray| {
+            let [tnear, tfar] = [ray.tnear * scale, ray.tfar * scale];
+            Ray { org: ray.org * scale, tnear, tfar, ..*ray }
+        });
+        agree(&format!("scale {scale}"), &mesh, &unscaled.collect::<Vec<_>>(), 5);
+        let scaled = random.iter().map(|ray| Ray { org: ray.org * scale, dir: ray.dir * scale, ..*ray });
+        agree(&format!("scale {scale} of directions, too"), &mesh, &scaled.collect::<Vec<_>>(), 5);
+    }
+}
+
+#[test]
+fn over_rays_along_axes() {
+    for mesh in [soup(1000, 3), walls(7)] {
+        let rays = made(4000, 4, |random| {
+            let mut dir = Vec3::ZERO;
+            dir[random.below(3)] = if random.unit() < 0.5 { -1.0 } else { 2.0 };
+            ray_of(1.5 * random.point(-1.0, 1.0), dir)
+        });
+        agree("along axes", &mesh, &rays, 20);
+    }
+}
+
+#[test]
+fn over_rays_in_planes_of_triangles() {
+    for mesh in [soup(500, 5), walls(7)] {
+        let rays = made(4000, 6, |random| {
+            let [a, b, c] = mesh.corners(random.below(mesh.len()) as u32).map(Vec3::from);
+            let (u, v) = (random.unit() * 3.0 - 1.0, random.unit() * 3.0 - 1.0);
+            let org = a + u * (b - a) + v * (c - a);
+            ray_of(org, a + random.unit() * (b - a) + random.unit() * (c - a) - org)
+        });
+        agree("in planes", &mesh, &rays, 1000);
+    }
+}
+
+#[test]
+fn over_rays_from_far_away() {
+    let mesh = soup(300, 7);
+    let rays = made(4000, 8, |random| {
+        let away = random.point(-1.0, 1.0).normalize_or(Vec3::X);
+        let org = 1e6 * away;
+        ray_of(org, random.point(-1.0, 1.0) - org)
+    });
+    agree("from far away", &mesh, &rays, 200);
+}
+
+#[test]
+fn over_denormal_and_zero_components() {
+    let tiny = [0.0, -0.0, 1e-40, -1e-40, f32::MIN_POSITIVE, 1e-30, -1e-19];
+    for mesh in [soup(1000, 9), walls(7)] {
+        let rays = made(4000, 10, |random| {
+            let mut dir = random.point(-1.0, 1.0);
+            for _ in 0..2 {
+                dir[random.below(3)] = tiny[random.below(tiny.len())];
+            }
+            let mut org = random.point(-1.2, 1.2);
+            org[random.below(3)] = tiny[random.below(tiny.len())];
+            ray_of(org, dir)
+        });
+        agree("tiny components", &mesh, &rays, 30);
+    }
+}
+
+#[test]
+fn over_intervals_of_one_point() {
+    let mesh = soup(1000, 11);
+    let tree = median_tree::<8>(&mesh, 4);
+    let rays = rays(&mesh, 3000, 12);
+    for isa in Isa::available() {
+        let watertight = WatertightTracer::with_isa(&tree, &mesh, isa);
+        for tracer in [&BvhTracer::with_isa(&tree, isa) as &dyn phr::geometry::Tracer, &watertight] {
+            // At the very distance of a hit, too, nothing lies within an interval that is open at its start.
+            let hits = closest(tracer, &rays);
+            let points: Vec<Ray> = rays
+                .iter()
+                .zip(&hits)
+                .map(|(ray, hit)| if hit.is_hit() { hit.t } else { ray.tnear })
+                .zip(&rays)
+                .map(|(t, ray)| Ray { tnear: t, tfar: t, ..*ray })
+                .collect();
+            assert!(closest(tracer, &points).iter().all(|hit| *hit == Hit::MISS), "{isa}");
+            assert!(!any(tracer, &points).contains(&true), "{isa}");
+        }
+    }
+}
+
+#[test]
+fn over_invalid_rays() {
+    let mesh = soup(500, 13);
+    let (four, eight) = (median_tree::<4>(&mesh, 4), median_tree::<8>(&mesh, 4));
+    let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, 2e18];
+    let rays = made(4000, 14, |random| {
+        let mut x = [0.0; 8].map(|_: f32| random.range(-1.0, 1.0));
+        (x[6], x[7]) = (x[6].abs(), f32::INFINITY);
+        x[random.below(6)] = bad[random.below(bad.len())];
+        match random.below(4) {
+            0 => x[6] = -1.0,
+            1 => x[6] = f32::NAN,
+            2 => x[7] = f32::NAN,
+            _ => {}
+        }
+        Ray { org: Vec3::new(x[0], x[1], x[2]), tnear: x[6], dir: Vec3::new(x[3], x[4], x[5]), tfar: x[7] }
+    });
+    assert!(!rays.iter().any(Ray::is_valid));
+    for isa in Isa::available() {
+        let watertight = WatertightTracer::with_isa(&eight, &mesh, isa);
+        let tracers: [&dyn phr::geometry::Tracer; 3] =
+            [&BvhTracer::with_isa(&four, isa), &BvhTracer::with_isa(&eight, isa), &watertight];
+        for tracer in tracers {
+            assert!(closest(tracer, &rays).iter().all(|hit| *hit == Hit::MISS), "{isa}");
+            assert!(!any(tracer, &rays).contains(&true), "{isa}");
+        }
+    }
+}
