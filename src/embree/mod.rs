@@ -20,6 +20,7 @@ mod packets;
 mod query;
 pub mod rtcbuild;
 mod scene;
+mod streams;
 #[cfg(test)]
 mod test_meshes;
 #[cfg(feature = "graft")]
@@ -31,5 +32,6 @@ pub use error::EmbreeError;
 pub use inspect::{Inspection, inspect};
 pub use packets::Packets;
 pub use scene::{EmbreeScene, Prepared};
+pub use streams::{PacketStream, Stream};
 #[cfg(feature = "graft")]
 pub use tree::{Unavailable, graft, native};

@@ -70,6 +70,15 @@ impl Tracer for EmbreeScene<'_> {
     }
 }
 
+/// A context that says whether neighbouring rays go alike.
+pub(super) fn context_for(coherent: bool) -> sys::RTCIntersectContext {
+    let mut context = context();
+    if coherent {
+        context.flags = sys::RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    }
+    context
+}
+
 pub(super) fn context() -> sys::RTCIntersectContext {
     let mut context = sys::RTCIntersectContext::default();
     // SAFETY: writes the structure given.
@@ -83,7 +92,7 @@ fn all_valid(rays: &[Ray]) -> bool {
 }
 
 #[inline(always)]
-fn embree_ray(ray: &Ray) -> sys::RTCRay {
+pub(super) fn embree_ray(ray: &Ray) -> sys::RTCRay {
     sys::RTCRay {
         org_x: ray.org.x,
         org_y: ray.org.y,
