@@ -25,6 +25,6 @@ pub use camera::Camera;
 pub use image::Image;
 #[cfg(feature = "harness")]
 pub use image::ImageError;
-pub use kernel::{BvhTracer, TraversalCounts, WatertightTracer, kernel_isa};
+pub use kernel::{BatchTracer, BvhTracer, ProvenTree, TraversalCounts, WatertightTracer, kernel_isa};
 pub use path::{PathSettings, Recording, record, render};
 pub use verify::{hit_count, hit_hash};

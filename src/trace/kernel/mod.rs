@@ -6,10 +6,12 @@
 //! 4. [`scalar`] and `avx2`: the tests of boxes and triangles per instruction set;
 //! 5. [`watertight`]: the same traversal with tests that leave no gap between triangles, over [`corners`] instead of
 //!    edges, and the ray as those tests see it ([`frame`]);
-//! 6. [`counts`]: nodes and leaf blocks visited.
+//! 6. [`batch`]: many rays at once;
+//! 7. [`counts`]: nodes and leaf blocks visited.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+mod batch;
 mod corners;
 mod counts;
 mod frame;
@@ -20,6 +22,8 @@ mod tracer;
 mod traverse;
 mod watertight;
 
+pub use batch::BatchTracer;
 pub use counts::TraversalCounts;
+pub use sound_tree::ProvenTree;
 pub use tracer::{BvhTracer, kernel_isa};
 pub use watertight::WatertightTracer;

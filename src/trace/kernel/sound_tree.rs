@@ -10,6 +10,7 @@ use crate::bvh::{Child, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 /// [`MAX_DEPTH`], over leaf blocks of some form. Only made by [`SoundTree::new`]; the borrow keeps the proof true.
 #[derive(Debug)]
 pub(super) struct SoundTree<'a, const N: usize, B = TriangleBlock> {
+    /// The tree's root, or a link reached from it.
     root: Link,
     nodes: &'a [WideNode<N>],
     blocks: &'a [B],
@@ -61,9 +62,31 @@ impl<'a, const N: usize> SoundTree<'a, N> {
 }
 
 impl<'a, const N: usize, B> SoundTree<'a, N, B> {
+    /// Where traversal starts.
     #[inline(always)]
     pub(super) fn root(self) -> Link {
         self.root
+    }
+
+    /// The part of the tree below `link`.
+    ///
+    /// # Safety
+    /// `link` was reached from the root.
+    #[inline(always)]
+    pub(super) unsafe fn below(self, link: Link) -> Self {
+        Self { root: link, ..self }
+    }
+
+    /// All inner nodes.
+    #[inline(always)]
+    pub(super) fn nodes(self) -> &'a [WideNode<N>] {
+        self.nodes
+    }
+
+    /// All leaf blocks.
+    #[inline(always)]
+    pub(super) fn blocks(self) -> &'a [B] {
+        self.blocks
     }
 
     /// Node `index`.
@@ -97,6 +120,30 @@ impl<'a, const N: usize, B> SoundTree<'a, N, B> {
         } else {
             self.blocks.as_ptr().wrapping_add((link.bits() & INDEX) as usize).cast()
         }
+    }
+}
+
+/// A sound tree that owns its nodes: proven once, traced often.
+#[derive(Debug)]
+pub struct ProvenTree<const N: usize>(WideBvh<N>);
+
+impl<const N: usize> ProvenTree<N> {
+    /// Walks `tree` once, to prove that kernels may follow its links unchecked.
+    ///
+    /// # Errors
+    /// The flaw of a malformed tree: links out of range, shared or cyclic nodes, more than [`MAX_DEPTH`] inner levels.
+    pub fn new(tree: WideBvh<N>) -> Result<Self, String> {
+        SoundTree::new(&tree)?;
+        Ok(Self(tree))
+    }
+
+    /// The tree.
+    pub fn get(&self) -> &WideBvh<N> {
+        &self.0
+    }
+
+    pub(super) fn sound(&self) -> SoundTree<'_, N> {
+        SoundTree { root: self.0.root, nodes: &self.0.nodes, blocks: &self.0.blocks }
     }
 }
 

@@ -4,7 +4,7 @@
 use super::avx2::{self, FastAvx2};
 use super::counts::{Counter, TraversalCounts};
 use super::scalar::FastScalar;
-use super::sound_tree::SoundTree;
+use super::sound_tree::{ProvenTree, SoundTree};
 use super::traverse::{self, Query};
 use crate::bvh::WideBvh;
 use crate::geometry::{Hit, Ray, Tracer};
@@ -56,6 +56,12 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
         Self { tree: sound(tree), isa }
     }
 
+    /// A tracer over a tree that is known to be sound.
+    #[inline(always)]
+    pub(super) fn of_sound(tree: SoundTree<'a, N>, isa: Isa) -> Self {
+        Self { tree, isa }
+    }
+
     /// The instructions in use.
     pub fn isa(&self) -> Isa {
         self.isa
@@ -104,6 +110,14 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
             }
             _ => traverse::run::<FastScalar, C, N>((), self.tree, query, counter),
         }
+    }
+}
+
+impl<const N: usize> ProvenTree<N> {
+    /// A tracer over the tree with the best instructions of this machine; it costs nothing to make.
+    #[inline]
+    pub fn tracer(&self) -> BvhTracer<'_, N> {
+        BvhTracer::of_sound(self.sound(), Isa::best())
     }
 }
 
