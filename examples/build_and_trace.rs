@@ -1,30 +1,30 @@
-//! Builds a tree over a generated room and traces the rays of a camera through it.
+//! Builds a tree over a generated room and traces the rays of a camera through it, all at once and one by one.
 //! `cargo run --release --example build_and_trace`
 
-use phr::bvh::Statistics;
-use phr::geometry::Hit;
-use phr::trace::{BvhTracer, Camera, closest_in_parallel};
-use phr::{builders, scene};
+use phr::trace::Camera;
+use phr::{Bvh, BvhConfig, scene};
 use std::error::Error;
+use std::time::Instant;
 
 /// Pixels across and down.
 const SIZE: u32 = 512;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let scene = scene::generator("rooms").ok_or("no scene is called rooms")?.generate();
-    let mut builder = builders::by_name::<4>("phr-speed").ok_or("no builder is called phr-speed")?;
-    let build = builder.build(&scene.mesh);
-    println!("{} triangles in {:.1?}:", scene.mesh.len(), build.duration());
-    for phase in &build.phases {
-        println!("  {:<16} {:.1?}", phase.name, phase.duration);
-    }
-    let Statistics { sah, nodes, leaves, bytes, .. } = Statistics::of(&build.tree, &scene.mesh);
-    println!("SAH cost {sah:.2}, {nodes} inner nodes, {leaves} leaves, {bytes} bytes");
+    let start = Instant::now();
+    let bvh = Bvh::build(&scene.mesh, &BvhConfig::default())?;
+    println!("{} triangles in {:.1?}, {} bytes", scene.mesh.len(), start.elapsed(), bvh.bytes());
 
     let camera = Camera::new(&scene.views[0], SIZE, SIZE);
     let rays: Vec<_> = (0..SIZE * SIZE).map(|i| camera.ray(i % SIZE, i / SIZE, [0.5; 2])).collect();
-    let mut hits = vec![Hit::MISS; rays.len()];
-    closest_in_parallel(&BvhTracer::new(&build.tree), &rays, &mut hits);
-    println!("{} of {} rays hit a triangle", hits.iter().filter(|hit| hit.is_hit()).count(), rays.len());
+    let mut hits = vec![None; rays.len()];
+    let start = Instant::now();
+    bvh.intersect_batch(&rays, &mut hits);
+    println!("{} rays in {:.1?}, one thread", rays.len(), start.elapsed());
+    println!("{} hit a triangle", hits.iter().flatten().count());
+
+    let centre = bvh.intersect(&camera.ray(SIZE / 2, SIZE / 2, [0.5; 2])).ok_or("nothing is there")?;
+    let facing = centre.normal.normalize();
+    println!("in the middle: triangle {} at distance {:.2}, facing {facing:.2}", centre.prim, centre.t);
     Ok(())
 }

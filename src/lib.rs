@@ -53,20 +53,28 @@
 //! assert!(cost("phr-quality") < cost("lbvh"));
 //! ```
 //!
-//! **Rays** are traced in batches, for the closest hit or for any, with the best instructions of the machine.
+//! **Rays** are what a tree is for. [`Bvh`] owns one that was proven sound, and answers rays with the best instructions
+//! of the machine: the closest hit or any, one ray or many. [`query`] says what is promised of intervals, directions,
+//! faces and invalid rays.
 //!
 //! ```
-//! use phr::geometry::{Hit, Tracer};
-//! use phr::trace::{BvhTracer, Camera};
+//! use phr::trace::Camera;
+//! use phr::{Bvh, BvhConfig};
 //!
 //! let scene = phr::scene::scalable(20_000, 1);
-//! let tree = phr::builders::by_name::<4>("phr-hq").expect("a name of the list").build(&scene.mesh).tree;
+//! let bvh = Bvh::build(&scene.mesh, &BvhConfig::default())?;
 //! let camera = Camera::new(&scene.views[0], 64, 64);
 //! let rays: Vec<_> = (0..64 * 64).map(|i| camera.ray(i % 64, i / 64, [0.5; 2])).collect();
-//! let mut hits = vec![Hit::MISS; rays.len()];
-//! BvhTracer::new(&tree).closest(&rays, &mut hits);
-//! assert!(hits.iter().any(Hit::is_hit));
+//! let mut hits = vec![None; rays.len()];
+//! bvh.intersect_batch(&rays, &mut hits);
+//! let seen = hits.iter().position(Option::is_some).expect("the camera sees the scene");
+//! let (hit, ray) = (bvh.intersect(&rays[seen]).expect("what the batch hit"), rays[seen]);
+//! assert_eq!(Some(hit), hits[seen]);
+//! println!("triangle {} at {}, facing {}", hit.prim, ray.org + hit.t * ray.dir, hit.normal);
+//! # Ok::<(), phr::query::BvhError>(())
 //! ```
+//!
+//! A `Bvh` is also made of a tree that a builder of your own parameters has built: `Bvh::try_from(build.tree)`.
 //!
 //! # From a scene file to a row of the table
 //!
@@ -74,12 +82,13 @@
 //! 2. [`builders`] computes primitive boxes, Morton codes and the auxiliary LBVH, refines cuts of it and emits
 //! 3. a [`bvh::WideBvh`], whose cost [`bvh`] measures;
 //! 4. [`trace`] records a path tracer's rays once per view and traces them through any tree;
-//! 5. `embree` does the same with the distribution's Embree (feature `embree`);
-//! 6. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots and `cli` into
+//! 5. [`query`] is the same for an application;
+//! 6. `embree` does the same with the distribution's Embree (feature `embree`);
+//! 7. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots and `cli` into
 //!    commands (feature `harness`).
 //!
 //! Imports run down this list: `geometry`, `scene`, `bvh`, `simd`, `memory`, `parallel`, `builders`, `embree`, `trace`,
-//! `bench`, `report`, `cli`.
+//! `query`, `bench`, `report`, `cli`.
 
 #![deny(missing_docs)]
 
@@ -90,10 +99,13 @@ pub mod embree;
 pub mod geometry;
 mod memory;
 mod parallel;
+pub mod query;
 pub mod random;
 pub mod scene;
 mod simd;
 pub mod trace;
+
+pub use query::{Bvh, BvhConfig};
 
 #[cfg(feature = "harness")]
 pub mod bench;

@@ -36,6 +36,7 @@ const ORDER: &[&str] = &[
     "builders::steps",
     "embree",
     "trace",
+    "query",
     "bench",
     "report",
     "cli",
@@ -64,6 +65,8 @@ const UNSAFE_FILES: &[&str] = &[
     "builders/lbvh/sort.rs",
     "builders/wide/treelet.rs",
     // Links and a stack without bounds checks.
+    "trace/kernel/batch/interleave.rs",
+    "trace/kernel/batch/tracer.rs",
     "trace/kernel/sound_tree.rs",
     "trace/kernel/stack.rs",
     "trace/kernel/traverse.rs",
@@ -75,6 +78,7 @@ const UNSAFE_FILES: &[&str] = &[
     "embree/rtcbuild/callbacks.rs",
     "embree/rtcbuild/mod.rs",
     "embree/scene.rs",
+    "embree/streams.rs",
     // Embree's tree in memory.
     "embree/tree/graft.rs",
     "embree/tree/layout.rs",

@@ -1,0 +1,184 @@
+//! A tree that answers rays.
+
+use super::{BvhConfig, BvhError, Hit};
+use crate::builders;
+use crate::bvh::{Bvh4, Bvh8, TriangleBlock, WideBvh};
+use crate::geometry::{self, Mesh, Ray, Tracer};
+use crate::trace::ProvenTree;
+use glam::Vec3;
+use rayon::prelude::*;
+use std::slice::{from_mut, from_ref};
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// A tree over a mesh, of which it keeps what rays need: the mesh may be dropped. The module's page has the conventions.
+///
+/// ```
+/// use phr::geometry::{Mesh, Ray};
+/// use phr::query::{Bvh, BvhConfig};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let (mesh, _) = Mesh::new(corners, vec![[0, 1, 2]])?;
+/// let bvh = Bvh::build(&mesh, &BvhConfig::default())?;
+/// let down = Ray { org: [0.2, 0.3, 2.0].into(), tnear: 0.0, dir: [0.0, 0.0, -1.0].into(), tfar: f32::INFINITY };
+/// let hit = bvh.intersect(&down).expect("a hit");
+/// assert_eq!((hit.prim, hit.normal.to_array()), (0, [0.0, 0.0, 1.0]));
+/// assert!(bvh.occluded(&down) && !bvh.occluded(&Ray { tfar: 1.0, ..down }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Bvh {
+    tree: Tree,
+    /// By triangle: four times its block, plus its lane in it.
+    places: Vec<u32>,
+}
+
+/// A tree of either width.
+#[derive(Debug)]
+enum Tree {
+    Four(ProvenTree<4>),
+    Eight(ProvenTree<8>),
+}
+
+/// Rays answered at a time: enough for the tracer of batches, and their hits stay in the first-level cache.
+const RUN: usize = 1024;
+
+impl Bvh {
+    /// Builds a tree over `mesh` on the current rayon pool. To keep a builder's memory from one build to the next, or to
+    /// build with parameters of your own, use a [`builders::Builder`] and make a `Bvh` of its tree.
+    ///
+    /// # Errors
+    /// [`BvhError::NoSuchBuilder`], [`BvhError::NoSuchWidth`].
+    pub fn build(mesh: &Mesh, config: &BvhConfig<'_>) -> Result<Self, BvhError> {
+        match config.width {
+            4 => tree::<4>(mesh, config.builder)?.try_into(),
+            8 => tree::<8>(mesh, config.builder)?.try_into(),
+            width => Err(BvhError::NoSuchWidth(width)),
+        }
+    }
+
+    /// The closest hit of `ray`.
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        let mut hit = geometry::Hit::MISS;
+        self.trace(|tracer| tracer.closest(from_ref(ray), from_mut(&mut hit)));
+        self.with_normal(&hit)
+    }
+
+    /// Whether `ray` hits anything.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        let mut occluded = false;
+        self.trace(|tracer| tracer.any(from_ref(ray), from_mut(&mut occluded)));
+        occluded
+    }
+
+    /// The closest hit of each of `rays`, in whatever order they are: rays that go alike are traced together.
+    ///
+    /// # Panics
+    /// If there are not as many `hits` as `rays`.
+    pub fn intersect_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len(), "as many hits as rays");
+        let mut found = [geometry::Hit::MISS; RUN];
+        self.trace_batch(|tracer| {
+            for (rays, hits) in rays.chunks(RUN).zip(hits.chunks_mut(RUN)) {
+                let found = &mut found[..rays.len()];
+                tracer.closest(rays, found);
+                for (hit, found) in hits.iter_mut().zip(found) {
+                    *hit = self.with_normal(found);
+                }
+            }
+        });
+    }
+
+    /// Whether each of `rays` hits anything, likewise.
+    ///
+    /// # Panics
+    /// If there are not as many places in `occluded` as `rays`.
+    pub fn occluded_batch(&self, rays: &[Ray], occluded: &mut [bool]) {
+        assert_eq!(rays.len(), occluded.len(), "as many answers as rays");
+        self.trace_batch(|tracer| tracer.any(rays, occluded));
+    }
+
+    /// Bytes of the tree and of what finds a triangle in it.
+    pub fn bytes(&self) -> usize {
+        let tree = match &self.tree {
+            Tree::Four(tree) => tree.get().bytes(),
+            Tree::Eight(tree) => tree.get().bytes(),
+        };
+        tree + size_of_val(&self.places[..])
+    }
+
+    /// Hands our kernel over the tree to `f`.
+    #[inline]
+    fn trace<R>(&self, f: impl FnOnce(&dyn Tracer) -> R) -> R {
+        match &self.tree {
+            Tree::Four(tree) => f(&tree.tracer()),
+            Tree::Eight(tree) => f(&tree.tracer()),
+        }
+    }
+
+    /// The same with our kernel for batches, to which invalid rays may be given.
+    fn trace_batch<R>(&self, f: impl FnOnce(&dyn Tracer) -> R) -> R {
+        match &self.tree {
+            Tree::Four(tree) => f(&tree.batch_tracer()),
+            Tree::Eight(tree) => f(&tree.batch_tracer()),
+        }
+    }
+
+    fn blocks(&self) -> &[TriangleBlock] {
+        match &self.tree {
+            Tree::Four(tree) => &tree.get().blocks,
+            Tree::Eight(tree) => &tree.get().blocks,
+        }
+    }
+
+    /// A kernel's hit with its normal, from the block that the kernel has just read.
+    #[inline]
+    fn with_normal(&self, hit: &geometry::Hit) -> Option<Hit> {
+        let &geometry::Hit { t, u, v, prim } = hit;
+        let &place = self.places.get(prim as usize)?;
+        let (block, lane) = (&self.blocks()[(place / 4) as usize], (place % 4) as usize);
+        let edge = |edges: &[[f32; 4]; 3]| Vec3::from_array(edges.map(|axis| axis[lane]));
+        Some(Hit { t, u, v, prim, normal: edge(&block.e2).cross(edge(&block.e1)) })
+    }
+}
+
+/// The tree of the builder called `name`.
+fn tree<const N: usize>(mesh: &Mesh, name: &str) -> Result<WideBvh<N>, BvhError> {
+    let mut builder = builders::by_name(name).ok_or_else(|| BvhError::NoSuchBuilder(name.to_owned()))?;
+    Ok(builder.build(mesh).tree)
+}
+
+impl TryFrom<Bvh4> for Bvh {
+    type Error = BvhError;
+
+    /// Proves a builder's tree sound.
+    fn try_from(tree: Bvh4) -> Result<Self, BvhError> {
+        let places = places(&tree.blocks)?;
+        Ok(Self { tree: Tree::Four(ProvenTree::new(tree).map_err(BvhError::Malformed)?), places })
+    }
+}
+
+impl TryFrom<Bvh8> for Bvh {
+    type Error = BvhError;
+
+    /// As from a 4-wide tree.
+    fn try_from(tree: Bvh8) -> Result<Self, BvhError> {
+        let places = places(&tree.blocks)?;
+        Ok(Self { tree: Tree::Eight(ProvenTree::new(tree).map_err(BvhError::Malformed)?), places })
+    }
+}
+
+/// Where each triangle is; one of the places if it is in several blocks.
+fn places(blocks: &[TriangleBlock]) -> Result<Vec<u32>, BvhError> {
+    let last = blocks.par_iter().flat_map_iter(TriangleBlock::ids).max();
+    let length = last.map_or(0, |last| last as usize + 1);
+    if length > Mesh::MAX_TRIANGLES {
+        return Err(BvhError::Malformed(format!("triangle {} of no mesh", length - 1)));
+    }
+    let places: Vec<AtomicU32> = (0..length).map(|_| AtomicU32::new(0)).collect();
+    blocks.par_iter().enumerate().for_each(|(index, block)| {
+        for (lane, prim) in block.ids().enumerate() {
+            places[prim as usize].store((4 * index + lane) as u32, Relaxed);
+        }
+    });
+    Ok(places.into_iter().map(AtomicU32::into_inner).collect())
+}

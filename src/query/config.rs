@@ -1,0 +1,33 @@
+//! What tree to build, and why it could not be built.
+
+use crate::builders::NAMES;
+
+/// What tree to build.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BvhConfig<'a> {
+    /// Name of a builder, of [`NAMES`] or [`ABLATION`](crate::builders::ABLATION).
+    pub builder: &'a str,
+    /// Most children of a node: 4 or 8.
+    pub width: usize,
+}
+
+impl Default for BvhConfig<'_> {
+    /// `phr-speed`, 8-wide: built fast, traced well.
+    fn default() -> Self {
+        Self { builder: "phr-speed", width: 8 }
+    }
+}
+
+/// Why a [`Bvh`](super::Bvh) could not be made.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BvhError {
+    /// No builder has the name.
+    #[error("no builder is called {0}; there are {list}", list = NAMES.join(", "))]
+    NoSuchBuilder(String),
+    /// No builder makes nodes of so many children.
+    #[error("no tree has nodes of {0} children; give 4 or 8")]
+    NoSuchWidth(usize),
+    /// The tree's links lead out of it or in circles, or it is too deep.
+    #[error("malformed tree: {0}; check it by WideBvh::validate")]
+    Malformed(String),
+}

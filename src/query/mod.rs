@@ -1,0 +1,23 @@
+//! The library's front door: [`Bvh`] is built from a mesh and answers rays.
+//!
+//! What is fixed, and tested in `tests/query.rs`:
+//!
+//! * **Interval**: a hit at `t` counts if `tnear < t <= tfar`, as in Embree. `tfar` may be infinite; a ray whose interval
+//!   is empty (`tfar <= tnear`) misses.
+//! * **Direction**: any length; `t` is in units of it, so that the hit lies at `org + t * dir`. Components may be zero, of
+//!   either sign, or denormal; a ray whose direction is zero misses.
+//! * **Faces**: both sides of a triangle are hit. The normal is not turned towards the ray.
+//! * **Edges** belong to their triangles, but rounding decides: a ray at an edge may slip between the two triangles that
+//!   share it, or past a triangle that it touches at the border of a box it runs along. Of hits at the same distance any
+//!   may be reported.
+//! * **Invalid rays** miss, those that are not [`Ray::is_valid`](crate::geometry::Ray::is_valid): a NaN, an infinite
+//!   origin or direction, a negative `tnear`. No ray panics.
+//! * **Threads**: a [`Bvh`] is `Send` and `Sync`. A query runs on the thread that calls it and allocates nothing per ray.
+
+mod bvh;
+mod config;
+mod hit;
+
+pub use bvh::Bvh;
+pub use config::{BvhConfig, BvhError};
+pub use hit::Hit;

@@ -1,0 +1,265 @@
+//! The conventions of `phr::query`, for trees of both widths.
+
+mod trace_support;
+
+use glam::Vec3;
+use phr::bvh::{Bvh4, Link};
+use phr::geometry::{Mesh, Ray};
+use phr::query::{BvhError, Hit};
+use phr::random::SplitMix64;
+use phr::trace::verify::compare_closest;
+use phr::trace::{BruteForce, BvhTracer};
+use phr::{Bvh, BvhConfig, geometry};
+use std::f32::consts::SQRT_2;
+use trace_support::*;
+
+/// Trees of both widths over `mesh`.
+fn both(mesh: &Mesh) -> [Bvh; 2] {
+    [median_tree::<4>(mesh, 4).try_into().unwrap(), median_tree::<8>(mesh, 4).try_into().unwrap()]
+}
+
+/// The triangle (0, 0, 0), (4, 0, 0), (0, 4, 0), and nine more at z = -10.
+fn triangles() -> [Bvh; 2] {
+    let mut vertices = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+    vertices
+        .extend((0..27).map(|i| [(i % 3 == 1) as u8 as f32 + i as f32, (i % 3 == 2) as u8 as f32, -10.0]));
+    let prims = (0..10).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    both(&Mesh::new(vertices, prims).unwrap().0)
+}
+
+/// A ray from above onto (1, 2) of the triangle at z = 0, at t = 2.
+const DOWN: Ray =
+    Ray { org: Vec3::new(1.0, 2.0, 2.0), tnear: 0.0, dir: Vec3::new(0.0, 0.0, -1.0), tfar: f32::INFINITY };
+
+#[test]
+fn a_bvh_is_shared_among_threads() {
+    const fn shared<T: Send + Sync>() {}
+    const { shared::<Bvh>() }
+}
+
+#[test]
+fn a_hit_has_its_coordinates_and_its_normal() {
+    for bvh in triangles() {
+        let hit = bvh.intersect(&DOWN).unwrap();
+        assert_eq!((hit.prim, hit.normal), (0, Vec3::new(0.0, 0.0, 16.0)));
+        assert!((hit.t - 2.0).abs() < 1e-6, "{hit:?}");
+        assert!((hit.u - 0.25).abs() < 1e-6 && (hit.v - 0.5).abs() < 1e-6, "{hit:?}");
+        assert!(bvh.occluded(&DOWN));
+    }
+}
+
+#[test]
+fn both_faces_are_hit_and_the_normal_is_not_turned() {
+    let up = ray([1.0, 2.0, -3.0], [0.0, 0.0, 1.0]);
+    for bvh in triangles() {
+        let hit = bvh.intersect(&up).unwrap();
+        assert!((hit.t - 3.0).abs() < 1e-6 && hit.normal.z == 16.0, "{hit:?}");
+    }
+}
+
+#[test]
+fn the_interval_excludes_its_start_and_includes_its_end() {
+    let above = DOWN.tfar;
+    let cases = [
+        (0.0, 2.0, true),
+        (0.0, 2f32.next_down(), false),
+        (2.0, above, false),
+        (2f32.next_down(), above, true),
+        (2.0, 2.0, false),
+        (3.0, 1.0, false),
+        (0.0, 0.0, false),
+        (0.0, -1.0, false),
+        (0.0, f32::NEG_INFINITY, false),
+        (0.0, f32::MAX, true),
+    ];
+    for bvh in triangles() {
+        for (tnear, tfar, is_hit) in cases {
+            // Away from the other triangles, which it would meet behind the first.
+            let ray = Ray { org: Vec3::new(1.0, 2.5, 2.0), tnear, tfar, ..DOWN };
+            assert_eq!(bvh.intersect(&ray).is_some(), is_hit, "{tnear} {tfar}");
+            assert_eq!(bvh.occluded(&ray), is_hit, "{tnear} {tfar}");
+        }
+        let on_it = Ray { org: Vec3::new(1.0, 2.5, 0.0), ..DOWN };
+        assert_eq!(bvh.intersect(&on_it), None, "t = 0 is not beyond tnear = 0");
+    }
+}
+
+#[test]
+fn distances_are_in_units_of_the_direction() {
+    for bvh in triangles() {
+        for length in [1e-15f32, 1e-3, 0.5, 3.0, 1e6, 1e15] {
+            let hit = bvh.intersect(&Ray { dir: DOWN.dir * length, ..DOWN }).unwrap();
+            assert!((hit.t * length - 2.0).abs() < 1e-5, "{length}: {hit:?}");
+        }
+    }
+}
+
+#[test]
+fn components_may_be_zero_or_denormal() {
+    for bvh in triangles() {
+        for small in [0.0, -0.0, f32::from_bits(1), -f32::MIN_POSITIVE, 1e-30] {
+            for dir in [[small, small, -1.0], [small, 0.0, -1.0], [-0.0, small, -1.0]] {
+                assert_eq!(bvh.intersect(&ray(DOWN.org.into(), dir)).map(|hit| hit.prim), Some(0), "{dir:?}");
+            }
+            assert_eq!(bvh.intersect(&ray(DOWN.org.into(), [small.min(0.0), 0.0, 0.0])), None);
+        }
+        // In the triangle's plane: it has no side to hit.
+        assert_eq!(bvh.intersect(&ray([-1.0, 1.0, 0.0], [1.0, 0.0, 0.0])), None);
+    }
+}
+
+#[test]
+fn edges_and_corners_belong_to_the_triangle() {
+    for bvh in triangles() {
+        for (x, y) in [(0.0, 0.0), (2.0, 2.0), (1.0, 3.0), (0.0, 1.0), (3.0, 0.0)] {
+            assert!(bvh.intersect(&Ray { org: Vec3::new(x, y, 2.0), ..DOWN }).is_some(), "{x} {y}");
+        }
+    }
+}
+
+/// Rays that are not valid, each in one way.
+fn invalid() -> Vec<Ray> {
+    let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX];
+    let mut rays: Vec<Ray> = [-1.0, f32::NAN, f32::INFINITY].map(|tnear| Ray { tnear, ..DOWN }).into();
+    rays.push(Ray { tfar: f32::NAN, ..DOWN });
+    for axis in 0..3 {
+        for value in bad {
+            let (mut org, mut dir) = (DOWN, DOWN);
+            org.org[axis] = value;
+            dir.dir[axis] = value;
+            rays.extend([org, dir]);
+        }
+    }
+    rays
+}
+
+#[test]
+fn invalid_rays_miss_and_leave_their_neighbours_alone() {
+    for bvh in triangles() {
+        for ray in invalid() {
+            assert!(!ray.is_valid());
+            assert_eq!((bvh.intersect(&ray), bvh.occluded(&ray)), (None, false), "{ray:?}");
+        }
+        let rays: Vec<Ray> = invalid().into_iter().flat_map(|ray| [DOWN, ray]).collect();
+        let (mut hits, mut occluded) = (vec![None; rays.len()], vec![true; rays.len()]);
+        bvh.intersect_batch(&rays, &mut hits);
+        bvh.occluded_batch(&rays, &mut occluded);
+        for (index, (hit, occluded)) in hits.iter().zip(occluded).enumerate() {
+            assert_eq!((hit.is_some(), occluded), (index % 2 == 0, index % 2 == 0), "{:?}", rays[index]);
+        }
+    }
+}
+
+#[test]
+fn no_ray_panics() {
+    let mesh = soup(500, 3);
+    let mut random = SplitMix64::new(9);
+    let mut bits = || f32::from_bits(random.below(1 << 32) as u32);
+    let mut any = || Ray {
+        org: Vec3::new(bits(), bits(), bits()),
+        tnear: bits(),
+        dir: Vec3::new(bits(), bits(), bits()),
+        tfar: bits(),
+    };
+    let rays: Vec<Ray> =
+        (0..40_000).map(|_| any()).map(|ray| Ray { tnear: ray.tnear.abs(), ..ray }).collect();
+    assert!(rays.iter().filter(|ray| ray.is_valid()).count() > 1000);
+    // Where products of such numbers overflow, one query may well hit what another misses.
+    for bvh in both(&mesh) {
+        let (mut hits, mut occluded) = (vec![None; rays.len()], vec![false; rays.len()]);
+        bvh.intersect_batch(&rays, &mut hits);
+        bvh.occluded_batch(&rays, &mut occluded);
+        for (ray, hit) in rays.iter().zip(hits) {
+            let single = (bvh.intersect(ray), bvh.occluded(ray));
+            assert!(ray.is_valid() || (single, hit) == ((None, false), None), "{ray:?}");
+        }
+    }
+}
+
+/// A batch's answers are those of its rays one by one, and any hit is where a closest hit is.
+fn check_batch(bvh: &Bvh, rays: &[Ray]) -> Vec<Option<Hit>> {
+    let (mut hits, mut occluded) = (vec![None; rays.len()], vec![false; rays.len()]);
+    bvh.intersect_batch(rays, &mut hits);
+    bvh.occluded_batch(rays, &mut occluded);
+    for ((ray, hit), occluded) in rays.iter().zip(&hits).zip(occluded) {
+        assert_eq!(bvh.intersect(ray).map(|hit| hit.t), hit.map(|hit| hit.t), "{ray:?}");
+        assert_eq!((bvh.occluded(ray), occluded), (hit.is_some(), hit.is_some()), "{ray:?}");
+    }
+    hits
+}
+
+#[test]
+fn batches_hit_what_brute_force_hits() {
+    for scale in [1e-6, 1.0, 1e6] {
+        let still = soup(2000, 5);
+        let vertices = still.vertices().iter().map(|v| v.map(|x| scale * x)).collect();
+        let mesh = Mesh::new(vertices, still.triangles().to_vec()).unwrap().0;
+        let scaled = |ray: &Ray| Ray { org: ray.org * scale, dir: ray.dir * scale, ..*ray };
+        let rays: Vec<Ray> = rays(&still, 5001, 6).iter().map(scaled).collect();
+        let reference = closest(&BruteForce(&mesh), &rays);
+        for bvh in both(&mesh) {
+            for rays in [&rays[..0], &rays[..1], &rays[..17]] {
+                check_batch(&bvh, rays);
+            }
+            let plain = |hit: &Option<Hit>| match *hit {
+                Some(Hit { t, u, v, prim, .. }) => geometry::Hit { t, u, v, prim },
+                None => geometry::Hit::MISS,
+            };
+            let hits: Vec<_> = check_batch(&bvh, &rays).iter().map(plain).collect();
+            let verdict = compare_closest(&mesh, &rays, &reference, &hits);
+            assert!(verdict.is_ok() && verdict.edge < 25, "{scale}: {verdict}");
+        }
+    }
+}
+
+/// The tree is that of the builder of this name and width.
+fn check_build<const N: usize>(mesh: &Mesh, builder: &str, ray: &Ray) {
+    let bvh = Bvh::build(mesh, &BvhConfig { builder, width: N }).unwrap();
+    let tree = phr::builders::by_name::<N>(builder).unwrap().build(mesh).tree;
+    let hit = closest(&BvhTracer::new(&tree), &[*ray])[0];
+    assert_eq!(bvh.intersect(ray).map(|hit| hit.t), hit.is_hit().then_some(hit.t));
+    assert_eq!(bvh.bytes(), tree.bytes() + 4 * mesh.len());
+}
+
+#[test]
+fn a_tree_is_built_by_name() {
+    let mesh = soup(300, 1);
+    let ray = rays(&mesh, 64, 2)[0];
+    for builder in phr::builders::NAMES {
+        check_build::<4>(&mesh, builder, &ray);
+        check_build::<8>(&mesh, builder, &ray);
+    }
+    let error = Bvh::build(&mesh, &BvhConfig { builder: "sah", width: 4 }).unwrap_err();
+    assert!(error.to_string().starts_with("no builder is called sah; there are lbvh, "), "{error}");
+    let error = Bvh::build(&mesh, &BvhConfig { width: 6, ..BvhConfig::default() }).unwrap_err();
+    assert_eq!(error.to_string(), "no tree has nodes of 6 children; give 4 or 8");
+}
+
+#[test]
+fn nothing_is_hit_in_an_empty_mesh() {
+    let bvh = Bvh::build(&Mesh::new(vec![], vec![]).unwrap().0, &BvhConfig::default()).unwrap();
+    assert_eq!((bvh.intersect(&DOWN), bvh.occluded(&DOWN)), (None, false));
+    check_batch(&bvh, &[DOWN; 100]);
+}
+
+#[test]
+fn malformed_trees_are_refused() {
+    let tree = Bvh4 { root: Link::inner(3), ..Bvh4::default() };
+    let error = Bvh::try_from(tree).unwrap_err();
+    assert!(matches!(&error, BvhError::Malformed(flaw) if flaw.contains("node 3 of 0")), "{error}");
+    let mut tree = median_tree::<4>(&soup(5, 1), 4);
+    tree.blocks[0].prims[0] = u32::MAX - 1;
+    assert!(Bvh::try_from(tree).unwrap_err().to_string().contains("triangle 4294967294 of no mesh"));
+}
+
+#[test]
+fn normals_are_those_of_the_triangles() {
+    let mesh = soup(200, 8);
+    for bvh in both(&mesh) {
+        for hit in rays(&mesh, 2000, 9).iter().filter_map(|ray| bvh.intersect(ray)) {
+            let [a, b, c] = mesh.corners(hit.prim).map(Vec3::from);
+            let normal = (b - a).cross(c - a);
+            assert!((hit.normal - normal).length() <= 1e-4 * normal.length().max(SQRT_2 * f32::MIN_POSITIVE));
+        }
+    }
+}
