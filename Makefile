@@ -7,6 +7,8 @@
 #                   SCENES and the built-in scenes with two threads, their builds with one thread beside two, their
 #                   growth over scenes of 1 to 32 million triangles, and single extensions: an hour on two cores, 16 GiB
 #                   of memory
+# make bench-kernel our kernels and Embree's, single rays and batches, over the same trees on the files SCENES and the
+#                   built-in scenes of 100,000 triangles and more, into results/kernel: half an hour on two cores
 # cargo bench --bench steps
 #                   the steps of a build one by one (codes, sort, auxiliary tree, sweeps by length of the cut,
 #                   refining, leaf blocks, wide nodes), each beside a memcpy of as many bytes: some minutes
@@ -29,12 +31,13 @@ GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
 # PHR-Fast and PHR-HQ, and each with one extension (`phr ablation`).
 ABLATED = phr-fast $(addprefix phr-fast-,coarse clusters subtrees) phr-hq \
 	$(addprefix phr-hq-,coarse cut own bias overlap subtrees sweep leaf-28 calibration collapse clip presplit optimised)
+KERNEL_SCENES = rooms statue hair city pipes
 GROWTH = $(foreach size,1 2 4 8 16 32,scalable-$(size)M)
 PACKAGES = libembree-dev libclang-dev
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: bench bench-full bench-builders bench-paper test packages
+.PHONY: bench bench-full bench-builders bench-kernel bench-paper test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -59,6 +62,11 @@ bench-builders: packages
 	./target/release/phr plot $(TARGETS)
 	./target/release/phr plot $(TARGETS)/growth
 	./target/release/phr targets $(TARGETS)
+
+bench-kernel: packages
+	$(CARGO) build --release --bin phr
+	./target/release/phr kernels $(KERNEL_SCENES) $(SCENES) --least 100000 --size $(SIZE) --threads 1 --threads 2 \
+		--out results/kernel $(ARGS)
 
 bench-paper: packages
 	$(CARGO) build --release --bin phr

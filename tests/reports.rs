@@ -2,6 +2,7 @@
 
 #![cfg(feature = "harness")]
 
+use phr::bench::kernels;
 use phr::bench::row::{self, ALL, NO_KERNEL, ROWS, Row, SCHEMA, WARM};
 use phr::report::figures::Under;
 use phr::report::plot::{self, raster};
@@ -356,11 +357,16 @@ fn every_column_and_marker_is_described() {
     let folder = written(&rows());
     let text = std::fs::read_to_string(folder.path().join(ROWS)).unwrap();
     let described = include_str!("../results/README.md");
-    for column in text.lines().next().unwrap().split(',') {
+    let kernels = folder.path().join(kernels::row::KERNELS);
+    kernels::row::write(&kernels, &[kernels::row::KernelRow::default()]).unwrap();
+    let kernels = std::fs::read_to_string(kernels).unwrap();
+    for column in [text, kernels].iter().flat_map(|text| text.lines().next().unwrap().split(',')) {
         assert!(described.contains(&format!("`{column}`")), "{column}");
     }
-    let markers =
-        ["table", "table1", "means", "scenes", "run", "value", "summary", "targets", "growth", "ablation"];
+    let markers = [
+        "table", "table1", "means", "scenes", "run", "value", "summary", "targets", "growth", "ablation",
+        "kernels",
+    ];
     for marker in markers {
         assert!(described.contains(&format!("| `{marker}: ")), "{marker}");
         // What is described is understood: up to the rows, which are not there.

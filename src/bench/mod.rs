@@ -1,11 +1,12 @@
 //! The benchmark driver. A [`plan`] lists scenes and [`cell`]s; a [`run`] visits each cell in interleaved rounds;
 //! a [`visit`] has a [`contender`] build its tree and times it under each kernel; the [`recorder`] keeps
-//! [`samples`], [`rows`] and [`environment`] on disk.
+//! [`samples`], [`rows`] and [`environment`] on disk. [`kernels`] times kernels alone.
 
 pub mod cell;
 pub mod contender;
 pub mod cpu_time;
 pub mod error;
+pub mod kernels;
 pub mod plan;
 pub mod planned_scene;
 pub mod rays;

@@ -11,7 +11,9 @@ mod verbs;
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
-use verbs::{ablation, bench, build, compare, plot, readme, reduce, render, scenes, table, targets, verify};
+use verbs::{
+    ablation, bench, build, compare, kernels, plot, readme, reduce, render, scenes, table, targets, verify,
+};
 
 /// Progressive Hierarchical Refinement: BVH builders, measured beside Embree's with the same rays.
 #[derive(Debug, Parser)]
@@ -34,6 +36,7 @@ enum Verb {
     Targets(targets::Arguments),
     Ablation(ablation::Arguments),
     Compare(compare::Arguments),
+    Kernels(kernels::Arguments),
     Reduce(reduce::Arguments),
     Readme(readme::Arguments),
 }
@@ -68,6 +71,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Ablation(arguments) => ablation::run(arguments),
         Verb::Reduce(arguments) => reduce::run(arguments),
         Verb::Compare(arguments) => compare::run(arguments),
+        Verb::Kernels(arguments) => kernels::run(arguments),
         Verb::Readme(arguments) => readme::run(arguments),
     };
     match result {

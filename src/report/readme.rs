@@ -10,13 +10,14 @@ use super::table1::table1;
 use super::{details, targets};
 use crate::bench::environment::{Environment, State};
 use crate::bench::files::RecordsError;
+use crate::bench::kernels;
 use crate::bench::results_dir;
 use crate::bench::row::{self, Row};
 use std::path::Path;
 
 const END: &str = "<!-- end -->";
 /// The kinds of markers, each with the words that follow; `...` stands for more of the last.
-const KINDS: [(&str, &str); 11] = [
+const KINDS: [(&str, &str); 12] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
@@ -28,9 +29,10 @@ const KINDS: [(&str, &str); 11] = [
     ("bars", "RESULTS..."),
     ("growth", "RESULTS"),
     ("ablation", "RESULTS BASE BUILDER..."),
+    ("kernels", "RESULTS"),
 ];
 /// Kinds with fixed kernels, which take no `--kernel`.
-const OF_FIXED_KERNELS: [&str; 4] = ["targets", "bars", "growth", "ablation"];
+const OF_FIXED_KERNELS: [&str; 5] = ["targets", "bars", "growth", "ablation", "kernels"];
 
 /// Why a text cannot be regenerated.
 #[derive(Debug, thiserror::Error)]
@@ -168,6 +170,11 @@ impl<'a> Marker<'a> {
                     );
                 }
                 Ok(growth)
+            }
+            "kernels" => {
+                let rows = kernels::row::read(&folder.join(self.words[0]));
+                let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
+                Ok(super::kernels::page(&rows))
             }
             _ => self.of_one_run(folder),
         }

@@ -12,6 +12,8 @@ mod tree_under_kernel;
 mod without_embree;
 
 pub use built_tree::{BuildRequest, BuiltTree, EitherWidth};
+#[cfg(feature = "graft")]
+pub use embree::isa as embree_isa;
 #[cfg(feature = "embree")]
 pub use embree::{Embree, REFERENCE_KERNEL, library, reference};
 pub use ours::Ours;

@@ -4,6 +4,7 @@ pub mod ablation;
 pub mod bench;
 pub mod build;
 pub mod compare;
+pub mod kernels;
 pub mod plot;
 pub mod readme;
 pub mod reduce;

@@ -1,0 +1,155 @@
+//! The rounds: every kernel traces all rays of a kind once per round, in an order that turns from round to round.
+
+use super::contestants::{Contestant, Trees};
+use super::row::{KernelRow, SCHEMA, SINGLE};
+use crate::bench::cell::Cell;
+use crate::bench::environment::{Machine, Program, utc_now};
+use crate::bench::rays::Answers;
+use crate::bench::statistics::{Ratio, Summary};
+use crate::geometry::{Ray, Tracer};
+use crate::scene::Scene;
+use crate::trace::{PathSettings, RayBatches, RayKind, record};
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Rays that a thread hands to a kernel at once.
+const CHUNK: usize = 1 << 14;
+
+/// What is measured.
+#[derive(Clone, Debug)]
+pub struct KernelSettings {
+    /// The trees: builders and widths; Embree's first single-ray kernel over them is the reference.
+    pub cells: Vec<Cell>,
+    /// How rays are recorded.
+    pub path: PathSettings,
+    /// Views per scene, at most.
+    pub views: usize,
+    /// Rounds.
+    pub rounds: usize,
+    /// Numbers of threads.
+    pub threads: Vec<usize>,
+}
+
+/// Measures all kernels over the trees of one scene.
+///
+/// # Errors
+/// A tree or threads that cannot be had, in one line.
+pub fn measure(scene: &Scene, settings: &KernelSettings) -> Result<Vec<KernelRow>, String> {
+    let most = settings.threads.iter().copied().max().unwrap_or(1);
+    let trees = Trees::build(&scene.mesh, &settings.cells, &pool(most)?)?;
+    let contestants = trees.contestants();
+    let reference = contestants.first().ok_or("no kernel traces any of these trees")?;
+    let batches = pool(most)?.install(|| rays(scene, &*reference.tracer, settings));
+    let about = KernelRow {
+        schema: SCHEMA,
+        utc: utc_now(),
+        git_rev: Program::this().git_rev,
+        cpu: Machine::this("").cpu,
+        scene: scene.name.clone(),
+        triangles: scene.mesh.len() as u64,
+        rounds: settings.rounds as u32,
+        ..KernelRow::default()
+    };
+    let mut rows = Vec::new();
+    for &threads in &settings.threads {
+        let pool = pool(threads)?;
+        for kind in RayKind::ALL {
+            let rays = batches.get(kind);
+            if rays.is_empty() {
+                continue;
+            }
+            let (times, answers) = pool.install(|| rounds(&contestants, kind, rays, settings.rounds));
+            let verified = |index: usize| {
+                let tracers = [&*reference.tracer, &*contestants[index].tracer];
+                answers[index].compare(&scene.mesh, rays, &answers[0], tracers).is_ok()
+            };
+            for (index, contestant) in contestants.iter().enumerate() {
+                let same_tree = |other: &Contestant<'_>| {
+                    (other.builder, other.width) == (contestant.builder, contestant.width)
+                };
+                let single = contestants.iter().position(|other| other.kernel == SINGLE && same_tree(other));
+                let ratio = single.and_then(|single| ratio(&times[single], &times[index]));
+                let summary = Summary::of(&times[index]).ok_or("no rounds; give --rounds 1 or more")?;
+                rows.push(KernelRow {
+                    builder: contestant.builder.into(),
+                    width: contestant.width,
+                    kernel: contestant.kernel.into(),
+                    isa: contestant.isa.clone(),
+                    ray_kind: kind.name().into(),
+                    rays: rays.len() as u64,
+                    threads: threads as u32,
+                    mrays_s: digits(rays.len() as f64 / summary.median / 1e6),
+                    ratio: ratio.map(|ratio| digits(ratio.value)),
+                    ratio_low: ratio.map(|ratio| digits(ratio.low)),
+                    ratio_high: ratio.map(|ratio| digits(ratio.high)),
+                    verified: verified(index),
+                    ..about.clone()
+                });
+            }
+        }
+    }
+    Ok(rows)
+}
+
+fn pool(threads: usize) -> Result<ThreadPool, String> {
+    let build = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    build.map_err(|error| format!("--threads {threads}: {error}; give fewer"))
+}
+
+/// The rays of the first views, by kind.
+fn rays(scene: &Scene, tracer: &dyn Tracer, settings: &KernelSettings) -> RayBatches {
+    let mut all = RayBatches::default();
+    for view in scene.views.iter().take(settings.views) {
+        let recorded = record(tracer, &scene.mesh, view, &settings.path).batches;
+        for kind in RayKind::ALL {
+            all.get_mut(kind).extend_from_slice(recorded.get(kind));
+        }
+    }
+    all
+}
+
+/// Seconds of each contestant in each round, and its answers, on the current pool.
+fn rounds(
+    contestants: &[Contestant<'_>],
+    kind: RayKind,
+    rays: &[Ray],
+    rounds: usize,
+) -> (Vec<Vec<f64>>, Vec<Answers>) {
+    let mut answers: Vec<Answers> = contestants.iter().map(|_| Answers::room(kind, rays.len())).collect();
+    let mut times = vec![Vec::new(); contestants.len()];
+    for round in 0..rounds {
+        for turn in 0..contestants.len() {
+            let index = (turn + round) % contestants.len();
+            let (tracer, answers) = (&*contestants[index].tracer, &mut answers[index]);
+            answers.reset();
+            let start = Instant::now();
+            fill(answers, tracer, rays);
+            times[index].push(start.elapsed().as_secs_f64());
+        }
+    }
+    (times, answers)
+}
+
+fn fill(answers: &mut Answers, tracer: &dyn Tracer, rays: &[Ray]) {
+    let rays = rays.par_chunks(CHUNK);
+    match answers {
+        Answers::Closest(hits) => {
+            rays.zip(hits.par_chunks_mut(CHUNK)).for_each(|(rays, hits)| tracer.closest(rays, hits));
+        }
+        Answers::Any(occluded) => {
+            rays.zip(occluded.par_chunks_mut(CHUNK)).for_each(|(rays, occluded)| tracer.any(rays, occluded));
+        }
+    }
+}
+
+/// How much faster the second is than the first.
+fn ratio(single: &[f64], times: &[f64]) -> Option<Ratio> {
+    let (a, b) = (Summary::of(single)?, Summary::of(times)?);
+    Some(Ratio::cautious((&a, single), (&b, times), 1))
+}
+
+/// Four significant digits.
+fn digits(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}

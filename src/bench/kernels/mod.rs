@@ -1,0 +1,9 @@
+//! Kernels against each other: single rays, packets, streams and batches over the same trees with the same recorded rays,
+//! by turns in one process. Ray queries are all that is timed.
+
+mod contestants;
+mod measure;
+pub mod row;
+
+pub use contestants::Trees;
+pub use measure::{KernelSettings, measure};

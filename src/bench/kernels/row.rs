@@ -1,0 +1,117 @@
+//! The records of kernels: `kernels.csv`, one row per scene x builder x width x kernel x ray kind x threads.
+//! `results/README.md` describes the columns for readers of the file.
+
+use crate::bench::files::{RecordsError, write_whole};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Version of the columns; a reader refuses any other.
+pub const SCHEMA: u32 = 1;
+/// The file in a results folder.
+pub const KERNELS: &str = "kernels.csv";
+/// The kernel that the others are compared with.
+pub const SINGLE: &str = "embree-single";
+
+/// One line of `kernels.csv`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct KernelRow {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Start of the run, ISO 8601.
+    pub utc: String,
+    /// Revision of this program, `-dirty` if the sources differed from it.
+    pub git_rev: String,
+    /// Processor model.
+    pub cpu: String,
+    /// Scene name.
+    pub scene: String,
+    /// Triangles.
+    pub triangles: u64,
+    /// Who built the tree.
+    pub builder: String,
+    /// Children per node.
+    pub width: u32,
+    /// Who traced the rays, and how.
+    pub kernel: String,
+    /// The kernel's instruction set.
+    pub isa: String,
+    /// "primary", "shadow" or "bounce".
+    pub ray_kind: String,
+    /// Rays per pass.
+    pub rays: u64,
+    /// Threads.
+    pub threads: u32,
+    /// Rounds behind the figures.
+    pub rounds: u32,
+    /// Million rays per second, from the median round.
+    pub mrays_s: f64,
+    /// Speed relative to [`SINGLE`] over the same tree, from the medians; empty where Embree has not traced the tree.
+    pub ratio: Option<f64>,
+    /// Lower end of the ratio's 95 % interval.
+    pub ratio_low: Option<f64>,
+    /// Upper end of it.
+    pub ratio_high: Option<f64>,
+    /// Whether all answers agree with those of the reference, Embree's single rays over the first tree.
+    pub verified: bool,
+}
+
+/// Writes the rows, whole.
+///
+/// # Errors
+/// An unwritable place.
+pub fn write(path: &Path, rows: &[KernelRow]) -> Result<(), RecordsError> {
+    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(malformed)?;
+    let bytes = writer.into_inner().map_err(|error| malformed(csv::Error::from(error.into_error())))?;
+    write_whole(path, &bytes)
+}
+
+/// Reads the rows of a results folder or of a file.
+///
+/// # Errors
+/// No such file, other columns, no rows.
+pub fn read(results: &Path) -> Result<Vec<KernelRow>, RecordsError> {
+    let path = if results.is_dir() { results.join(KERNELS) } else { results.to_owned() };
+    let io = |source| RecordsError::Io { path: path.clone(), source, remedy: "run `phr kernels` first" };
+    let bytes = std::fs::read(&path).map_err(io)?;
+    let malformed = |source| RecordsError::Malformed { path: path.clone(), source };
+    let rows: Vec<KernelRow> =
+        csv::Reader::from_reader(&bytes[..]).deserialize().collect::<Result<_, _>>().map_err(malformed)?;
+    if rows.is_empty() {
+        return Err(RecordsError::Empty { path });
+    }
+    match rows.iter().find(|row| row.schema != SCHEMA) {
+        Some(row) => Err(RecordsError::Schema { path, found: row.schema, expected: SCHEMA }),
+        None => Ok(rows),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_read_as_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let row = KernelRow {
+            schema: SCHEMA,
+            scene: "rooms".into(),
+            mrays_s: 3.25,
+            ratio: Some(1.5),
+            ..KernelRow::default()
+        };
+        let rows = [row.clone(), KernelRow { ratio: None, verified: true, ..row }];
+        write(&folder.path().join(KERNELS), &rows).unwrap();
+        assert_eq!(read(folder.path()).unwrap(), rows);
+    }
+
+    #[test]
+    fn other_files_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = read(folder.path()).unwrap_err().to_string();
+        assert!(error.contains(KERNELS) && error.contains("phr kernels"), "{error}");
+        write(&folder.path().join(KERNELS), &[KernelRow { schema: 7, ..KernelRow::default() }]).unwrap();
+        assert!(matches!(read(folder.path()), Err(RecordsError::Schema { found: 7, .. })));
+    }
+}

@@ -1,0 +1,97 @@
+//! `phr kernels`: single rays, packets, streams and batches over the same trees, side by side.
+
+use crate::bench::kernels::row::{self, KERNELS};
+use crate::bench::kernels::{KernelSettings, measure};
+use crate::bench::planned_scene::PlannedScene;
+use crate::cli::failure::Failure;
+use crate::cli::options;
+use crate::cli::output::say;
+use crate::report::kernels::{scene_table, summary};
+use crate::trace::PathSettings;
+use std::path::PathBuf;
+
+/// Trace the same rays by all kernels of Embree's and ours, over the same trees and by turns, into DIR/kernels.csv
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scene files or names of generated scenes
+    #[arg(required = true)]
+    scenes: Vec<String>,
+    /// Builder (repeatable), the first Embree's [default: embree-sah]
+    #[arg(long = "builder", value_name = "NAME")]
+    builders: Vec<String>,
+    /// Children per node (repeatable) [default: 4 and 8]
+    #[arg(long = "width", value_name = "N")]
+    widths: Vec<u32>,
+    /// Threads (repeatable) [default: 1]
+    #[arg(long, value_name = "N")]
+    threads: Vec<usize>,
+    /// Pixels across and down
+    #[arg(long, default_value_t = 256, value_name = "PIXELS")]
+    size: u32,
+    /// Views per scene, at most
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    views: usize,
+    /// Passes of each kernel over the rays
+    #[arg(long, default_value_t = 7, value_name = "N")]
+    rounds: usize,
+    /// Leave out scenes with fewer triangles
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    least: usize,
+    /// Folder of the results
+    #[arg(long, default_value = "results/kernels", value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let settings = settings(arguments)?;
+    let scenes: Vec<_> =
+        arguments.scenes.iter().map(|name| PlannedScene::find(name)).collect::<Result<_, _>>()?;
+    let mut rows = Vec::new();
+    for planned in scenes {
+        let scene = planned.load()?;
+        if scene.mesh.len() < arguments.least {
+            say(&format!("{}: {} triangles, left out\n", scene.name, scene.mesh.len()))?;
+            continue;
+        }
+        rows.extend(
+            measure(&scene, &settings).map_err(|why| Failure::Bad(format!("{}: {why}", scene.name)))?,
+        );
+        say(&scene_table(&rows, &scene.name))?;
+        let folder = &arguments.out;
+        std::fs::create_dir_all(folder).map_err(|error| {
+            Failure::Bad(format!("{}: {error}; give a writable folder with --out", folder.display()))
+        })?;
+        row::write(&folder.join(KERNELS), &rows)?;
+    }
+    say(&summary(&rows))?;
+    match rows.iter().filter(|row| !row.verified).count() {
+        0 => Ok(()),
+        wrong => Err(Failure::Wrong(format!("{wrong} rows of wrong hits, see `verified` in {KERNELS}"))),
+    }
+}
+
+fn settings(arguments: &Arguments) -> Result<KernelSettings, Failure> {
+    let or =
+        |given: &[u32], default: &[u32]| if given.is_empty() { default.to_vec() } else { given.to_vec() };
+    let widths = or(&arguments.widths, &[4, 8]);
+    let builders =
+        if arguments.builders.is_empty() { vec!["embree-sah".into()] } else { arguments.builders.clone() };
+    let mut cells = Vec::new();
+    for builder in &builders {
+        let of_builder = cells.len();
+        cells.extend(widths.iter().filter_map(|&width| options::cell(builder, Some(width)).ok()));
+        if cells.len() == of_builder {
+            options::cell(builder, Some(widths[0]))?;
+        }
+    }
+    if arguments.rounds == 0 || arguments.threads.contains(&0) || arguments.size == 0 || arguments.views == 0
+    {
+        return Err(Failure::Bad(
+            "--rounds, --threads, --size, --views: nothing could run; give 1 or more".into(),
+        ));
+    }
+    let path = PathSettings { width: arguments.size, height: arguments.size, ..PathSettings::default() };
+    let threads = if arguments.threads.is_empty() { vec![1] } else { arguments.threads.clone() };
+    Ok(KernelSettings { cells, path, views: arguments.views, rounds: arguments.rounds, threads })
+}
