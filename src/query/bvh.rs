@@ -70,7 +70,7 @@ impl Bvh {
         occluded
     }
 
-    /// The closest hit of each of `rays`, in whatever order they are: rays that go alike are traced together.
+    /// The closest hit of each of `rays`, in whatever order they are; it helps if rays that go alike are neighbours.
     ///
     /// # Panics
     /// If there are not as many `hits` as `rays`.

@@ -5,7 +5,7 @@
 use super::group::{Bounds, Packet, SIZE};
 #[cfg(target_arch = "x86_64")]
 use super::interleave;
-use super::traverse::Traversal;
+use super::traverse::{Stack, Traversal};
 use crate::bvh::{Link, TriangleBlock, WideBvh};
 use crate::geometry::{Hit, Ray, Tracer};
 use crate::simd::vector::Lanes;
@@ -236,13 +236,13 @@ fn is_of_one_octant(rays: &[Ray]) -> bool {
 
 /// Memory that groups share.
 struct Groups {
-    packets: Box<[Packet; SIZE / 8]>,
-    stack: Vec<super::traverse::Waiting>,
+    packets: [Packet; SIZE / 8],
+    stack: Stack,
 }
 
 impl Groups {
     fn new() -> Self {
-        Self { packets: Box::new([const { Packet::EMPTY }; SIZE / 8]), stack: Vec::with_capacity(64) }
+        Self { packets: [const { Packet::EMPTY }; SIZE / 8], stack: Stack::new() }
     }
 }
 

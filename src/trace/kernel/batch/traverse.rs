@@ -3,9 +3,11 @@
 //! meet its box. Generic over the lanes of a vector.
 
 use super::group::{Bounds, Packet, SIZE};
+use crate::bvh::limits::TRAVERSAL_STACK;
 use crate::bvh::{Child, Link, TriangleBlock, WideNode};
 use crate::simd::vector::Lanes;
 use crate::trace::kernel::sound_tree::SoundTree;
+use arrayvec::ArrayVec;
 
 /// A child that waits, with the rays that met its box.
 #[derive(Clone, Copy)]
@@ -16,6 +18,9 @@ pub(super) struct Waiting {
     rays: u64,
 }
 
+/// As for single rays, the depth of a tree bounds the children that wait.
+pub(super) type Stack = ArrayVec<Waiting, TRAVERSAL_STACK>;
+
 /// What a traversal works on.
 pub(super) struct Traversal<'a, L, const N: usize> {
     pub(super) lanes: L,
@@ -25,7 +30,7 @@ pub(super) struct Traversal<'a, L, const N: usize> {
     /// Up to so many rays leave the group.
     pub(super) few: u32,
     /// Empty before and after; kept for its memory.
-    pub(super) stack: &'a mut Vec<Waiting>,
+    pub(super) stack: &'a mut Stack,
 }
 
 impl<L: Lanes, const N: usize> Traversal<'_, L, N> {
