@@ -3,7 +3,7 @@
 
 use phr::bench::environment::{ENVIRONMENT, Environment, State};
 use phr::bench::files::read_json;
-use phr::bench::row::{self, ALL, COLD, ROWS, Row, WARM};
+use phr::bench::row::{self, ALL, FIRST, FRESH, REBUILD, ROWS, Row};
 use phr::bench::samples::{SAMPLES, Samples};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -113,7 +113,7 @@ fn a_run_writes_verified_rows_and_its_table() {
         assert!(row.is_good(), "{row:?}");
         assert_eq!((row.scene.as_str(), row.triangles, row.rounds), ("sheet", 1152, 1));
         assert!(row.build_ms_median.is_some_and(|ms| ms > 0.0));
-        assert!(row.regime == WARM || row.regime == COLD);
+        assert!([FIRST, FRESH, REBUILD].contains(&row.regime.as_str()));
         assert_eq!(row.host, "anonymous");
     }
     for row in totals {
@@ -121,7 +121,7 @@ fn a_run_writes_verified_rows_and_its_table() {
         assert!(row.sah.is_some_and(|sah| sah > 1.0));
         let parts = rows.iter().filter(|part| {
             (&part.builder, part.width, &part.kernel) == (&row.builder, row.width, &row.kernel)
-                && part.regime == WARM
+                && part.regime == FRESH
                 && part.view != ALL
                 && part.ray_kind != ALL
         });
@@ -172,7 +172,7 @@ fn builds_alone_are_timed_without_rays() {
     let output = phr(&folder, &tiny("sheet.ply", &["--rounds", "3", "--build-only"]));
     assert!(output.status.success(), "{}", text(&output.stderr));
     let rows = row::read(&folder.join("out")).unwrap();
-    assert_eq!(rows.len(), 2 * trees());
+    assert_eq!(rows.len(), 3 * trees());
     assert!(rows.iter().all(|row| row.rounds == 3 && row.verified.is_none() && row.rays.is_none()));
 }
 

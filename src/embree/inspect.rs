@@ -207,6 +207,30 @@ mod tests {
     }
 
     #[test]
+    fn a_changed_scene_is_built_again_as_before() {
+        let mesh = soup(3000);
+        let configs = Width::ALL.into_iter().flat_map(|width| {
+            EmbreeBuilder::ALL.map(|builder| Config { builder, width, threads: 2 }.device_string())
+        });
+        for (device, is_dynamic) in configs.flat_map(|device| [(device.clone(), false), (device, true)]) {
+            let (built, output) = capture::stdout_of(|| {
+                let device = Device::from_string(format!("{device},verbose=2,benchmark=1"))?;
+                let prepared = device.prepare(&mesh)?;
+                let prepared = if is_dynamic { prepared.dynamic() } else { prepared };
+                prepared.commit()?.modified()?.commit().map(drop)
+            })
+            .unwrap();
+            built.unwrap();
+            // The seconds differ, cost, bytes and tree do not.
+            let records = output.lines().filter_map(|line| line.strip_prefix("BENCHMARK_BUILD "));
+            let trees: Vec<Vec<&str>> =
+                records.map(|record| record.split_whitespace().skip(2).collect()).collect();
+            assert_eq!(trees.len(), 2, "{output}");
+            assert_eq!(trees[0][0], trees[1][0], "{device}: {output}");
+        }
+    }
+
+    #[test]
     fn the_forced_8_wide_tree_is_the_default_one() {
         let mesh = soup(5000);
         for (builder, quality) in [

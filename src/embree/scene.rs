@@ -73,6 +73,13 @@ impl Device {
 }
 
 impl<'a> Prepared<'a> {
+    /// Says that the scene will change often, so that Embree keeps what the next commit can use.
+    pub fn dynamic(self) -> Self {
+        // SAFETY: the scene is live and owned here alone.
+        unsafe { sys::rtcSetSceneFlags(self.handle.0, sys::RTC_SCENE_FLAG_DYNAMIC) };
+        self
+    }
+
     /// Builds the tree: `rtcCommitScene` and a look at the error code, nothing else.
     ///
     /// # Errors
@@ -110,6 +117,19 @@ impl<'a> EmbreeScene<'a> {
             Vec3A::new(bounds.lower_x, bounds.lower_y, bounds.lower_z),
             Vec3A::new(bounds.upper_x, bounds.upper_y, bounds.upper_z),
         )
+    }
+
+    /// The same scene with its geometry marked as changed, so that the next commit builds its tree again, in
+    /// what memory Embree has kept.
+    ///
+    /// # Errors
+    /// [`EmbreeError::Call`] with Embree's text.
+    pub fn modified(self) -> Result<Prepared<'a>, EmbreeError> {
+        // SAFETY: the scene is live and owned here alone; the geometry is the one attached when it was made,
+        // which the scene keeps alive.
+        unsafe { sys::rtcCommitGeometry(sys::rtcGetGeometry(self.raw(), GEOMETRY)) };
+        self.device.check("marking the mesh as changed")?;
+        Ok(Prepared { handle: self.handle, device: self.device, mesh: self.mesh })
     }
 
     /// The mesh.

@@ -1,4 +1,4 @@
-//! One scene in full: every tree of any width, cold and warm builds, and traces under every kernel, with
+//! One scene in full: every tree of any width, builds in every regime, and traces under every kernel, with
 //! intervals of the ratios.
 
 use super::figures::{BASELINE, Figure, SceneFigures, Tree, Under, kernels, trees};
@@ -17,7 +17,9 @@ pub fn scene(rows: &[Row], scene: &str) -> String {
         })
         .collect();
     let mut header: Vec<String> =
-        ["builder / width", "build ms", "cold", "/SAH", "cost", "/SAH", "EPO"].map(Into::into).into();
+        ["builder / width", "build ms", "/SAH", "rebuild", "first", "cost", "/SAH", "EPO"]
+            .map(Into::into)
+            .into();
     for (kernel, _) in &unders {
         let kernel = kernel.trim_start_matches("embree-");
         header.extend([format!("{kernel} ms"), "MRays/s".into(), "/SAH".into()]);
@@ -40,13 +42,14 @@ fn line(of_scene: &SceneFigures<'_>, tree: Tree<'_>, unders: &[(String, Under)])
         Some(ratio) => interval(ratio),
         None => String::new(),
     };
-    let cold = of_scene.cold(tree).and_then(|row| row.build_ms_median);
+    let ms = |row: Option<&Row>| row.and_then(|row| row.build_ms_median).map_or_else(String::new, short);
     let cost = of_scene.ratio(tree, Figure::Cost, &Under::Own);
     let mut cells = vec![
         format!("{} / {}", tree.0, tree.1),
         build.and_then(|row| row.build_ms_median).cell(short),
-        cold.map_or_else(String::new, short),
         ratio(Figure::Build, &Under::Own),
+        ms(of_scene.rebuild(tree)),
+        ms(of_scene.first(tree)),
         of_build(|row| row.sah),
         cost.map_or_else(String::new, |ratio| format!("{:.2}", ratio.value)),
         of_build(|row| row.epo),

@@ -2,7 +2,7 @@
 //! relative to Embree SAH.
 
 use crate::bench::cell::place;
-use crate::bench::row::{ALL, COLD, NO_KERNEL, Row, WARM};
+use crate::bench::row::{ALL, NO_KERNEL, REBUILD, Row};
 use crate::bench::statistics::{Ratio, Summary};
 
 /// A tree of the table: builder and width.
@@ -140,8 +140,10 @@ pub fn tree_named(name: &str) -> Option<Tree<'_>> {
 /// A figure of a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {
-    /// Time of a warm build.
+    /// Time of a fresh build.
     Build,
+    /// Time of a build that reuses all it can.
+    Rebuild,
     /// SAH cost.
     Cost,
     /// End-point overlap.
@@ -221,31 +223,38 @@ impl<'a> SceneFigures<'a> {
         self.totals.first().map_or(0, |row| row.triangles)
     }
 
-    fn of_tree(&self, (builder, width): Tree<'_>, regime: &str) -> impl Iterator<Item = &'a Row> {
-        self.totals
-            .iter()
-            .copied()
-            .filter(move |r| r.builder == builder && r.width == width && r.regime == regime)
+    fn of_tree(&self, (builder, width): Tree<'_>) -> impl Iterator<Item = &'a Row> {
+        self.totals.iter().copied().filter(move |r| r.builder == builder && r.width == width)
     }
 
-    /// A row that tells of a tree's warm builds: any but one of wrong hits.
+    /// The rows of a tree in the regime by which builders are compared.
+    fn compared(&self, tree: Tree<'_>) -> impl Iterator<Item = &'a Row> {
+        self.of_tree(tree).filter(|row| row.is_compared())
+    }
+
+    /// A row that tells of a tree's builds: any but one of wrong hits.
     pub fn build(&self, tree: Tree<'_>) -> Place<&'a Row> {
         let told = |row: &&Row| row.build_ms_median.is_some() && row.verified != Some(false);
-        match self.of_tree(tree, WARM).find(told) {
+        match self.compared(tree).find(told) {
             Some(row) => Place::Value(row),
-            None if self.of_tree(tree, WARM).any(|row| !row.error.is_empty()) => Place::Failed,
+            None if self.compared(tree).any(|row| !row.error.is_empty()) => Place::Failed,
             None => Place::Missing,
         }
     }
 
-    /// The row of a tree's cold builds.
-    pub fn cold(&self, tree: Tree<'_>) -> Option<&'a Row> {
-        self.of_tree(tree, COLD).next()
+    /// The row of a tree's first builds.
+    pub fn first(&self, tree: Tree<'_>) -> Option<&'a Row> {
+        self.of_tree(tree).find(|row| row.is_first())
+    }
+
+    /// The row of a tree's builds that reuse all they can.
+    pub fn rebuild(&self, tree: Tree<'_>) -> Option<&'a Row> {
+        self.of_tree(tree).find(|row| row.regime == REBUILD)
     }
 
     /// The row of a tree under `kernel`.
     pub fn trace(&self, tree: Tree<'_>, kernel: &str) -> Place<&'a Row> {
-        let rows = || self.of_tree(tree, WARM).filter(|row| row.kernel == kernel || row.kernel == NO_KERNEL);
+        let rows = || self.compared(tree).filter(|row| row.kernel == kernel || row.kernel == NO_KERNEL);
         match rows().find(|row| row.is_good() && row.trace_ms_median.is_some()) {
             Some(row) => Place::Value(row),
             None if rows().any(|row| !row.is_good()) => Place::Failed,
@@ -258,6 +267,9 @@ impl<'a> SceneFigures<'a> {
         let traced = || self.trace(tree, under.kernel_of(tree.0));
         match figure {
             Figure::Build => self.build(tree).and_then(Row::build_ms),
+            Figure::Rebuild => {
+                self.rebuild(tree).and_then(Row::build_ms).map_or(Place::Missing, Place::Value)
+            }
             Figure::Cost => self.build(tree).and_then(|row| row.sah.map(exact)),
             Figure::Overlap => self.build(tree).and_then(|row| row.epo.map(exact)),
             Figure::Frame => traced().and_then(Row::frame_ms),

@@ -60,6 +60,7 @@ impl Ratios {
 pub fn means(rows: &[Row], under: &Under) -> String {
     let sections = [
         ("Build time", Figure::Build),
+        ("Build time, all memory reused", Figure::Rebuild),
         ("SAH cost", Figure::Cost),
         ("Frame time", Figure::Frame),
         ("Trace time, recorded rays", Figure::Trace),

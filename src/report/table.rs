@@ -67,7 +67,8 @@ fn legend(rows: &[Row]) -> String {
     };
     format!(
         "Medians of {rounds} rounds, {} threads on each side. /SAH: relative to {} at width {}, {kernel}; \
-         ± half the 95 % interval. cold: ms of the first build of a fresh builder or device. cost: SAH cost. \
+         ± half the 95 % interval. rebuild: ms where all memory is reused. first: ms of the first build of a new builder \
+         or device. cost: SAH cost. \
          All recorded rays of all views: native, Embree's kernel on its own tree; grafted, Embree's kernel on \
          any tree, all laid out alike; phr, our kernel.\n",
         row.threads, BASELINE.0, BASELINE.1

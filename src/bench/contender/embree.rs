@@ -1,17 +1,19 @@
 //! Embree's builders as contenders, and Embree's kernel for any tree.
 
 use super::built_tree::{BuildRequest, BuiltTree, EitherWidth};
-use crate::bench::build_times::{BuildTimes, WarmTimes, is_enough, ms};
+use super::repeated::repeated;
+use crate::bench::build_times::{BuildTimes, WarmTimes, ms};
 use crate::bench::cell::{Cell, Kernel};
-use crate::bench::cpu_time::{CpuClock, least_disturbed};
 use crate::bench::environment::Library;
 use crate::bench::tree_facts::TreeFacts;
-use crate::bvh::{Statistics, WideBvh};
-use crate::embree::{self, Config, Device, EmbreeBuilder, EmbreeError, EmbreeScene, Inspection, Width};
+use crate::bvh::{Statistics, WideBvh, sah_cost};
+use crate::embree::{
+    self, Config, Device, EmbreeBuilder, EmbreeError, EmbreeScene, Inspection, Prepared, Width,
+};
 use crate::geometry::{Mesh, Tracer};
 use rayon::ThreadPool;
 use std::sync::OnceLock;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 #[cfg(not(feature = "graft"))]
 const NO_GRAFT: &str = "this program was built without the feature graft";
@@ -55,8 +57,8 @@ impl Embree {
         Ok(Self { builder, width })
     }
 
-    /// Builds once cold and then warm, on one thread too where the request has a pool of one. Where facts are
-    /// wanted, another verbose commit, untimed, asserts which builder ran.
+    /// Builds in each regime, on one thread too where the request has a pool of one. Where facts are wanted, another
+    /// verbose commit, untimed, asserts which builder ran.
     ///
     /// # Errors
     /// Embree's message, or a builder that is not the one asked for.
@@ -72,12 +74,28 @@ impl Embree {
         let mut one_thread = None;
         if pools.one.is_some() {
             let device = Device::new(&self.config(1)).map_err(message)?;
-            one_thread = Some(commits(&device, mesh).map_err(message)?.warm);
+            commit(device.prepare(mesh).map_err(message)?).map_err(message)?;
+            one_thread = Some(fresh(&device, mesh).map_err(message)?.0);
         }
         let device = Device::new(&config).map_err(message)?;
-        let Committed { cold_ms, warm, scene } = commits(&device, mesh).map_err(message)?;
-        let peak_bytes = Some(device.memory().peak_bytes as u64);
-        let times = BuildTimes { cold_ms, warm, phases: Vec::new(), peak_bytes, one_thread };
+        let (first, scene) = device.prepare(mesh).and_then(commit).map_err(message)?;
+        let (rebuild, scene) = again(scene).map_err(message)?;
+        let same = self.cost(&scene, request.wants_facts);
+        drop(scene);
+        let scene = device.prepare(mesh).map(Prepared::dynamic).and_then(Prepared::commit);
+        let (dynamic_rebuild, scene) = scene.and_then(again).map_err(message)?;
+        let dynamic = self.cost(&scene, request.wants_facts);
+        drop(scene);
+        let (fresh, scene) = fresh(&device, mesh).map_err(message)?;
+        let times = BuildTimes {
+            first_ms: ms(first),
+            fresh,
+            rebuild,
+            dynamic_rebuild: Some(dynamic_rebuild),
+            phases: Vec::new(),
+            peak_bytes: Some(device.memory().peak_bytes as u64),
+            one_thread,
+        };
 
         let is_read = request.wants_facts || request.kernels.iter().any(|&it| it != Kernel::EmbreeNative);
         let mut tree = if is_read { read(&scene, self.width) } else { Err("not asked for".into()) };
@@ -88,9 +106,23 @@ impl Embree {
                 let (read, printed) = (read.sah, printed.sah);
                 tree = Err(format!("the tree read has a SAH cost of {read}, Embree printed {printed}"));
             }
+            if let Some(rebuilt) = [same, dynamic].into_iter().flatten().find(|&it| !is_same(it, printed.sah))
+            {
+                let printed = printed.sah;
+                return Err(format!("a tree built again has a SAH cost of {rebuilt}, a fresh one {printed}"));
+            }
             facts = Some(facts_of(printed, &config, statistics.filter(|_| tree.is_ok())));
         }
         Ok(BuiltTree { times, facts, mesh, tree, native: Some(Box::new(scene)) })
+    }
+
+    /// The SAH cost of a scene's tree, where it is asked for and the tree can be read.
+    fn cost(&self, scene: &EmbreeScene<'_>, is_asked_for: bool) -> Option<f64> {
+        let tree = is_asked_for.then(|| read(scene, self.width).ok()).flatten()?;
+        Some(match &tree {
+            EitherWidth::Four(tree) => sah_cost(tree),
+            EitherWidth::Eight(tree) => sah_cost(tree),
+        })
     }
 
     fn config(&self, threads: usize) -> Config {
@@ -98,43 +130,38 @@ impl Embree {
     }
 }
 
-/// The commits of one visit on a device.
-struct Committed<'a> {
-    cold_ms: f64,
-    warm: WarmTimes,
-    /// The scene of the last commit.
-    scene: EmbreeScene<'a>,
+/// Builds the tree of `prepared`.
+fn commit(prepared: Prepared<'_>) -> Result<(Duration, EmbreeScene<'_>), EmbreeError> {
+    let start = Instant::now();
+    let scene = prepared.commit()?;
+    Ok((start.elapsed(), scene))
 }
 
-/// Commits new scenes of `mesh`: once with a cold device, then warm.
-fn commits<'a>(device: &Device, mesh: &'a Mesh) -> Result<Committed<'a>, EmbreeError> {
-    let commit = || {
-        let prepared = device.prepare(mesh)?;
-        device.reset_peak();
-        let start = Instant::now();
-        let scene = prepared.commit()?;
-        Ok::<_, EmbreeError>((start.elapsed(), scene))
-    };
-    let (cold, first) = commit()?;
-    drop(first);
+/// Commits new scenes of `mesh`, each after the one before is gone; returns the last of them.
+fn fresh<'a>(device: &Device, mesh: &'a Mesh) -> Result<(WarmTimes, EmbreeScene<'a>), EmbreeError> {
     let mut last = None;
-    let (ms_of_each, cpu_time) = least_disturbed(|| {
+    let times = repeated(|| {
         // Two scenes at a time would count as the peak of one.
         last = None;
-        let clock = CpuClock::read();
-        let mut warm = Vec::new();
-        loop {
-            let (duration, scene) = commit()?;
-            warm.push(duration);
-            if is_enough(&warm) {
-                let ms_of_each = warm.into_iter().map(ms).collect();
-                last = Some(scene);
-                return Ok::<_, EmbreeError>((ms_of_each, clock.since()));
-            }
-        }
+        let prepared = device.prepare(mesh)?;
+        device.reset_peak();
+        let (duration, scene) = commit(prepared)?;
+        last = Some(scene);
+        Ok::<_, EmbreeError>(duration)
     })?;
-    let warm = WarmTimes { ms: ms_of_each, cpu_time };
-    Ok(Committed { cold_ms: ms(cold), warm, scene: last.expect("there was a commit") })
+    Ok((times, last.expect("there was a commit")))
+}
+
+/// Commits `scene` again.
+fn again(scene: EmbreeScene<'_>) -> Result<(WarmTimes, EmbreeScene<'_>), EmbreeError> {
+    let mut last = Some(scene);
+    let times = repeated(|| {
+        let scene = last.take().expect("the scene of the commit before");
+        let (duration, scene) = commit(scene.modified()?)?;
+        last = Some(scene);
+        Ok::<_, EmbreeError>(duration)
+    })?;
+    Ok((times, last.expect("there was a commit")))
 }
 
 fn statistics(tree: &EitherWidth, mesh: &Mesh) -> Statistics {

@@ -7,6 +7,7 @@ mod caught;
 mod embree;
 mod ours;
 pub mod pools;
+mod repeated;
 mod tree_under_kernel;
 #[cfg(not(feature = "embree"))]
 mod without_embree;
@@ -25,7 +26,7 @@ use super::cell::{Cell, place};
 #[cfg(not(feature = "embree"))]
 use without_embree as embree;
 
-/// A builder under measurement. Each visit makes a new one, so that its first build is cold.
+/// A builder under measurement.
 pub enum Contender {
     /// One of our builders, of 4-wide trees.
     Four(Ours<4>),
@@ -50,7 +51,7 @@ impl Contender {
         ours.map_or_else(|| Embree::new(cell).map(Self::Embree), Ok)
     }
 
-    /// Builds the tree once cold and then warm.
+    /// Builds the tree in each regime.
     ///
     /// # Errors
     /// A builder that panicked, failed or was not the one asked for, in one line. The contender is then of no

@@ -2,20 +2,22 @@
 
 use super::built_tree::{BuildRequest, BuiltTree, EitherWidth};
 use super::caught::caught;
-use crate::bench::build_times::{BuildTimes, WarmTimes, is_enough, ms};
+use super::repeated::repeated;
+use crate::bench::build_times::{BuildTimes, WarmTimes, ms};
 use crate::bench::cell::{Cell, Kernel};
-use crate::bench::cpu_time::{CpuClock, least_disturbed};
 use crate::bench::tree_facts::TreeFacts;
-use crate::builders::{self, Build, Builder};
-use crate::bvh::{Statistics, WideBvh};
-use crate::geometry::Mesh;
+use crate::builders::{self, Builder};
+use crate::bvh::{Statistics, WideBvh, sah_cost};
 use rayon::ThreadPool;
 use std::convert::Infallible;
 use std::time::{Duration, Instant};
 
+/// Makes a new builder object.
+type Make<const N: usize> = dyn Fn() -> Box<dyn Builder<N>> + Send + Sync;
+
 /// One of our builders, of trees of nodes of up to `N` children.
 pub struct Ours<const N: usize> {
-    builder: Box<dyn Builder<N>>,
+    make: Box<Make<N>>,
 }
 
 /// The cells of all our builders, traced by `kernels`: those of a table in both widths, those that show single
@@ -30,36 +32,56 @@ impl<const N: usize> Ours<N>
 where
     EitherWidth: From<WideBvh<N>>,
 {
-    /// The builder called `name`, new.
+    /// The builder called `name`.
     pub fn by_name(name: &str) -> Option<Self> {
-        builders::by_name(name).map(Self::new)
+        builders::by_name::<N>(name)?;
+        let name = name.to_owned();
+        Some(Self::new(move || builders::by_name(&name).expect("there is such a builder, as just seen")))
     }
 
-    /// Measures `builder`.
-    pub fn new(builder: Box<dyn Builder<N>>) -> Self {
-        Self { builder }
+    /// Measures the builders that `make` makes.
+    pub fn new(make: impl Fn() -> Box<dyn Builder<N>> + Send + Sync + 'static) -> Self {
+        Self { make: Box::new(make) }
     }
 
-    /// Builds once cold and then warm, on one thread too where the request has a pool of one.
+    /// Builds in each regime, on one thread too where the request has a pool of one.
     ///
     /// # Errors
     /// The message of a builder that panicked.
     pub fn build<'a>(&mut self, request: &BuildRequest<'a>) -> Result<BuiltTree<'a>, String> {
-        caught("the builder", || self.cold_and_warm(request))
+        caught("the builder", || self.in_each_regime(request))?
     }
 
-    fn cold_and_warm<'a>(&mut self, request: &BuildRequest<'a>) -> BuiltTree<'a> {
+    fn in_each_regime<'a>(&self, request: &BuildRequest<'a>) -> Result<BuiltTree<'a>, String> {
         let BuildRequest { mesh, pools, .. } = *request;
-        let (cold, mut built) = self.once(&pools.all, mesh, None);
-        let mut one_thread = None;
-        if let Some(pool) = &pools.one {
-            let (warm, next) = self.warm(pool, mesh, built);
-            (one_thread, built) = (Some(warm), next);
-        }
-        let (warm, built) = self.warm(&pools.all, mesh, built);
+        let mut builder = (self.make)();
+        let (first, built) = timed(&pools.all, || builder.build(mesh));
+        let mut last = Some(built);
+        let rebuild = warm(|| {
+            last.take().into_iter().for_each(|built| builder.recycle(built.tree));
+            let (duration, built) = timed(&pools.all, || builder.build(mesh));
+            last = Some(built);
+            duration
+        });
+        let rebuilt = request.wants_facts.then(|| last.as_ref().map(|built| sah_cost(&built.tree)));
+        drop((builder, last.take()));
+        let mut fresh = |pool: &ThreadPool| {
+            warm(|| {
+                // Outside the clock, as Embree's scenes. The builder's memory is freed inside, as Embree's is.
+                last = None;
+                let (duration, built) = timed(pool, || (self.make)().build(mesh));
+                last = Some(built);
+                duration
+            })
+        };
+        let one_thread = pools.one.as_ref().map(&mut fresh);
+        let fresh = fresh(&pools.all);
+        let built = last.expect("there was a build");
         let times = BuildTimes {
-            cold_ms: ms(cold),
-            warm,
+            first_ms: ms(first),
+            fresh,
+            rebuild,
+            dynamic_rebuild: None,
             phases: built.phases.iter().map(|phase| (phase.name.into(), ms(phase.duration))).collect(),
             peak_bytes: Some(built.counts.peak_bytes).filter(|&bytes| bytes > 0),
             one_thread,
@@ -67,41 +89,28 @@ where
         let facts = request.wants_facts.then(|| {
             let engine = format!("phr {}", env!("CARGO_PKG_VERSION"));
             let statistics = pools.all.install(|| Statistics::of(&built.tree, mesh));
-            TreeFacts::of(&statistics, engine, self.builder.config().to_string())
+            TreeFacts::of(&statistics, engine, (self.make)().config().to_string())
         });
-        BuiltTree { times, facts, mesh, tree: Ok(built.tree.into()), native: None }
+        if let (Some(Some(rebuilt)), Some(fresh)) = (rebuilt, facts.as_ref().and_then(|facts| facts.sah))
+            && rebuilt != fresh
+        {
+            return Err(format!("a tree built again has a SAH cost of {rebuilt}, a fresh one {fresh}"));
+        }
+        Ok(BuiltTree { times, facts, mesh, tree: Ok(built.tree.into()), native: None })
     }
+}
 
-    /// Warm builds, repeated while other programs disturb them.
-    fn warm(&mut self, pool: &ThreadPool, mesh: &Mesh, built: Build<N>) -> (WarmTimes, Build<N>) {
-        let mut last = Some(built);
-        let Ok((ms, cpu_time)) = least_disturbed(|| {
-            let clock = CpuClock::read();
-            let mut warm = Vec::new();
-            while !is_enough(&warm) {
-                let (duration, next) = self.once(pool, mesh, last.take());
-                warm.push(duration);
-                last = Some(next);
-            }
-            Ok::<_, Infallible>((warm.into_iter().map(ms).collect(), clock.since()))
-        });
-        (WarmTimes { ms, cpu_time }, last.expect("there was a build"))
-    }
+/// What `build` makes on `pool`, and how long that took.
+fn timed<T: Send>(pool: &ThreadPool, build: impl FnOnce() -> T + Send) -> (Duration, T) {
+    pool.install(|| {
+        let start = Instant::now();
+        let built = build();
+        (start.elapsed(), built)
+    })
+}
 
-    /// One build, in the memory of the tree before it if there is one.
-    fn once(
-        &mut self,
-        pool: &ThreadPool,
-        mesh: &Mesh,
-        no_longer_needed: Option<Build<N>>,
-    ) -> (Duration, Build<N>) {
-        pool.install(|| {
-            if let Some(Build { tree, .. }) = no_longer_needed {
-                self.builder.recycle(tree);
-            }
-            let start = Instant::now();
-            let built = self.builder.build(mesh);
-            (start.elapsed(), built)
-        })
-    }
+/// As [`repeated`], of builds that cannot fail.
+fn warm(mut build: impl FnMut() -> Duration) -> WarmTimes {
+    let Ok(times) = repeated(|| Ok::<_, Infallible>(build()));
+    times
 }

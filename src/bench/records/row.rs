@@ -14,10 +14,17 @@ pub const ROWS: &str = "rows.csv";
 pub const ALL: &str = "all";
 /// Value of `kernel` in rows that tell of builds only.
 pub const NO_KERNEL: &str = "none";
-/// Value of `regime`: the same builder object or device again, memory and pools in use before.
-pub const WARM: &str = "warm";
-/// Value of `regime`: the first build of a fresh builder object or device.
+/// Value of `regime`: the first build of a new builder object or device.
+pub const FIRST: &str = "first";
+/// Value of `regime`: on warm threads, but a new builder object and new memory each time; Embree: a new scene of the same
+/// device. Trees are traced as built so, and builders are compared by it.
+pub const FRESH: &str = "fresh";
+/// Value of `regime`: the same builder object in the memory of the tree before; Embree: the same scene committed again.
+pub const REBUILD: &str = "rebuild";
+/// Value of `regime` in runs before there was [`FIRST`].
 pub const COLD: &str = "cold";
+/// Value of `regime` in runs before there was [`FRESH`]: Embree's builds were fresh, ours reused all memory.
+pub const WARM: &str = "warm";
 
 /// One line of `rows.csv`. Figures that do not apply or could not be had are empty, never zero.
 /// Times are in milliseconds of wall clock.
@@ -51,7 +58,7 @@ pub struct Row {
     pub isa: String,
     /// Threads given to each side, for building and tracing.
     pub threads: u32,
-    /// [`WARM`] or [`COLD`].
+    /// [`FIRST`], [`FRESH`] or [`REBUILD`]; in older runs [`COLD`] or [`WARM`].
     pub regime: String,
     /// Rounds behind the figures.
     pub rounds: u32,
@@ -127,6 +134,16 @@ impl Row {
     /// True for the row that sums over all views and ray kinds (or that tells of a build only).
     pub fn is_total(&self) -> bool {
         self.view == ALL && self.ray_kind == ALL
+    }
+
+    /// True for rows of the regime by which builders are compared: [`FRESH`], in older runs [`WARM`].
+    pub fn is_compared(&self) -> bool {
+        self.regime == FRESH || self.regime == WARM
+    }
+
+    /// True for rows of first builds.
+    pub fn is_first(&self) -> bool {
+        self.regime == FIRST || self.regime == COLD
     }
 
     /// True if the row holds figures that can be used.

@@ -1,10 +1,11 @@
 //! The rows that the samples give: medians, spreads and warnings.
 
+use super::build_times::WarmTimes;
 use super::kernel_rows::kernel_rows;
-use super::row::{ALL, COLD, NO_KERNEL, Row, SCHEMA, WARM, figures};
+use super::row::{ALL, FIRST, FRESH, NO_KERNEL, REBUILD, Row, SCHEMA, figures};
 use super::samples::{CellSamples, Samples, SceneSamples};
-use super::statistics::{Summary, median};
-use super::visit_times::builds;
+use super::statistics::Summary;
+use super::visit_times::{builds, medians, rebuilds};
 use super::warnings::Warning;
 use crate::bench::cpu_time::CpuTime;
 
@@ -54,7 +55,7 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
         engine: facts.engine.clone(),
         width: cell.cell.width,
         threads: header.threads as u32,
-        regime: WARM.into(),
+        regime: FRESH.into(),
         rounds: cell.visits.len() as u32,
         view: ALL.into(),
         kernel: NO_KERNEL.into(),
@@ -84,24 +85,38 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
         }
         warnings
     };
-    let colds = builds(cell, COLD);
-    let cold = with_builds(Row { regime: COLD.into(), ..known.clone() }, &colds, of_run(&colds));
-    let mut rows = vec![cold];
-    rows.extend(one_thread(cell, &known, &of_run));
+    let of_times = |samples: &[f64], times: Vec<&WarmTimes>, threads| {
+        let load = sum(times.into_iter().map(|times| times.cpu_time));
+        [of_run(samples), Warning::of_cpu_time(&load, threads)].concat()
+    };
+    let firsts = builds(cell, FIRST);
+    let first = with_builds(Row { regime: FIRST.into(), ..known.clone() }, &firsts, of_run(&firsts));
+    let again = builds(cell, REBUILD);
+    let warnings = of_times(&again, rebuilds(cell), header.threads);
+    let rebuild = with_builds(Row { regime: REBUILD.into(), ..known.clone() }, &again, warnings);
+    let mut rows = vec![first, rebuild];
+    let alone: Vec<&WarmTimes> =
+        cell.visits.iter().filter_map(|visit| visit.builds.one_thread.as_ref()).collect();
+    if !alone.is_empty() {
+        let times = medians(alone.iter().copied());
+        let warnings = of_times(&times, alone, 1);
+        // The bytes are those of builds on all threads.
+        let row = Row { threads: 1, bytes: None, peak_bytes: None, ..known.clone() };
+        rows.push(with_builds(row, &times, warnings));
+    }
 
-    let warms = builds(cell, WARM);
-    let mut warnings = of_run(&warms);
-    let load = sum(cell.visits.iter().map(|visit| visit.builds.warm.cpu_time));
-    warnings.extend(Warning::of_cpu_time(&load, header.threads));
-    let warm = with_builds(known, &warms, warnings.clone());
+    let times = builds(cell, FRESH);
+    let mut warnings =
+        of_times(&times, cell.visits.iter().map(|visit| &visit.builds.fresh).collect(), header.threads);
+    let fresh = with_builds(known, &times, warnings.clone());
     if cell.checks.is_empty() {
-        rows.push(warm);
+        rows.push(fresh);
         return rows;
     }
     let load = sum(cell.visits.iter().map(|visit| visit.cpu_time));
     warnings.extend(Warning::of_cpu_time(&load, header.threads));
     for kernel in &cell.checks {
-        let row = Row { kernel: kernel.kernel.name().into(), isa: kernel.isa.clone(), ..warm.clone() };
+        let row = Row { kernel: kernel.kernel.name().into(), isa: kernel.isa.clone(), ..fresh.clone() };
         if let Some(reason) = &kernel.unavailable {
             rows.push(Row { error: format!("not available, because {reason}"), ..row });
         } else if let Some(mismatch) = &kernel.mismatch {
@@ -111,17 +126,6 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
         }
     }
     rows
-}
-
-/// The row of warm builds on one thread, where they were timed.
-fn one_thread(cell: &CellSamples, row: &Row, of_run: &dyn Fn(&[f64]) -> Vec<Warning>) -> Option<Row> {
-    let visits = || cell.visits.iter().filter_map(|visit| visit.builds.one_thread.as_ref());
-    let samples: Vec<f64> = visits().filter_map(|builds| median(&builds.ms)).collect();
-    let mut warnings = of_run(&samples);
-    warnings.extend(Warning::of_cpu_time(&sum(visits().map(|builds| builds.cpu_time)), 1));
-    // The peak is that of the builds on all threads.
-    let row = Row { threads: 1, peak_bytes: None, ..row.clone() };
-    (!samples.is_empty()).then(|| with_builds(row, &samples, warnings))
 }
 
 fn with_builds(row: Row, samples: &[f64], warnings: Vec<Warning>) -> Row {
@@ -198,7 +202,12 @@ mod tests {
         let visit = |round| VisitSamples {
             round,
             place: 0,
-            builds: BuildTimes { cold_ms: 30.0, warm: warm([10.0, 11.0, 10.0]), ..BuildTimes::default() },
+            builds: BuildTimes {
+                first_ms: 30.0,
+                fresh: warm([10.0, 11.0, 10.0]),
+                rebuild: warm([9.0, 8.0, 7.0]),
+                ..BuildTimes::default()
+            },
             timings: timings.clone(),
             cpu_time: CpuTime::default(),
         };
@@ -227,7 +236,7 @@ mod tests {
     }
 
     fn find<'a>(rows: &'a [Row], view: &str, kind: &str) -> &'a Row {
-        let mut found = rows.iter().filter(|r| r.regime == WARM && r.view == view && r.ray_kind == kind);
+        let mut found = rows.iter().filter(|r| r.regime == FRESH && r.view == view && r.ray_kind == kind);
         let row = found.next().unwrap();
         assert!(found.next().is_none(), "{view} {kind} twice");
         row
@@ -236,7 +245,7 @@ mod tests {
     #[test]
     fn sums_are_sums_of_their_parts() {
         let rows = scene_rows(&scene(), &header());
-        assert_eq!(rows.len(), 1 + 3 * 4);
+        assert_eq!(rows.len(), 2 + 3 * 4);
         let total = find(&rows, ALL, ALL);
         assert_eq!((total.rays, total.trace_ms_median, total.mrays_s), (Some(2500), Some(4.0), Some(0.625)));
         assert_eq!((total.hits, total.frame_ms_median), (Some(1250), Some(14.0)));
@@ -256,8 +265,22 @@ mod tests {
         let none = find(&rows, "1", "shadow");
         assert_eq!((none.rays, none.mrays_s), (Some(0), None));
         assert!(rows.iter().all(|row| row.is_good() && row.sah == Some(12.0)));
-        let cold = rows.iter().find(|row| row.regime == COLD).unwrap();
-        assert_eq!((cold.build_ms_median, cold.kernel.as_str()), (Some(30.0), NO_KERNEL));
+        let of = |regime| rows.iter().find(|row| row.regime == regime).unwrap();
+        assert_eq!((of(FIRST).build_ms_median, of(FIRST).kernel.as_str()), (Some(30.0), NO_KERNEL));
+        assert_eq!((of(REBUILD).build_ms_median, of(REBUILD).kernel.as_str()), (Some(8.0), NO_KERNEL));
+    }
+
+    #[test]
+    fn of_static_and_dynamic_rebuilds_the_faster_stand_in_the_row() {
+        for (dynamic, expected) in [([20.0, 20.0, 20.0], 8.0), ([6.0, 5.0, 4.0], 5.0)] {
+            let mut scene = scene();
+            for visit in &mut scene.cells[0].visits {
+                visit.builds.dynamic_rebuild = Some(warm(dynamic));
+            }
+            let rows = scene_rows(&scene, &header());
+            let row = rows.iter().find(|row| row.regime == REBUILD).unwrap();
+            assert_eq!(row.build_ms_median, Some(expected));
+        }
     }
 
     #[test]
@@ -270,7 +293,7 @@ mod tests {
         let alone: Vec<&Row> = rows.iter().filter(|row| row.threads == 1).collect();
         let [alone] = alone[..] else { panic!("one row, not {}", alone.len()) };
         assert_eq!((alone.build_ms_median, alone.kernel.as_str()), (Some(20.0), NO_KERNEL));
-        assert_eq!((alone.sah, alone.trace_ms_median, alone.regime.as_str()), (Some(12.0), None, WARM));
+        assert_eq!((alone.sah, alone.trace_ms_median, alone.regime.as_str()), (Some(12.0), None, FRESH));
         assert_eq!(rows.len(), 1 + scene_rows(&self::scene(), &header()).len());
     }
 

@@ -166,7 +166,7 @@ impl Builder<4> for Panicking {
 fn a_builder_that_panics_fails_and_the_bench_goes_on() {
     with_bench(&AtomicBool::new(false), |bench, _| {
         let mut failed = samples();
-        let mut contender = Contender::Four(Ours::new(Box::new(Panicking)));
+        let mut contender = Contender::Four(Ours::new(|| Box::new(Panicking)));
         let visit = bench.visit_contender(&mut contender, &cell("panicking"), Turn::default(), &mut failed);
         let reason = "the builder panicked: node 7 has no parent";
         assert_eq!(visit, Err(Unfinished::Failed(reason.into())));

@@ -56,11 +56,16 @@ fn describe(built: &BuiltTree<'_>) -> String {
     let times = &built.times;
     let mut text = String::new();
     let mut line = |name: &str, value: String| text += &format!("  {name:<24} {value}\n");
-    if let Some(warm) = Summary::of(&times.warm.ms) {
-        let (median, min) = (short(warm.median), short(warm.min));
-        line("build, warm", format!("{median} ms (median of {}, least {min})", warm.count));
+    let dynamic = times.dynamic_rebuild.as_ref();
+    let regimes =
+        [("build", Some(&times.fresh)), ("rebuild", Some(&times.rebuild)), ("rebuild, dynamic", dynamic)];
+    for (name, times) in regimes {
+        if let Some(build) = times.and_then(|times| Summary::of(&times.ms)) {
+            let (median, min) = (short(build.median), short(build.min));
+            line(name, format!("{median} ms (median of {}, least {min})", build.count));
+        }
     }
-    line("build, cold", format!("{} ms", short(times.cold_ms)));
+    line("first build", format!("{} ms", short(times.first_ms)));
     for (name, ms) in &times.phases {
         line(&format!("  {name}"), format!("{} ms", short(*ms)));
     }

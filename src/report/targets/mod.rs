@@ -35,7 +35,7 @@ pub fn targets(rows: &[Row], is_complete: bool) -> String {
 }
 
 const LEGEND: &str = "All trees 4-wide; scenes of more than 100 k triangles (peak of memory: 1 M). build: medians of \
-    warm builds, both sides with equal threads. trace: all recorded rays of all views under embree-grafted, and beside \
+    builds on warm threads in fresh memory, both sides with equal threads. trace: all recorded rays of all views under embree-grafted, and beside \
     it under phr. mean: geometric of ratios, arithmetic of bytes. A target is met if the mean, and the worst scene where \
     that has a limit, is not beyond it.\n";
 
