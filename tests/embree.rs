@@ -145,7 +145,7 @@ fn the_library_tells_its_version() {
 #[cfg(all(feature = "graft", feature = "files"))]
 fn a_scanned_models_trees_are_read_and_set_back() {
     use phr::bvh::sah_cost;
-    use phr::embree::{graft::Graft, inspect, native, rtcbuild};
+    use phr::embree::{graft::Graft, inspect, native};
 
     let folder = std::env::var_os("PHR_SCENES").map_or_else(
         || concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/scenes").into(),
@@ -179,9 +179,6 @@ fn a_scanned_models_trees_are_read_and_set_back() {
             "{builder:?}: {} {printed:?}",
             sah_cost(&tree)
         );
-        let public = sah_cost(&rtcbuild::build::<4>(&device, &mesh, builder).unwrap());
-        let rotations = if builder == EmbreeBuilder::Morton { 0.3 } else { 1e-4 };
-        assert!((public / printed.sah - 1.0).abs() < rotations, "{builder:?}: {public} {printed:?}");
         let native = closest(&scene, &rays);
         assert!(native.iter().filter(|hit| hit.is_hit()).count() > 20_000);
         let graft = Graft::new(scene, &tree).unwrap();

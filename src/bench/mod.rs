@@ -7,6 +7,7 @@ pub mod contender;
 pub mod cpu_time;
 pub mod error;
 pub mod kernels;
+pub mod memory;
 pub mod plan;
 pub mod planned_scene;
 pub mod rays;

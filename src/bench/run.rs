@@ -10,10 +10,11 @@ use super::pools::Pools;
 use super::recorder::{RecordOptions, Recorder};
 use super::row::Row;
 use super::visit::{Bench, SceneTraces, Turn};
-use super::{contender, rays, rows};
+use super::{contender, memory, rays, rows};
 use crate::geometry::Tracer;
 use crate::random::SplitMix64;
 use crate::scene::Scene;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -48,6 +49,8 @@ pub struct Run<'a> {
     pub plan: &'a Plan,
     /// How it is recorded.
     pub records: RecordOptions<'a>,
+    /// This program, started again to measure the bytes of builds; without it they are not.
+    pub program: Option<&'a Path>,
     /// Set when the run is to stop.
     pub stop: &'a AtomicBool,
 }
@@ -148,6 +151,14 @@ impl Run<'_> {
                 if samples.error.is_none() && !samples.visits.iter().any(|visit| visit.round == round) {
                     let (name, builder, width) = (&planned.name, &cell.builder, cell.width);
                     progress.at(&format!("{name}: {builder}/{width}, round {}", round + 1));
+                    if let Some(program) = self.program.filter(|_| samples.visits.is_empty()) {
+                        match memory::measure(program, &scene.mesh, cell, settings.threads) {
+                            Ok(memory) => samples.memory = Some(memory),
+                            Err(reason) => {
+                                progress.note(&format!("{name}: {builder}/{width}: no bytes: {reason}"))
+                            }
+                        }
+                    }
                     if bench.visit(cell, Turn { round, place }, samples).is_err() {
                         return Ok(());
                     }

@@ -24,8 +24,6 @@ pub struct Counts {
     pub swept: u64,
     /// Nodes of the auxiliary tree.
     pub auxiliary_nodes: u64,
-    /// Bytes held at the peak: temporaries, but for the threads' small scratch memory, and the tree.
-    pub peak_bytes: u64,
 }
 
 /// A finished build of a tree of nodes of up to `N` children, 4 or 8.
@@ -58,12 +56,6 @@ pub trait Builder<const N: usize>: Send {
 }
 
 impl<const N: usize> Build<N> {
-    /// Puts a build together; `temporary` is what the builder held beside the tree, bytes.
-    pub(crate) fn finish(tree: WideBvh<N>, phases: Vec<Phase>, counts: Counts, temporary: usize) -> Self {
-        let peak_bytes = (temporary + tree.bytes()) as u64;
-        Self { tree, phases, counts: Counts { peak_bytes, ..counts } }
-    }
-
     /// The whole build's duration: the sum of its phases.
     pub fn duration(&self) -> Duration {
         self.phases.iter().map(|phase| phase.duration).sum()

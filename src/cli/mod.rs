@@ -12,7 +12,7 @@ use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
-    ablation, bench, build, compare, kernels, plot, readme, reduce, render, scenes, table, targets, verify,
+    ablation, bench, build, compare, kernels, memory, plot, readme, reduce, render, scenes, table, targets, verify,
 };
 
 /// Progressive Hierarchical Refinement: BVH builders, measured beside Embree's with the same rays.
@@ -39,6 +39,7 @@ enum Verb {
     Kernels(kernels::Arguments),
     Reduce(reduce::Arguments),
     Readme(readme::Arguments),
+    Memory(memory::Arguments),
 }
 
 /// Runs the command that the process was started with.
@@ -73,6 +74,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Compare(arguments) => compare::run(arguments),
         Verb::Kernels(arguments) => kernels::run(arguments),
         Verb::Readme(arguments) => readme::run(arguments),
+        Verb::Memory(arguments) => memory::run(arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

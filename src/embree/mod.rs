@@ -18,7 +18,6 @@ mod error;
 mod inspect;
 mod packets;
 mod query;
-pub mod rtcbuild;
 mod scene;
 mod streams;
 #[cfg(test)]

@@ -26,9 +26,4 @@ impl<T: Default> Pool<T> {
     pub fn for_each(&self, f: impl FnMut(&mut T)) {
         self.0.lock().expect("no task panics").iter_mut().for_each(f);
     }
-
-    /// The sum of `f` over the buffers in the pool.
-    pub fn sum(&self, f: impl Fn(&T) -> usize) -> usize {
-        self.0.lock().expect("no task panics").iter().map(f).sum()
-    }
 }

@@ -55,6 +55,7 @@ const UNSAFE_FILES: &[&str] = &[
     // Memory from the system, prefetches, and stores past the caches.
     "memory/huge_pages.rs",
     "memory/prefetch.rs",
+    "memory/resident.rs",
     "memory/stream.rs",
     // Threads that write to places of their own of one array.
     "parallel/disjoint.rs",
@@ -75,8 +76,6 @@ const UNSAFE_FILES: &[&str] = &[
     "embree/device.rs",
     "embree/packets.rs",
     "embree/query.rs",
-    "embree/rtcbuild/callbacks.rs",
-    "embree/rtcbuild/mod.rs",
     "embree/scene.rs",
     "embree/streams.rs",
     // Embree's tree in memory.

@@ -93,7 +93,6 @@ impl Embree {
             rebuild,
             dynamic_rebuild: Some(dynamic_rebuild),
             phases: Vec::new(),
-            peak_bytes: Some(device.memory().peak_bytes as u64),
             one_thread,
         };
 
@@ -114,6 +113,17 @@ impl Embree {
             facts = Some(facts_of(printed, &config, statistics.filter(|_| tree.is_ok())));
         }
         Ok(BuiltTree { times, facts, mesh, tree, native: Some(Box::new(scene)) })
+    }
+
+    /// Builds once, untimed; the tree is not read.
+    ///
+    /// # Errors
+    /// Embree's message.
+    pub fn once<'a>(&self, mesh: &'a Mesh, pool: &ThreadPool) -> Result<BuiltTree<'a>, String> {
+        let device = Device::new(&self.config(pool.current_num_threads())).map_err(message)?;
+        let scene = device.prepare(mesh).and_then(Prepared::commit).map_err(message)?;
+        let tree = Err("it was not read".into());
+        Ok(BuiltTree { times: BuildTimes::default(), facts: None, mesh, tree, native: Some(Box::new(scene)) })
     }
 
     /// The SAH cost of a scene's tree, where it is asked for and the tree can be read.
@@ -141,11 +151,8 @@ fn commit(prepared: Prepared<'_>) -> Result<(Duration, EmbreeScene<'_>), EmbreeE
 fn fresh<'a>(device: &Device, mesh: &'a Mesh) -> Result<(WarmTimes, EmbreeScene<'a>), EmbreeError> {
     let mut last = None;
     let times = repeated(|| {
-        // Two scenes at a time would count as the peak of one.
         last = None;
-        let prepared = device.prepare(mesh)?;
-        device.reset_peak();
-        let (duration, scene) = commit(prepared)?;
+        let (duration, scene) = commit(device.prepare(mesh)?)?;
         last = Some(scene);
         Ok::<_, EmbreeError>(duration)
     })?;
@@ -245,17 +252,18 @@ fn message(error: EmbreeError) -> String {
     error.to_string()
 }
 
-/// The instruction set of Embree's kernels, which it puts before their names, as in
-/// `avx2::BVH4Triangle4Intersector1Moeller`.
-pub fn isa() -> String {
-    static ISA: OnceLock<String> = OnceLock::new();
+/// The instruction sets of Embree's kernels and builders, which it puts before their names, as in
+/// `avx2::BVH4Triangle4Intersector1Moeller` and `avx::BVH4BuilderSAH`.
+pub fn isas() -> [String; 2] {
+    static ISAS: OnceLock<[String; 2]> = OnceLock::new();
     let ask = || {
         let (mesh, _) = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).ok()?;
         let config = Config { builder: EmbreeBuilder::Sah, width: Width::Four, threads: 1 };
         let inspection = embree::inspect(&mesh, &config).ok()?;
-        inspection.intersector.split_once("::").map(|(isa, _)| isa.to_owned())
+        let isa = |name: String| name.split_once("::").map_or("unknown".into(), |(isa, _)| isa.to_owned());
+        Some([inspection.intersector, inspection.builder].map(isa))
     };
-    ISA.get_or_init(|| ask().unwrap_or_else(|| "unknown".into())).clone()
+    ISAS.get_or_init(|| ask().unwrap_or_else(|| ["unknown", "unknown"].map(Into::into))).clone()
 }
 
 /// Builds Embree's SAH tree, whose hits are the reference.
@@ -263,12 +271,7 @@ pub fn isa() -> String {
 /// # Errors
 /// Embree's message.
 pub fn reference<'a>(mesh: &'a Mesh, pool: &ThreadPool) -> Result<BuiltTree<'a>, String> {
-    let threads = pool.current_num_threads();
-    let config = Config { builder: EmbreeBuilder::Sah, width: Width::Four, threads };
-    let device = Device::new(&config).map_err(message)?;
-    let scene = device.prepare(mesh).and_then(embree::Prepared::commit).map_err(message)?;
-    let tree = Err("only its hits are asked for".into());
-    Ok(BuiltTree { times: BuildTimes::default(), facts: None, mesh, tree, native: Some(Box::new(scene)) })
+    Embree { builder: EmbreeBuilder::Sah, width: Width::Four }.once(mesh, pool)
 }
 
 /// The library in use.

@@ -23,6 +23,10 @@ pub use tree_under_kernel::TreeUnderKernel;
 pub use without_embree::{Embree, REFERENCE_KERNEL, library, reference};
 
 use super::cell::{Cell, place};
+use crate::geometry::Mesh;
+use crate::simd::Isa;
+use crate::trace;
+use rayon::ThreadPool;
 #[cfg(not(feature = "embree"))]
 use without_embree as embree;
 
@@ -63,6 +67,18 @@ impl Contender {
             Self::Embree(embree) => embree.build(request),
         }
     }
+
+    /// Builds the tree once, untimed, and keeps nothing else.
+    ///
+    /// # Errors
+    /// As [`Contender::build`].
+    pub fn once<'a>(&self, mesh: &'a Mesh, pool: &ThreadPool) -> Result<BuiltTree<'a>, String> {
+        match self {
+            Self::Four(ours) => ours.once(mesh, pool),
+            Self::Eight(ours) => ours.once(mesh, pool),
+            Self::Embree(embree) => embree.once(mesh, pool),
+        }
+    }
 }
 
 /// All cells of this program, in the table's order.
@@ -73,4 +89,15 @@ pub fn cells(build_only: bool) -> Vec<Cell> {
         cells.iter_mut().for_each(|cell| cell.kernels.clear());
     }
     cells
+}
+
+/// The instruction sets in use, for the records: of kernels and builders, ours and Embree's (null without it).
+pub fn isa() -> serde_json::Value {
+    let [kernel, builders] = embree::isas().map(|name| Some(name).filter(|name| !name.is_empty()));
+    serde_json::json!({
+        "phr": trace::kernel_isa().name(),
+        "phr_builders": Isa::best().name(),
+        "embree": kernel,
+        "embree_builders": builders,
+    })
 }

@@ -8,6 +8,7 @@ use crate::bench::cell::{Cell, Kernel};
 use crate::bench::tree_facts::TreeFacts;
 use crate::builders::{self, Builder};
 use crate::bvh::{Statistics, WideBvh, sah_cost};
+use crate::geometry::Mesh;
 use rayon::ThreadPool;
 use std::convert::Infallible;
 use std::time::{Duration, Instant};
@@ -52,6 +53,16 @@ where
         caught("the builder", || self.in_each_regime(request))?
     }
 
+    /// Builds once, untimed; only the tree is kept.
+    ///
+    /// # Errors
+    /// The message of a builder that panicked.
+    pub fn once<'a>(&self, mesh: &'a Mesh, pool: &ThreadPool) -> Result<BuiltTree<'a>, String> {
+        let built = caught("the builder", || pool.install(|| (self.make)().build(mesh)))?;
+        let tree = Ok(built.tree.into());
+        Ok(BuiltTree { times: BuildTimes::default(), facts: None, mesh, tree, native: None })
+    }
+
     fn in_each_regime<'a>(&self, request: &BuildRequest<'a>) -> Result<BuiltTree<'a>, String> {
         let BuildRequest { mesh, pools, .. } = *request;
         let mut builder = (self.make)();
@@ -83,7 +94,6 @@ where
             rebuild,
             dynamic_rebuild: None,
             phases: built.phases.iter().map(|phase| (phase.name.into(), ms(phase.duration))).collect(),
-            peak_bytes: Some(built.counts.peak_bytes).filter(|&bytes| bytes > 0),
             one_thread,
         };
         let facts = request.wants_facts.then(|| {

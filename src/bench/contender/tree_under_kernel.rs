@@ -40,7 +40,10 @@ impl<'a> TreeUnderKernel<'a> {
     pub fn new(built: &'a BuiltTree<'_>, kernel: Kernel, threads: usize) -> Result<Self, String> {
         let isa = match kernel {
             Kernel::Phr => trace::kernel_isa().name().into(),
-            Kernel::EmbreeNative | Kernel::EmbreeGrafted => embree::isa(),
+            Kernel::EmbreeNative | Kernel::EmbreeGrafted => {
+                let [kernel, _] = embree::isas();
+                kernel
+            }
         };
         let tree = built.tree.as_ref().map_err(Clone::clone);
         let traversal = match (kernel, tree) {

@@ -1,9 +1,8 @@
 //! In place of Embree where this program was built without it: no builders, and our last builder as the
 //! reference.
 
-use super::built_tree::{BuildRequest, BuiltTree, EitherWidth};
-use super::caught::caught;
-use crate::bench::build_times::BuildTimes;
+use super::built_tree::{BuildRequest, BuiltTree};
+use super::ours::Ours;
 use crate::bench::cell::{Cell, Kernel};
 use crate::bench::environment::Library;
 use crate::builders;
@@ -35,6 +34,14 @@ impl Embree {
     pub fn build<'a>(&mut self, _: &BuildRequest<'a>) -> Result<BuiltTree<'a>, String> {
         match *self {}
     }
+
+    /// Never called.
+    ///
+    /// # Errors
+    /// None.
+    pub fn once<'a>(&self, _: &'a Mesh, _: &ThreadPool) -> Result<BuiltTree<'a>, String> {
+        match *self {}
+    }
 }
 
 /// No cells.
@@ -64,16 +71,13 @@ pub fn graft<'a, const N: usize>(
 /// # Errors
 /// A builder that panicked, in one line.
 pub fn reference<'a>(mesh: &'a Mesh, pool: &ThreadPool) -> Result<BuiltTree<'a>, String> {
-    let builder = builders::NAMES.last().and_then(|name| builders::by_name::<4>(name));
-    let mut builder = builder.ok_or("this program has no builders")?;
-    let built = caught("the builder", || pool.install(|| builder.build(mesh)))?;
-    let tree = Ok(EitherWidth::Four(built.tree));
-    Ok(BuiltTree { times: BuildTimes::default(), facts: None, mesh, tree, native: None })
+    let builder = builders::NAMES.last().and_then(|name| Ours::<4>::by_name(name));
+    builder.ok_or("this program has no builders")?.once(mesh, pool)
 }
 
-/// No instruction set.
-pub fn isa() -> String {
-    String::new()
+/// No instruction sets.
+pub fn isas() -> [String; 2] {
+    Default::default()
 }
 
 /// No library.

@@ -18,8 +18,6 @@ pub struct BuildTimes {
     pub dynamic_rebuild: Option<WarmTimes>,
     /// Phases of the last fresh build, ms; empty for Embree, which reports none.
     pub phases: Vec<(String, f64)>,
-    /// Bytes held at the peak of the last build.
-    pub peak_bytes: Option<u64>,
     /// Fresh builds on one thread, where they were asked for.
     pub one_thread: Option<WarmTimes>,
 }
@@ -59,7 +57,7 @@ mod tests {
             ..BuildTimes::default()
         };
         let json = serde_json::to_value(&times).unwrap();
-        for key in ["first_ms", "fresh", "rebuild", "dynamic_rebuild", "phases", "peak_bytes", "one_thread"] {
+        for key in ["first_ms", "fresh", "rebuild", "dynamic_rebuild", "phases", "one_thread"] {
             assert!(json.get(key).is_some(), "{key}: {json}");
         }
         assert!(json["one_thread"]["ms"][0] == 1.5 && json["fresh"]["load"]["wall_s"] == 0.0);

@@ -7,14 +7,13 @@ use super::rows::{self, Header};
 use super::samples::{CellSamples, SAMPLES, Samples, SceneSamples};
 use super::tree_facts::TreeFacts;
 use super::warnings::Warning;
-use crate::bench::cell::{Cell, Kernel, place};
+use crate::bench::cell::{Cell, place};
 use crate::bench::contender;
 use crate::bench::error::RunError;
 use crate::bench::plan::Plan;
 use crate::bench::planned_scene::PlannedScene;
 use crate::random::SplitMix64;
 use crate::scene::Scene;
-use crate::trace;
 use std::path::Path;
 
 /// Files that the command makes from the rows when a run ends.
@@ -73,7 +72,7 @@ impl<'a> Recorder<'a> {
             plan: recorded_plan,
             program: Program::this(),
             library: contender::library(),
-            isa: serde_json::json!({ "phr": trace::kernel_isa().name() }),
+            isa: contender::isa(),
             before: Vec::new(),
             after: None,
             notes: Vec::new(),
@@ -144,6 +143,7 @@ impl<'a> Recorder<'a> {
                     facts: TreeFacts::default(),
                     checks: Vec::new(),
                     visits: Vec::new(),
+                    memory: None,
                     error: None,
                 });
             }
@@ -214,18 +214,10 @@ impl<'a> Recorder<'a> {
             }
         }
         self.environment.notes = notes;
-        self.environment.isa["embree"] = self.embree_isa().into();
         if !self.samples.scenes.is_empty() {
             self.save()?;
         }
         self.write_environment()
-    }
-
-    fn embree_isa(&self) -> Option<String> {
-        let cells = self.samples.scenes.iter().flat_map(|scene| &scene.cells);
-        let mut kernels = cells.flat_map(|cell| &cell.checks);
-        let native = kernels.find(|kernel| kernel.kernel == Kernel::EmbreeNative)?;
-        Some(native.isa.clone())
     }
 }
 

@@ -84,9 +84,9 @@ pub struct Row {
     pub leaf_fill: Option<f64>,
     /// References to triangles per triangle, 1 without spatial splits.
     pub refs_per_tri: Option<f64>,
-    /// Bytes of the finished tree.
+    /// Resident bytes of a process that has built the tree, beyond those before.
     pub bytes: Option<u64>,
-    /// Bytes held at the peak of the build.
+    /// The same at the peak of the build.
     pub peak_bytes: Option<u64>,
     /// View, from 0, or [`ALL`].
     pub view: String,

@@ -72,8 +72,8 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
         leaves: facts.leaves,
         leaf_fill: facts.leaf_fill.map(figures),
         refs_per_tri: facts.refs_per_tri.map(figures),
-        bytes: facts.bytes,
-        peak_bytes: cell.visits.iter().filter_map(|visit| visit.builds.peak_bytes).max(),
+        bytes: cell.memory.map(|memory| memory.live_bytes),
+        peak_bytes: cell.memory.map(|memory| memory.peak_bytes),
         ..base
     };
 
@@ -155,6 +155,7 @@ mod tests {
     use crate::bench::build_times::{BuildTimes, WarmTimes};
     use crate::bench::cell::Cell;
     use crate::bench::cell::Kernel;
+    use crate::bench::memory::BuildMemory;
     use crate::bench::samples::{Check, KernelChecks, Timing, VisitSamples};
     use crate::bench::tree_facts::TreeFacts;
     use crate::geometry::Dropped;
@@ -217,6 +218,7 @@ mod tests {
             facts: TreeFacts { sah: Some(12.0), ..TreeFacts::default() },
             checks: vec![checks],
             visits: (0..3).map(visit).collect(),
+            memory: Some(BuildMemory { peak_bytes: 9000, live_bytes: 6000 }),
             error: None,
         }];
         SceneSamples {
@@ -265,6 +267,7 @@ mod tests {
         let none = find(&rows, "1", "shadow");
         assert_eq!((none.rays, none.mrays_s), (Some(0), None));
         assert!(rows.iter().all(|row| row.is_good() && row.sah == Some(12.0)));
+        assert!(rows.iter().all(|row| (row.peak_bytes, row.bytes) == (Some(9000), Some(6000))));
         let of = |regime| rows.iter().find(|row| row.regime == regime).unwrap();
         assert_eq!((of(FIRST).build_ms_median, of(FIRST).kernel.as_str()), (Some(30.0), NO_KERNEL));
         assert_eq!((of(REBUILD).build_ms_median, of(REBUILD).kernel.as_str()), (Some(8.0), NO_KERNEL));

@@ -6,6 +6,7 @@ use super::files::{RecordsError, read_json, write_whole};
 use super::tree_facts::TreeFacts;
 use crate::bench::cell::{Cell, Kernel};
 use crate::bench::cpu_time::CpuTime;
+use crate::bench::memory::BuildMemory;
 use crate::geometry::Dropped;
 use crate::trace::RayKind;
 use serde::{Deserialize, Serialize};
@@ -98,6 +99,9 @@ pub struct CellSamples {
     pub checks: Vec<KernelChecks>,
     /// Its visits.
     pub visits: Vec<VisitSamples>,
+    /// Bytes of its build, where they could be measured.
+    #[serde(default)]
+    pub memory: Option<BuildMemory>,
     /// Why there is none, if the builder failed.
     pub error: Option<String>,
 }

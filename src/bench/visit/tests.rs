@@ -81,7 +81,14 @@ fn cell(builder: &str) -> Cell {
 
 fn samples() -> CellSamples {
     let cell = cell("liar");
-    CellSamples { cell, facts: TreeFacts::default(), checks: Vec::new(), visits: Vec::new(), error: None }
+    CellSamples {
+        cell,
+        facts: TreeFacts::default(),
+        checks: Vec::new(),
+        visits: Vec::new(),
+        memory: None,
+        error: None,
+    }
 }
 
 #[test]

@@ -59,9 +59,8 @@ impl<const N: usize> Builder<N> for Aac<N> {
         let clusters = ClusterTree { tree: &self.tree, keys: &self.order.keys, refs };
         let tree = build::build(&clusters, clusters.root(), mesh, &mut self.memory);
         watch.lap("nodes");
-        let held = self.order.bytes() + self.tree.bytes() + self.memory.bytes();
         let counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };
-        Build::finish(tree, watch.phases, counts, held)
+        Build { tree, phases: watch.phases, counts }
     }
 
     fn recycle(&mut self, tree: WideBvh<N>) {

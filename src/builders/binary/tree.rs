@@ -13,11 +13,6 @@ pub(crate) struct BinaryTree {
 }
 
 impl BinaryTree {
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.pairs.len() * size_of::<[Node; 2]>()
-    }
-
     /// The children of an inner node.
     #[inline]
     pub fn children(&self, node: &Node) -> &[Node; 2] {

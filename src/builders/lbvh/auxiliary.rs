@@ -112,11 +112,6 @@ impl Auxiliary {
         watch.lap("auxiliary tree");
         watch.phases
     }
-
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.order.bytes() + self.tree.bytes() + self.treelets.sum(LbvhTreelet::bytes)
-    }
 }
 
 #[cfg(test)]

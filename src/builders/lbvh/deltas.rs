@@ -27,11 +27,6 @@ pub(crate) struct Deltas {
 }
 
 impl Deltas {
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.padded.capacity() + self.begins.capacity()
-    }
-
     /// Computes the deltas of sorted keys.
     pub fn of_codes(&mut self, keys: &[MortonKey]) {
         self.padded.clear();

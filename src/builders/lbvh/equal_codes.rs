@@ -34,13 +34,6 @@ pub(crate) struct EqualCodes {
 }
 
 impl EqualCodes {
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.centers.capacity() * size_of::<Vec4>()
-            + self.runs.capacity() * size_of::<Range<usize>>()
-            + (self.large.capacity() + self.small.capacity()) * size_of::<Group>()
-    }
-
     /// Partitions the runs of equal codes among `len` references down to leaves of `leaf` references, where `deltas` are
     /// those of the codes and `depth` counts earlier partitions by the middle. `center2` gives doubled centroids.
     /// [`EqualCodes::reorder`] then brings other arrays into the new order.

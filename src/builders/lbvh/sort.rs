@@ -97,9 +97,4 @@ impl MortonOrder {
     pub fn bounds(&self) -> Aabb {
         self.info.map_or(Aabb::EMPTY, |info| info.bounds)
     }
-
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.keys.capacity() * size_of::<MortonKey>() + self.presplit.bytes()
-    }
 }

@@ -44,16 +44,6 @@ pub(crate) struct LbvhTreelet {
 }
 
 impl LbvhTreelet {
-    /// Bytes of its memory.
-    pub fn bytes(&self) -> usize {
-        (self.bounds.capacity() + self.copied_bounds.capacity()) * size_of::<Aabb>()
-            + self.copied_keys.capacity() * size_of::<MortonKey>()
-            + self.pairs.capacity() * size_of::<[Node; 2]>()
-            + self.leaves.capacity() * size_of::<u32>()
-            + self.deltas.bytes()
-            + self.equal_codes.bytes()
-    }
-
     /// Builds the tree over `keys`, which begin at position `first` and have been partitioned by the middle `depth`
     /// times. Returns the root.
     pub fn build(

@@ -19,11 +19,6 @@ pub(crate) struct Candidates {
 }
 
 impl Candidates {
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<u32>() + self.promises.capacity() * size_of::<[u16; 2]>()
-    }
-
     /// Finds the `wanted` nodes of `tree` of the highest promise among those not `tried`.
     pub fn find(&mut self, tree: &Tree, tried: &[bool], wanted: usize) {
         self.promises.resize(tree.pairs.len(), [0; 2]);

@@ -76,9 +76,7 @@ impl<const N: usize> Builder<N> for OptimisedPhr<N> {
             WideBvh::default()
         };
         phases.extend(watch.phases);
-        let mut build = self.memory.finish(tree, phases);
-        build.counts.peak_bytes += self.optimiser.bytes() as u64;
-        build
+        self.memory.finish(tree, phases)
     }
 
     fn recycle(&mut self, tree: WideBvh<N>) {

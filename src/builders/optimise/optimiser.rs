@@ -56,13 +56,4 @@ impl<const N: usize> Optimiser<N> {
         watch.lap("collapse");
         wide
     }
-
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.tree.bytes()
-            + self.reinsertion.bytes()
-            + self.choices.bytes()
-            + self.memory.bytes()
-            + self.chunks.sum(RecordedChunk::bytes)
-    }
 }

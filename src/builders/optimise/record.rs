@@ -23,12 +23,7 @@ pub(super) struct RecordedChunk {
     prims: Vec<u32>,
 }
 
-impl RecordedChunk {
-    /// Bytes of its memory.
-    pub fn bytes(&self) -> usize {
-        self.pairs.capacity() * size_of::<Pair>() + self.prims.capacity() * size_of::<u32>()
-    }
-}
+impl RecordedChunk {}
 
 impl Chunk for RecordedChunk {
     type A = Pair;

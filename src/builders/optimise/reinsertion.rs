@@ -36,14 +36,6 @@ pub(crate) struct Reinsertion {
 }
 
 impl Reinsertion {
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.candidates.bytes()
-            + self.moves.capacity() * size_of::<Move>()
-            + self.tried.capacity()
-            + self.replaced.capacity()
-    }
-
     /// Does `rounds` rounds for the `wanted` most promising nodes each.
     pub fn run(&mut self, tree: &mut Tree, rounds: u32, wanted: usize) {
         self.tried.clear();

@@ -132,12 +132,6 @@ impl Tree {
         });
     }
 
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.pairs.capacity() * size_of::<Pair>()
-            + (self.prims.capacity() + self.parents.capacity()) * size_of::<u32>()
-    }
-
     /// Node `index`.
     #[inline(always)]
     pub fn node(&self, index: u32) -> &Node {

@@ -68,6 +68,6 @@ impl<const N: usize> CutMemory<N> {
             counts.spatial_splits += of_thread.spatial_splits;
             counts.swept += of_thread.swept;
         });
-        Build::finish(tree, phases, counts, self.auxiliary.bytes() + self.recursion.bytes())
+        Build { tree, phases, counts }
     }
 }

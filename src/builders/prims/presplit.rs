@@ -91,12 +91,6 @@ impl Presplit {
         self.fragments.clear();
         self.chunks.clear();
     }
-
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        let fragments = self.fragments.capacity() + self.pool.sum(|pieces| pieces.fragments.capacity());
-        fragments * size_of::<Fragment>() + self.chunks.capacity() * size_of::<ChunkInfo>()
-    }
 }
 
 /// The pieces of a chunk's needles.

@@ -68,14 +68,6 @@ pub(crate) struct Widen<const N: usize> {
 }
 
 impl<const N: usize> Widen<N> {
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.pairs.capacity() * size_of::<[Slot; 2]>()
-            + self.children.capacity() * size_of::<[u32; N]>()
-            + self.is_node.capacity()
-            + (self.numbers.capacity() + self.nodes.capacity()) * size_of::<u32>()
-    }
-
     /// Appends the wide nodes below `root`, over the last of the pairs.
     pub fn write(&mut self, root: &Slot, nodes: &mut Vec<WideNode<N>>) -> Link {
         let pairs = self.pairs.len();

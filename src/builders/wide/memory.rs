@@ -84,9 +84,4 @@ impl<S: Default, const N: usize> Memory<S, N> {
         huge_pages::reserve(blocks, n / 2 + 64);
         blocks
     }
-
-    /// Bytes held by treelets.
-    pub fn bytes(&self) -> usize {
-        self.treelets.sum(WideTreelet::bytes)
-    }
 }

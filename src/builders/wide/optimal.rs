@@ -202,11 +202,6 @@ impl Choices {
             _ => children.push(at),
         }
     }
-
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.0.capacity() * size_of::<AtomicU32>()
-    }
 }
 
 #[cfg(test)]

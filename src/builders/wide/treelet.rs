@@ -47,11 +47,6 @@ pub(crate) struct WideTreelet<const N: usize> {
 }
 
 impl<const N: usize> WideTreelet<N> {
-    /// Bytes of its memory.
-    pub fn bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<WideNode<N>>() + self.blocks.capacity() * size_of::<TriangleBlock>()
-    }
-
     /// Removes what was appended since the lengths were as given.
     pub fn rollback(&mut self, [nodes, blocks]: Offset) {
         self.nodes.truncate(nodes);

@@ -178,8 +178,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             std::process::exit(130);
         }
     })?;
+    let program = std::env::current_exe().ok();
     let run = Run {
         plan: &plan,
+        program: program.as_deref(),
         records: RecordOptions {
             folder: &folder,
             resume: arguments.resume,

@@ -1,6 +1,7 @@
 //! `phr build`: one scene, one builder, its phases and its tree.
 
 use crate::bench::contender::{self, BuildRequest, BuiltTree, Contender};
+use crate::bench::memory;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::statistics::Summary;
 use crate::cli::failure::Failure;
@@ -44,9 +45,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     say(&format!("{}: {} triangles ({})", scene.name, scene.mesh.len(), scene.source))?;
     let request = BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &[], wants_facts: true };
+    let program = std::env::current_exe()?;
     for cell in cells {
         let built = Contender::of(&cell).and_then(|mut contender| contender.build(&request));
-        let text = describe(&built.map_err(Failure::Wrong)?);
+        let mut text = describe(&built.map_err(Failure::Wrong)?);
+        match memory::measure(&program, &scene.mesh, &cell, pools.all.current_num_threads()) {
+            Ok(memory) => {
+                text += &line("resident, peak of build", mebibytes(memory.peak_bytes));
+                text += &line("resident, after it", mebibytes(memory.live_bytes));
+            }
+            Err(reason) => eprintln!("phr: no resident bytes: {reason}"),
+        }
         say(&format!("\n{}, width {}\n{text}", cell.builder, cell.width))?;
     }
     Ok(())
@@ -55,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn describe(built: &BuiltTree<'_>) -> String {
     let times = &built.times;
     let mut text = String::new();
-    let mut line = |name: &str, value: String| text += &format!("  {name:<24} {value}\n");
+    let mut line = |name: &str, value: String| text += &self::line(name, value);
     let dynamic = times.dynamic_rebuild.as_ref();
     let regimes =
         [("build", Some(&times.fresh)), ("rebuild", Some(&times.rebuild)), ("rebuild, dynamic", dynamic)];
@@ -68,9 +77,6 @@ fn describe(built: &BuiltTree<'_>) -> String {
     line("first build", format!("{} ms", short(times.first_ms)));
     for (name, ms) in &times.phases {
         line(&format!("  {name}"), format!("{} ms", short(*ms)));
-    }
-    if let Some(bytes) = times.peak_bytes {
-        line("peak memory", mebibytes(bytes));
     }
     let facts = built.facts.clone().unwrap_or_default();
     let mut figure = |name: &str, value: Option<String>| {
@@ -89,6 +95,10 @@ fn describe(built: &BuiltTree<'_>) -> String {
     figure("built by", Some(facts.engine));
     figure("parameters", Some(facts.config));
     text
+}
+
+fn line(name: &str, value: String) -> String {
+    format!("  {name:<24} {value}\n")
 }
 
 fn mebibytes(bytes: u64) -> String {

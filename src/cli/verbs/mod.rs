@@ -5,6 +5,7 @@ pub mod bench;
 pub mod build;
 pub mod compare;
 pub mod kernels;
+pub mod memory;
 pub mod plot;
 pub mod readme;
 pub mod reduce;

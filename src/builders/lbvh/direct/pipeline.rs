@@ -48,8 +48,7 @@ impl<const N: usize> Builder<N> for Lbvh<N> {
         self.order.keys = keys;
         watch.lap("tree");
         let counts = Counts { auxiliary_nodes: 2 * pairs as u64 + 1, ..Counts::default() };
-        let held = self.order.bytes() + self.treelets.sum(DirectTreelet::bytes) + self.memory.bytes();
-        Build::finish(tree, watch.phases, counts, held)
+        Build { tree, phases: watch.phases, counts }
     }
 
     fn recycle(&mut self, tree: WideBvh<N>) {

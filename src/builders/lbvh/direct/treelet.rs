@@ -29,16 +29,6 @@ pub(crate) struct DirectTreelet<const N: usize> {
 }
 
 impl<const N: usize> DirectTreelet<N> {
-    /// Bytes of its memory.
-    pub fn bytes(&self) -> usize {
-        (self.triangles.capacity() + self.copied_triangles.capacity()) * size_of::<[u32; 4]>()
-            + self.deltas.bytes()
-            + self.equal_codes.bytes()
-            + self.leaves.capacity() * size_of::<u32>()
-            + self.slots.capacity() * size_of::<Slot>()
-            + self.widen.bytes()
-    }
-
     /// Builds the subtree over `keys`, whole triangles of `mesh` that have been partitioned by the middle `depth` times.
     /// Returns it with the number of its binary nodes' pairs.
     pub fn build(
