@@ -1,5 +1,6 @@
 //! The records of a run: samples as taken, the rows made from them, the environment, and their files.
 
+pub mod build_rows;
 pub mod build_times;
 pub mod environment;
 pub mod files;

@@ -1,13 +1,10 @@
 //! The rows that the samples give: medians, spreads and warnings.
 
-use super::build_times::WarmTimes;
+use super::build_rows::{BuildRows, sum};
 use super::kernel_rows::kernel_rows;
-use super::row::{ALL, FIRST, FRESH, NO_KERNEL, REBUILD, Row, SCHEMA, figures};
+use super::row::{ALL, FRESH, NO_KERNEL, Row, SCHEMA, figures};
 use super::samples::{CellSamples, Samples, SceneSamples};
-use super::statistics::Summary;
-use super::visit_times::{builds, medians, rebuilds};
 use super::warnings::Warning;
-use crate::bench::cpu_time::CpuTime;
 
 /// The columns that all rows of a run share.
 #[derive(Clone, Debug, Default)]
@@ -85,38 +82,15 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
         }
         warnings
     };
-    let of_times = |samples: &[f64], times: Vec<&WarmTimes>, threads| {
-        let load = sum(times.into_iter().map(|times| times.cpu_time));
-        [of_run(samples), Warning::of_cpu_time(&load, threads)].concat()
-    };
-    let firsts = builds(cell, FIRST);
-    let first = with_builds(Row { regime: FIRST.into(), ..known.clone() }, &firsts, of_run(&firsts));
-    let again = builds(cell, REBUILD);
-    let warnings = of_times(&again, rebuilds(cell), header.threads);
-    let rebuild = with_builds(Row { regime: REBUILD.into(), ..known.clone() }, &again, warnings);
-    let mut rows = vec![first, rebuild];
-    let alone: Vec<&WarmTimes> =
-        cell.visits.iter().filter_map(|visit| visit.builds.one_thread.as_ref()).collect();
-    if !alone.is_empty() {
-        let times = medians(alone.iter().copied());
-        let warnings = of_times(&times, alone, 1);
-        // The bytes are those of builds on all threads.
-        let row = Row { threads: 1, bytes: None, peak_bytes: None, ..known.clone() };
-        rows.push(with_builds(row, &times, warnings));
-    }
-
-    let times = builds(cell, FRESH);
-    let mut warnings =
-        of_times(&times, cell.visits.iter().map(|visit| &visit.builds.fresh).collect(), header.threads);
-    let fresh = with_builds(known, &times, warnings.clone());
+    let BuildRows { compared, mut warnings, others: mut rows } = BuildRows::of(cell, known, of_run);
     if cell.checks.is_empty() {
-        rows.push(fresh);
+        rows.push(compared);
         return rows;
     }
     let load = sum(cell.visits.iter().map(|visit| visit.cpu_time));
     warnings.extend(Warning::of_cpu_time(&load, header.threads));
     for kernel in &cell.checks {
-        let row = Row { kernel: kernel.kernel.name().into(), isa: kernel.isa.clone(), ..fresh.clone() };
+        let row = Row { kernel: kernel.kernel.name().into(), isa: kernel.isa.clone(), ..compared.clone() };
         if let Some(reason) = &kernel.unavailable {
             rows.push(Row { error: format!("not available, because {reason}"), ..row });
         } else if let Some(mismatch) = &kernel.mismatch {
@@ -128,34 +102,14 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
     rows
 }
 
-fn with_builds(row: Row, samples: &[f64], warnings: Vec<Warning>) -> Row {
-    let Some(summary) = Summary::of(samples) else { return row };
-    Row {
-        build_ms_median: Some(figures(summary.median)),
-        build_ms_mad: Some(figures(summary.mad)),
-        build_ms_min: Some(figures(summary.min)),
-        build_ms_max: Some(figures(summary.max)),
-        build_mtri_s: Some(figures(row.triangles as f64 * 1e-3 / summary.median)),
-        warnings: Warning::join(&warnings),
-        ..row
-    }
-}
-
-fn sum(times: impl Iterator<Item = CpuTime>) -> CpuTime {
-    times.fold(CpuTime::default(), |a, b| CpuTime {
-        wall_s: a.wall_s + b.wall_s,
-        ran_s: a.ran_s + b.ran_s,
-        waited_s: a.waited_s + b.waited_s,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::bench::build_times::{BuildTimes, WarmTimes};
-    use crate::bench::cell::Cell;
-    use crate::bench::cell::Kernel;
+    use crate::bench::cell::{Cell, Kernel};
+    use crate::bench::cpu_time::CpuTime;
     use crate::bench::memory::BuildMemory;
+    use crate::bench::row::{FIRST, REBUILD};
     use crate::bench::samples::{Check, KernelChecks, Timing, VisitSamples};
     use crate::bench::tree_facts::TreeFacts;
     use crate::geometry::Dropped;
