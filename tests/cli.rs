@@ -71,7 +71,7 @@ fn tiny<'a>(scene: &'a str, more: &[&'a str]) -> Vec<&'a str> {
 }
 
 fn trees() -> usize {
-    BUILDERS.len() + if cfg!(feature = "embree") { 2 } else { 0 }
+    2 * (BUILDERS.len() + usize::from(cfg!(feature = "embree")))
 }
 
 fn environment(folder: &Path) -> Environment {
@@ -159,7 +159,7 @@ fn the_columns_are_documented() {
 fn a_generated_scene_needs_no_file() {
     let (_keep, folder) = workplace();
     let name = phr::scene::builtin()[0].name;
-    let output = phr(&folder, &tiny(name, &["--rounds", "1", "--filter", "phr-fast|embree-sah 4"]));
+    let output = phr(&folder, &tiny(name, &["--rounds", "1", "--filter", "(phr-fast|embree-sah) 4"]));
     assert!(output.status.success(), "{}", text(&output.stderr));
     let rows = row::read(&folder.join("out")).unwrap();
     assert!(rows.iter().all(|row| row.scene == name && row.is_good()));
@@ -276,7 +276,7 @@ fn bad_input_is_one_line_and_code_2() {
         (&["bench", "--set", "paper", "--scenes", "nowhere"], &["nowhere", "--scenes"]),
         (&["build", "missing.ply"], &["missing.ply"]),
         (&["build", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
-        (&["build", "sheet.ply", "--builder", "phr-hq", "--width", "8"], &["--width 8", "phr-hq"]),
+        (&["build", "sheet.ply", "--builder", "phr-hq", "--width", "5"], &["--width 5", "phr-hq"]),
         (&["build", "sheet.ply", "--threads", "0"], &["--threads 0"]),
         (&["render", generated, "-o", "x.png", "--view", "99"], &["--view 99", generated]),
         (&["render", "sheet.ply", "-o", "nowhere/x.png"], &["nowhere", "folder"]),
