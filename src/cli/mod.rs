@@ -12,7 +12,8 @@ use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
-    ablation, bench, build, compare, kernels, memory, plot, readme, reduce, render, scenes, table, targets, verify,
+    ablation, bench, build, compare, kernels, memory, plot, readme, reduce, render, scenes, table, targets,
+    verify,
 };
 
 /// Progressive Hierarchical Refinement: BVH builders, measured beside Embree's with the same rays.

@@ -14,7 +14,7 @@ mod without_embree;
 
 pub use built_tree::{BuildRequest, BuiltTree, EitherWidth};
 #[cfg(feature = "graft")]
-pub use embree::isa as embree_isa;
+pub use embree::isas as embree_isas;
 #[cfg(feature = "embree")]
 pub use embree::{Embree, REFERENCE_KERNEL, library, reference};
 pub use ours::Ours;

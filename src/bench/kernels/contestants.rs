@@ -104,7 +104,7 @@ impl<'a> Tree<'a> {
             Some((name, Box::new(tracer?)))
         }
         let Some(scene) = &self.scene else { return Vec::new() };
-        let isa = contender::embree_isa();
+        let [isa, _] = contender::embree_isas();
         let single: (&str, Box<dyn Tracer>) = (SINGLE, Box::new(Borrowed(scene)));
         let grouped = [
             some("embree-packets-8", scene.packets::<8>(false)),
