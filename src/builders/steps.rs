@@ -142,7 +142,7 @@ impl<'a> Steps<'a> {
             self.arena[half].iter().for_each(|node| self.side.push(*node));
             let begin = self.arena.len();
             let mut cut = CutBuilder::new(&mut self.arena);
-            self.threshold.refine(&self.auxiliary.tree, &SPACE, depth, &self.side, &mut cut);
+            self.threshold.refine(&self.auxiliary.tree, &SPACE, depth, &mut self.side, &mut cut);
             refined += self.refine_halves(begin, depth + 1);
             self.arena.truncate(begin);
         }

@@ -162,6 +162,10 @@ pub(crate) struct Side {
     pub nodes: Vec<Node>,
     /// References below them.
     pub count: u32,
+    /// Memory to refine it in, node by node.
+    pub keys: Vec<i32>,
+    /// Memory to refine it in, for the nodes of the next round.
+    pub refined: Vec<Node>,
 }
 
 impl Side {

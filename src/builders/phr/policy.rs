@@ -11,6 +11,13 @@ pub(crate) trait CutPolicy: Sync {
     const KEEPS_SINGLE_NODES: bool;
 
     /// Appends the nodes of a side of a split at binary depth `depth` to `refined`, some of them opened
-    /// ([`super::clip::open`]).
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &Side, refined: &mut CutBuilder<'_>);
+    /// ([`super::clip::open`]). The side may be changed: it is not used again.
+    fn refine(
+        &self,
+        tree: &BinaryTree,
+        clip: &Aabb,
+        depth: u32,
+        side: &mut Side,
+        refined: &mut CutBuilder<'_>,
+    );
 }

@@ -45,7 +45,14 @@ impl CutPolicy for Threshold {
     const KEEPS_SINGLE_NODES: bool = true;
 
     #[inline]
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, depth: u32, side: &Side, refined: &mut CutBuilder<'_>) {
+    fn refine(
+        &self,
+        tree: &BinaryTree,
+        clip: &Aabb,
+        depth: u32,
+        side: &mut Side,
+        refined: &mut CutBuilder<'_>,
+    ) {
         if let [node] = side.nodes[..] {
             // A lone node is opened before the next split, whatever its area.
             tree.prefetch(&node);

@@ -69,7 +69,7 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
 
         // Refine.
         let references = sides[0].count + sides[1].count;
-        [0, 1].map(|i| self.refine(&cut, clips[i], references, &sides[i], arena))
+        [0, 1].map(|i| self.refine(&cut, clips[i], references, &mut sides[i], arena))
     }
 
     /// Opens what must be opened before a cut can be split: a lone node, whatever the threshold; all nodes, near the
@@ -156,7 +156,7 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
         parent: &Cut,
         clip: Aabb,
         references: u32,
-        side: &Side,
+        side: &mut Side,
         arena: &mut Vec<Node>,
     ) -> Option<Cut> {
         let depth = parent.depth + 1;

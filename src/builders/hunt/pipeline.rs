@@ -1,20 +1,17 @@
-//! Build-from-hierarchy with cuts of constant length (Hunt, Mark, Fussell 2007, adapted to BVHs as in paper 5):
-//! PHR's recursion, refined by opening the largest nodes until the cut is long enough, without spatial splits.
+//! The builders `hunt-*`.
 
-use super::builder::{Build, Builder, Stopwatch};
-use super::config_error::{ConfigError, check};
-use crate::builders::binary::tree::BinaryTree;
+use super::constant_length::ConstantLength;
+use crate::builders::builder::{Build, Builder, Stopwatch};
+use crate::builders::config_error::{ConfigError, check};
 use crate::builders::phr::PhrConfig;
-use crate::builders::phr::clip::open;
-use crate::builders::phr::cut::{Cut, CutBuilder, Side};
+use crate::builders::phr::cut::Cut;
 use crate::builders::phr::initial_cut::initial_cut;
 use crate::builders::phr::memory::CutMemory;
-use crate::builders::phr::policy::CutPolicy;
 use crate::builders::phr::recursion::CutRecursion;
 use crate::builders::wide::build;
 use crate::bvh::WideBvh;
 use crate::bvh::limits::{BLOCK, MAX_LEAF};
-use crate::geometry::{Aabb, Mesh};
+use crate::geometry::Mesh;
 use crate::simd::Isa;
 
 /// Parameters of Hunt's method.
@@ -24,43 +21,6 @@ pub struct HuntConfig {
     pub cut_length: usize,
     /// Most triangles of a leaf, as in [`PhrConfig::max_leaf`].
     pub max_leaf: u32,
-}
-
-/// The rule of constant length: a partial sort by area, then the largest nodes are opened (paper 5).
-struct ConstantLength(usize);
-
-impl CutPolicy for ConstantLength {
-    const KEEPS_SINGLE_NODES: bool = false;
-
-    fn refine(&self, tree: &BinaryTree, clip: &Aabb, _: u32, side: &Side, refined: &mut CutBuilder<'_>) {
-        let mut side = side.nodes.clone();
-        let mut opened_once = Vec::new();
-        // Opening a node makes a cut one longer; several rounds are needed after an uneven split.
-        while side.len() < self.0 {
-            let mut areas: Vec<(f32, usize)> = side
-                .iter()
-                .enumerate()
-                .filter(|(_, node)| !node.is_leaf())
-                .map(|(i, node)| (node.bounds().half_area(), i))
-                .collect();
-            if areas.is_empty() {
-                break;
-            }
-            let wanted = (self.0 - side.len()).min(areas.len());
-            areas.select_nth_unstable_by(wanted - 1, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-            let mut opened = vec![false; side.len()];
-            areas[..wanted].iter().for_each(|&(_, i)| opened[i] = true);
-            for (node, opened) in side.drain(..).zip(opened) {
-                if opened {
-                    open(tree, &node, clip, |child| opened_once.push(child));
-                } else {
-                    opened_once.push(node);
-                }
-            }
-            std::mem::swap(&mut side, &mut opened_once);
-        }
-        side.into_iter().for_each(|node| refined.push(node));
-    }
 }
 
 /// Builds by Hunt's method; memory is kept between builds.
