@@ -67,6 +67,12 @@ pub(crate) const fn follows_clusters(depth: u32, references: usize) -> bool {
     depth < CLUSTER_DEPTH && depth + halvings(references) < MAX_DEPTH as u32
 }
 
+/// Levels of splits that [`follows_clusters`] allows in any subtree of `references` at `depth`, whatever its shape.
+pub(crate) const fn followed_levels(depth: u32, references: usize) -> u32 {
+    let room = (MAX_DEPTH as u32).saturating_sub(halvings(references));
+    (if room < CLUSTER_DEPTH { room } else { CLUSTER_DEPTH }).saturating_sub(depth)
+}
+
 /// Blocks are numbered without overflow.
 const _: () = assert!(MAX_REFERENCES <= MAX_BLOCKS);
 /// Trees of refined cuts.
@@ -106,6 +112,11 @@ mod tests {
                 left -= 1;
             }
             assert!(depth + halvings(left) <= MAX_DEPTH as u32, "{references}");
+        }
+        for (depth, references) in [(0, 5), (40, 1 << 20), (60, 4096), (62, 1 << 19), (70, 9)] {
+            let levels = followed_levels(depth, references);
+            assert!((depth..depth + levels).all(|at| follows_clusters(at, references)));
+            assert!(!follows_clusters(depth + levels, references));
         }
         assert!(follows_clusters(63, 1 << 17) && !follows_clusters(63, 1 << 19) && !follows_clusters(64, 5));
     }

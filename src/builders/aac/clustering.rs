@@ -4,9 +4,10 @@ use super::config::AacConfig;
 use crate::builders::binary::node::Node;
 use crate::builders::lbvh::key::{MortonKey, reference};
 use crate::builders::lbvh::partition::partition;
+use crate::builders::lbvh::prefetch;
 use crate::builders::prims::refs::PrimRefs;
 
-/// Runs shorter than this are clustered by one thread.
+/// Runs shorter than this are clustered by one thread, from triangles that fit its cache.
 const SERIAL: usize = 1 << 12;
 
 /// The root of the clusters of all `keys`, whose pairs go to `pairs`; `None` without keys.
@@ -18,7 +19,8 @@ pub(super) fn cluster(
 ) -> Option<Node> {
     let mut forest = Forest::default();
     if !keys.is_empty() {
-        Clustering { config, refs }.build(keys, 0, 0, pairs, &mut forest);
+        let of_few = std::array::from_fn(|n| config.clusters(n));
+        Clustering { config, of_few, refs }.build(keys, 0, 0, pairs, &mut forest);
         combine(&mut forest, 0, 1, 0, pairs);
     }
     forest.clusters.pop()
@@ -30,17 +32,48 @@ struct Forest {
     clusters: Vec<Node>,
     /// Places for pairs: always one less for a run than it has clusters.
     free: Vec<usize>,
-    nearest: Vec<(f32, usize)>,
+    nearest: Vec<Neighbour>,
 }
 
 struct Clustering<'a> {
     config: &'a AacConfig,
+    /// f(n) of few triangles: most runs are short, and powers are slow.
+    of_few: [usize; 64],
     refs: PrimRefs<'a>,
 }
 
 impl Clustering<'_> {
     /// Appends the clusters of a run of sorted keys that begins at `first`, whose pairs are `pairs`.
     fn build(
+        &self,
+        keys: &mut [MortonKey],
+        first: usize,
+        depth: u32,
+        pairs: &mut [[Node; 2]],
+        forest: &mut Forest,
+    ) {
+        let len = keys.len();
+        if len < SERIAL {
+            prefetch::triangles(self.refs.mesh, keys);
+            self.build_serial(keys, first, depth, pairs, forest);
+            return;
+        }
+        let begin = forest.clusters.len();
+        let (mut below, mut other) = (depth, Forest::default());
+        let split = partition(keys, &self.refs, &mut below);
+        let ([left, right], [left_pairs, right_pairs]) = halves(keys, pairs, split);
+        rayon::join(
+            || self.build(left, first, below, left_pairs, forest),
+            || self.build(right, first + split, below, right_pairs, &mut other),
+        );
+        forest.clusters.append(&mut other.clusters);
+        forest.free.append(&mut other.free);
+        forest.free.push(first + split - 1);
+        combine(forest, begin, self.config.clusters(len), first, pairs);
+    }
+
+    /// As [`Self::build`], by one thread.
+    fn build_serial(
         &self,
         keys: &mut [MortonKey],
         first: usize,
@@ -59,74 +92,117 @@ impl Clustering<'_> {
         } else {
             let mut below = depth;
             let split = partition(keys, &self.refs, &mut below);
-            let (left, right) = keys.split_at_mut(split);
-            let (left_pairs, right_pairs) = pairs.split_at_mut(split - 1);
-            let right_pairs = &mut right_pairs[1..];
-            if len < SERIAL {
-                self.build(left, first, below, left_pairs, forest);
-                self.build(right, first + split, below, right_pairs, forest);
-            } else {
-                let mut other = Forest::default();
-                rayon::join(
-                    || self.build(left, first, below, left_pairs, forest),
-                    || self.build(right, first + split, below, right_pairs, &mut other),
-                );
-                forest.clusters.append(&mut other.clusters);
-                forest.free.append(&mut other.free);
-            }
+            let ([left, right], [left_pairs, right_pairs]) = halves(keys, pairs, split);
+            self.build_serial(left, first, below, left_pairs, forest);
+            self.build_serial(right, first + split, below, right_pairs, forest);
             forest.free.push(first + split - 1);
         }
         debug_assert_eq!(forest.clusters.len() - begin.0, forest.free.len() - begin.1 + 1);
-        combine(forest, begin.0, self.config.clusters(len), first, pairs);
+        let target = self.of_few.get(len).copied().unwrap_or_else(|| self.config.clusters(len));
+        combine(forest, begin.0, target, first, pairs);
     }
 }
 
+/// The two parts of a run, and of its pairs but for the one between them.
+fn halves<'a>(
+    keys: &'a mut [MortonKey],
+    pairs: &'a mut [[Node; 2]],
+    split: usize,
+) -> ([&'a mut [MortonKey]; 2], [&'a mut [[Node; 2]]; 2]) {
+    let (left, right) = keys.split_at_mut(split);
+    let (left_pairs, right_pairs) = pairs.split_at_mut(split - 1);
+    ([left, right], [left_pairs, &mut right_pairs[1..]])
+}
+
 /// Merges the clusters from position `begin` on, always the nearest two, until `target` are left. Distance is
-/// the area of the common box. `pairs` begins with the pair `first`.
+/// the area of the common box.
 fn combine(forest: &mut Forest, begin: usize, target: usize, first: usize, pairs: &mut [[Node; 2]]) {
     let Forest { clusters, free, nearest } = forest;
-    let count = |clusters: &Vec<Node>| clusters.len() - begin;
-    if count(clusters) <= target {
+    let count = clusters.len() - begin;
+    if count <= target {
         return;
     }
-    nearest.clear();
-    nearest.extend((0..count(clusters)).map(|i| find_nearest(&clusters[begin..], i)));
-    while count(clusters) > target {
-        let (i, _) = nearest
-            .iter()
-            .enumerate()
-            .min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0))
-            .expect("more clusters than the target, which is one at least");
-        let (a, b) = (i.min(nearest[i].1), i.max(nearest[i].1));
+    find_all_nearest(&clusters[begin..], nearest);
+    for last in (target..count).rev() {
+        let i = closest(nearest);
+        let j = nearest[i].index();
+        let (a, b) = (i.min(j), i.max(j));
         let place = free.pop().expect("a run has a free pair less than clusters");
-        pairs[place - first] = [clusters[begin + a], clusters[begin + b]];
-        clusters[begin + a] = Node::inner(&pairs[place - first], place);
+        let pair = [clusters[begin + a], clusters[begin + b]];
+        pairs[place - first] = pair;
+        clusters[begin + a] = Node::inner(&pair, place);
         // The last takes the place of b.
-        let last = count(clusters) - 1;
         clusters.swap_remove(begin + b);
         nearest.swap_remove(b);
-        for (k, near) in nearest.iter_mut().enumerate() {
-            if k == a || near.1 == a || near.1 == b {
-                *near = find_nearest(&clusters[begin..], k);
-            } else if near.1 == last {
-                near.1 = b;
+        if last == target {
+            break;
+        }
+        for (k, neighbour) in nearest.iter_mut().enumerate() {
+            let near = neighbour.index();
+            if k == a || near == a || near == b {
+                *neighbour = find_nearest(&clusters[begin..], k);
+            } else if near == last {
+                *neighbour = neighbour.moved(b);
             }
         }
     }
 }
 
-/// The cluster nearest to cluster `i`, and its distance; the first of equal ones.
-fn find_nearest(clusters: &[Node], i: usize) -> (f32, usize) {
-    let own = clusters[i].bounds();
-    let mut best = (f32::INFINITY, usize::MAX);
-    for (j, other) in clusters.iter().enumerate() {
-        let area = own.union(other.bounds()).half_area();
-        // Areas may overflow to infinity; any neighbour is better than none.
-        if j != i && (area < best.0 || best.1 == usize::MAX) {
-            best = (area, j);
-        }
+/// A neighbour of a cluster: the area of their common box, then its index. The nearest is the least, and of equal ones the
+/// first: no branch is needed to find it.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Neighbour(u64);
+
+impl Neighbour {
+    const NONE: Self = Self(u64::MAX);
+
+    #[inline(always)]
+    fn new(area: f32, index: usize) -> Self {
+        // Areas are not negative, if zero may be: their bits are in their order.
+        Self(u64::from(area.abs().to_bits()) << 32 | index as u64)
     }
-    best
+
+    #[inline(always)]
+    fn index(self) -> usize {
+        self.0 as u32 as usize
+    }
+
+    /// The same at another index.
+    #[inline(always)]
+    fn moved(self, index: usize) -> Self {
+        Self(self.0 >> 32 << 32 | index as u64)
+    }
+}
+
+/// The cluster whose nearest neighbour is nearest, the first of equal ones.
+fn closest(nearest: &[Neighbour]) -> usize {
+    let all = nearest.iter().enumerate().map(|(i, near)| near.moved(i));
+    all.min().map_or(0, Neighbour::index)
+}
+
+/// The nearest neighbour of each cluster: every distance is measured once for both.
+fn find_all_nearest(clusters: &[Node], nearest: &mut Vec<Neighbour>) {
+    nearest.clear();
+    for (i, cluster) in clusters.iter().enumerate() {
+        let own = cluster.bounds();
+        let mut best = Neighbour::NONE;
+        for (j, (other, near)) in clusters.iter().zip(&mut *nearest).enumerate() {
+            let area = own.union(other.bounds()).half_area();
+            best = best.min(Neighbour::new(area, j));
+            *near = (*near).min(Neighbour::new(area, i));
+        }
+        nearest.push(best);
+    }
+}
+
+/// The nearest neighbour of cluster `i`.
+fn find_nearest(clusters: &[Node], i: usize) -> Neighbour {
+    let own = clusters[i].bounds();
+    let others = clusters.iter().enumerate().map(|(j, other)| {
+        let neighbour = Neighbour::new(own.union(other.bounds()).half_area(), j);
+        if j == i { Neighbour::NONE } else { neighbour }
+    });
+    others.min().unwrap_or(Neighbour::NONE)
 }
 
 #[cfg(test)]

@@ -1,13 +1,16 @@
 //! From the binary tree of clusters to a wide one, the largest child opened first (paper 4.5).
 
+use super::emit::GatheredTree;
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::lbvh::key::{MortonKey, reference};
 use crate::builders::lbvh::prefetch;
 use crate::builders::prims::refs::PrimRefs;
+use crate::builders::wide::binary_source::Leaves;
 use crate::builders::wide::top_down::{BinarySplits, TopDown};
-use crate::bvh::limits::follows_clusters;
+use crate::builders::wide::treelet::{Subtree, WideTreelet};
+use crate::bvh::limits::{BLOCK, follows_clusters};
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
@@ -116,6 +119,23 @@ impl TopDown for ClusterTree<'_> {
         };
         prims.iter_mut().for_each(|id| *id = self.refs.prim(*id));
         bounds
+    }
+
+    fn try_emit<const N: usize>(
+        &self,
+        part: &ClusterPart,
+        treelet: &mut WideTreelet<N>,
+        scratch: &mut Vec<u32>,
+    ) -> Option<Subtree> {
+        let ClusterPart::Subtree(node, depth) = *part else { return None };
+        let first = scratch.len();
+        self.gather(&node, scratch);
+        scratch[first..].iter_mut().for_each(|id| *id = self.refs.prim(*id));
+        let leaves = Leaves::of(&self.refs, BLOCK);
+        let gathered = GatheredTree { tree: self.tree, prims: &scratch[first..] };
+        let subtree = gathered.emit(&node, depth, &leaves, treelet);
+        scratch.truncate(first);
+        subtree
     }
 }
 

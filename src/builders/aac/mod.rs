@@ -5,6 +5,7 @@
 mod clustering;
 mod collapse;
 mod config;
+mod emit;
 mod pipeline;
 
 pub use config::AacConfig;

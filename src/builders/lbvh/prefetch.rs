@@ -18,7 +18,12 @@ pub(crate) fn subtree(tree: &BinaryTree, keys: &[MortonKey], refs: &PrimRefs<'_>
         let pairs = if leaf == 1 { keys.len() } else { keys.len() / 2 }.min(pair);
         (pair - pairs..pair).for_each(|pair| line(&tree.pairs, pair));
     }
-    let (triangles, vertices) = (refs.mesh.triangles(), refs.mesh.padded_vertices());
+    triangles(refs.mesh, keys);
+}
+
+/// Prefetches the triangles of a run of keys that one thread is about to use.
+pub(crate) fn triangles(mesh: &Mesh, keys: &[MortonKey]) {
+    let (triangles, vertices) = (mesh.triangles(), mesh.padded_vertices());
     for key in keys {
         line(triangles, reference(*key) as usize);
     }
