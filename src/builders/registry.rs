@@ -72,6 +72,7 @@ const REGISTRY: &[(&str, Config)] = &[
     ("phr-speed", Config::Phr(PhrConfig::SPEED)),
     ("phr-quality", Config::Phr(PhrConfig::QUALITY)),
     ("phr-best", Config::OptimisedPhr(BEST)),
+    ("phr-fast-bucket", fast(auxiliary(AuxiliaryConfig { bucket_sort: true, ..PAPER }))),
     ("phr-fast-coarse", fast(COARSE)),
     ("phr-fast-clusters", fast(auxiliary(AuxiliaryConfig { clusters: SPEED.auxiliary.clusters, ..PAPER }))),
     ("phr-fast-subtrees", fast(Extensions { subtree_sweep: Some(32), ..NONE })),
@@ -153,7 +154,7 @@ mod tests {
         for name in NAMES.iter().chain(ABLATION) {
             assert_eq!(by_name::<4>(name).map(|builder| builder.name()), Some(*name));
         }
-        assert_eq!((NAMES.len(), ABLATION.len()), (9, 16));
+        assert_eq!((NAMES.len(), ABLATION.len()), (9, 17));
         assert!(by_name::<4>("phr").is_none());
     }
 }

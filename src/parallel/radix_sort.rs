@@ -1,4 +1,5 @@
-//! A parallel least-significant-digit radix sort of (code << 32 | triangle) keys by code.
+//! A parallel least-significant-digit radix sort of (code << 32 | triangle) keys by code, and a bucket sort by the highest
+//! bits of the codes, which is one pass of it.
 //!
 //! Each pass counts digits per chunk, gives every chunk its offset in every bucket, and scatters the chunks in
 //! parallel. The sort is stable, so the result does not depend on the number of chunks.
@@ -9,7 +10,7 @@ use super::disjoint::DisjointSlice;
 use rayon::prelude::*;
 
 const DIGIT_BITS: u32 = 11;
-const BUCKETS: usize = 1 << DIGIT_BITS;
+const DIGITS: usize = 1 << DIGIT_BITS;
 const PASSES: u32 = 32u32.div_ceil(DIGIT_BITS);
 const _: () = assert!(PASSES % 2 == 1);
 /// Below this the standard library's sort wins.
@@ -27,23 +28,34 @@ pub(crate) fn sort(keys: &mut [u64], sorted: &mut [u64]) {
     let (mut from, mut to) = (keys, sorted);
     // An odd number of passes ends in `sorted`.
     for pass in 0..PASSES {
-        scatter(from, to, chunk, 32 + pass * DIGIT_BITS);
+        scatter::<DIGITS>(from, to, chunk, 32 + pass * DIGIT_BITS);
         std::mem::swap(&mut from, &mut to);
     }
 }
 
+/// Bits of the codes that [`bucket_sort`] sorts by (paper 4.7).
+pub(crate) const BUCKET_BITS: u32 = 12;
+
+/// Sorts `keys` by the highest [`BUCKET_BITS`] bits of their upper halves alone, equal ones in their given order, into
+/// `sorted`, which is as long.
+pub(crate) fn bucket_sort(keys: &[u64], sorted: &mut [u64]) {
+    assert_eq!(keys.len(), sorted.len());
+    let chunk = keys.len().div_ceil(rayon::current_num_threads()).max(SMALL);
+    scatter::<{ 1 << BUCKET_BITS }>(keys, sorted, chunk, u64::BITS - BUCKET_BITS);
+}
+
 #[inline]
-fn digit(key: u64, shift: u32) -> usize {
+fn digit<const BUCKETS: usize>(key: u64, shift: u32) -> usize {
     (key >> shift) as usize & (BUCKETS - 1)
 }
 
 /// One pass: moves `from` to `to`, ordered by the digit at `shift`.
-fn scatter(from: &[u64], to: &mut [u64], chunk: usize, shift: u32) {
+fn scatter<const BUCKETS: usize>(from: &[u64], to: &mut [u64], chunk: usize, shift: u32) {
     let mut offsets: Vec<[u32; BUCKETS]> = from
         .par_chunks(chunk)
         .map(|keys| {
             let mut counts = [0u32; BUCKETS];
-            keys.iter().for_each(|&key| counts[digit(key, shift)] += 1);
+            keys.iter().for_each(|&key| counts[digit::<BUCKETS>(key, shift)] += 1);
             counts
         })
         .collect();
@@ -56,7 +68,7 @@ fn scatter(from: &[u64], to: &mut [u64], chunk: usize, shift: u32) {
     let to = DisjointSlice::new(to);
     from.par_chunks(chunk).zip(offsets).for_each(|(keys, mut offsets)| {
         for &key in keys {
-            let place = &mut offsets[digit(key, shift)];
+            let place = &mut offsets[digit::<BUCKETS>(key, shift)];
             // SAFETY: the offsets are an exclusive prefix sum of the counts of exactly these keys, over all
             // buckets and chunks, so every key of every chunk has a place of its own below `from.len()`,
             // which is the length of `to`.
@@ -80,7 +92,12 @@ mod tests {
                 let mut expected = keys.clone();
                 expected.sort_by_key(|key| key >> 32);
                 let mut sorted = vec![0; keys.len()];
+                let given = keys.clone();
                 sort(&mut keys, &mut sorted);
+                assert_eq!(sorted, expected);
+                expected.clone_from(&given);
+                expected.sort_by_key(|key| key >> (64 - BUCKET_BITS));
+                bucket_sort(&given, &mut sorted);
                 assert_eq!(sorted, expected);
             }
         }

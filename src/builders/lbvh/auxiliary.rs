@@ -1,18 +1,19 @@
 //! Paper 4.7: the auxiliary BVH, an LBVH (Lauterbach et al. 2009): Morton codes, a parallel sort, and a tree that
 //! partitions each run of codes where their highest bit changes.
 //!
-//! Three changes: the sort is a radix sort of all 32 bits, not by the highest 12; boxes are merged on the way up instead
-//! of by atomic counters; and references that share a code are partitioned by the middle of their own centroids' bounds,
-//! so that 32 bits suffice for any scene.
+//! Three changes: the sort is a radix sort of all 32 bits, not by the highest 12 ([`AuxiliaryConfig::bucket_sort`] is the
+//! paper's); boxes are merged on the way up instead of by atomic counters; and references that share a code are
+//! partitioned by the middle of their own centroids' bounds, so that 32 bits suffice for any scene.
 
 use super::area_scale::AreaScale;
-use super::sort::MortonOrder;
+use super::sort::{MortonOrder, SortBits};
 use super::top_tree::{TopTree, result_of};
 use super::treelet::{LbvhTreelet, LeafRule};
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::builder::{Phase, Stopwatch};
 use crate::builders::prims::presplit::PresplitConfig;
+use crate::bvh::limits::MIDDLE_DEPTH;
 use crate::geometry::Mesh;
 use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
@@ -28,9 +29,13 @@ pub struct Clusters {
     pub area: f32,
 }
 
-/// Extensions of the auxiliary BVH; each changes the tree.
+/// Variants of the auxiliary BVH; each changes the tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct AuxiliaryConfig {
+    /// Codes are sorted by their highest 12 bits alone, as in the paper. Within a bucket the other bits are in no order, so
+    /// that no search finds where they change (the paper does not say what becomes of it): its run, in the order of the
+    /// mesh, is halved by count.
+    pub bucket_sort: bool,
     /// Which triangles are split before the sort (paper 5.3).
     pub presplit: Option<PresplitConfig>,
     /// Subtrees of at most this many references are leaves, 1 to 4.
@@ -44,8 +49,15 @@ pub struct AuxiliaryConfig {
 }
 
 impl AuxiliaryConfig {
-    /// That of the paper.
-    pub const PAPER: Self = Self { presplit: None, auxiliary_leaf: None, clusters: None, calibration: None };
+    /// That of the paper, but for the sort: by all bits.
+    pub const PAPER: Self =
+        Self { bucket_sort: false, presplit: None, auxiliary_leaf: None, clusters: None, calibration: None };
+
+    /// What codes are sorted by, and at which depth of partitions by the middle the tree begins: below the last such depth
+    /// runs are halved.
+    pub(crate) const fn sort(&self) -> (SortBits, u32) {
+        if self.bucket_sort { (SortBits::Highest, MIDDLE_DEPTH) } else { (SortBits::All, 0) }
+    }
 
     /// Subtrees of at most this many references are always leaves.
     fn leaf(&self) -> u32 {
@@ -79,7 +91,8 @@ impl Auxiliary {
     /// Builds the LBVH of `mesh`.
     pub fn build(&mut self, mesh: &Mesh, config: &AuxiliaryConfig) -> Vec<Phase> {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, config.presplit.as_ref(), &mut self.tree.pairs, &mut watch);
+        let (bits, depth) = config.sort();
+        self.order.sort(mesh, config.presplit.as_ref(), bits, &mut self.tree.pairs, &mut watch);
         // Equal codes are partitioned by reordering keys.
         let mut keys = std::mem::take(&mut self.order.keys);
         let refs = self.order.refs(mesh);
@@ -93,7 +106,7 @@ impl Auxiliary {
             // Of leaves of several references about half are full.
             let pairs = keys.len().div_ceil(rule.always as usize) * if rule.always == 1 { 1 } else { 2 };
             huge_pages::reserve(&mut self.tree.pairs, pairs + pairs / 1000 + 64);
-            let top = TopTree::new(&refs, &mut keys);
+            let top = TopTree::new(&refs, &mut keys, depth);
             let pairs = &mut self.tree.pairs;
             let make = |i: usize, treelet: &mut LbvhTreelet| {
                 let (first, depth, mut keys) = top.treelet(i);
@@ -169,8 +182,10 @@ mod tests {
             {
                 let mesh = triangles(n, place);
                 let mut auxiliary = Auxiliary::default();
+                let bucket_sort = n % 2 == 1 || leaf == 4;
+                let auxiliary_leaf = Some(leaf);
                 auxiliary
-                    .build(&mesh, &AuxiliaryConfig { auxiliary_leaf: Some(leaf), ..AuxiliaryConfig::PAPER });
+                    .build(&mesh, &AuxiliaryConfig { bucket_sort, auxiliary_leaf, ..AuxiliaryConfig::PAPER });
                 let references = auxiliary.order.refs(&mesh);
                 let root = auxiliary.tree.root.unwrap();
                 let mut seen = Vec::new();
@@ -208,6 +223,31 @@ mod tests {
             stack.extend([(left, first), (right, first + left.count() as usize)]);
         }
         assert!(checked > 500);
+    }
+
+    #[test]
+    fn buckets_keep_the_order_of_the_mesh_and_are_halved() {
+        let mesh = triangles(20_000, |i| [(i % 40) as f32, (i * 7 % 30) as f32, (i % 3) as f32]);
+        let mut auxiliary = Auxiliary::default();
+        auxiliary.build(&mesh, &AuxiliaryConfig { bucket_sort: true, ..AuxiliaryConfig::PAPER });
+        let keys = &auxiliary.order.keys;
+        assert!(keys.is_sorted() && keys.iter().all(|&key| code(key).trailing_zeros() >= 20));
+        let (mut stack, mut halved) = (vec![(auxiliary.tree.root.unwrap(), 0)], 0);
+        while let Some((node, first)) = stack.pop() {
+            if node.is_leaf() {
+                continue;
+            }
+            let [left, right] = *auxiliary.tree.children(&node);
+            let (middle, end) = (first + left.count() as usize, first + node.count() as usize);
+            if code(keys[first]) == code(keys[end - 1]) {
+                assert_eq!(left.count(), node.count() / 2);
+                halved += 1;
+            } else {
+                assert_ne!(code(keys[middle - 1]), code(keys[middle]));
+            }
+            stack.extend([(left, first), (right, middle)]);
+        }
+        assert!(halved > 10_000);
     }
 
     #[test]

@@ -9,9 +9,29 @@ use crate::builders::prims::presplit::{Presplit, PresplitConfig};
 use crate::builders::prims::refs::{GRAIN, PrimInfo, PrimRefs};
 use crate::geometry::{Aabb, Mesh};
 use crate::memory::huge_pages;
-use crate::parallel::radix_sort;
+use crate::parallel::radix_sort::{self, BUCKET_BITS};
 use rayon::prelude::*;
 use std::mem::MaybeUninit;
+
+/// What of the codes references are sorted by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SortBits {
+    /// All 32 bits.
+    All,
+    /// The highest 12 bits, the others of which are then zero: the buckets of the paper. Within one, references are in the
+    /// order of the mesh, pieces of triangles after whole ones.
+    Highest,
+}
+
+impl SortBits {
+    /// The bits that codes keep.
+    pub const fn mask(self) -> u32 {
+        match self {
+            Self::All => u32::MAX,
+            Self::Highest => u32::MAX << (u32::BITS - BUCKET_BITS),
+        }
+    }
+}
 
 /// Sorted keys; memory is reused from build to build.
 #[derive(Default)]
@@ -24,12 +44,13 @@ pub(crate) struct MortonOrder {
 }
 
 impl MortonOrder {
-    /// Sorts the triangles of a mesh, needles in pieces where `presplit` says so. The memory of `spare` is used
+    /// Sorts the triangles of a mesh by these bits of their codes, needles in pieces where `presplit` says so. The memory of `spare` is used
     /// meanwhile; its elements are lost.
     pub fn sort<T>(
         &mut self,
         mesh: &Mesh,
         presplit: Option<&PresplitConfig>,
+        bits: SortBits,
         spare: &mut Vec<T>,
         watch: &mut Stopwatch,
     ) {
@@ -44,18 +65,21 @@ impl MortonOrder {
         self.info = Some(info);
         let more: usize = self.presplit.chunks.iter().map(|chunk| chunk.pieces - chunk.needles).sum();
         let keys = huge_pages::lend(spare, mesh.len() + more);
-        self.encode(mesh, &MortonEncoder::new(info.centers), keys);
+        self.encode(mesh, &MortonEncoder::new(info.centers), bits.mask(), keys);
         // SAFETY: `encode` has written every key.
         let keys = unsafe { &mut *(std::ptr::from_mut(keys) as *mut [MortonKey]) };
         watch.lap("codes");
         huge_pages::resize(&mut self.keys, keys.len(), 0);
-        radix_sort::sort(keys, &mut self.keys);
+        match bits {
+            SortBits::All => radix_sort::sort(keys, &mut self.keys),
+            SortBits::Highest => radix_sort::bucket_sort(keys, &mut self.keys),
+        }
         watch.lap("sort");
     }
 
     /// Writes every key: those of the triangles in order, then those of the pieces but for the first of each needle,
     /// which takes the place of its triangle.
-    fn encode(&self, mesh: &Mesh, encoder: &MortonEncoder, keys: &mut [MaybeUninit<MortonKey>]) {
+    fn encode(&self, mesh: &Mesh, encoder: &MortonEncoder, mask: u32, keys: &mut [MaybeUninit<MortonKey>]) {
         let (of_triangles, mut of_pieces) = keys.split_at_mut(mesh.len());
         let mut tasks = Vec::with_capacity(of_triangles.len().div_ceil(GRAIN));
         let mut piece = 0;
@@ -72,7 +96,7 @@ impl MortonOrder {
             let mut triangles = prims.clone().zip(&mut *of_triangles);
             encoder.codes(prims.map(|prim| mesh.bounds_of(prim).center2()), |code| {
                 if let Some((prim, key)) = triangles.next() {
-                    key.write(key_of(code, prim));
+                    key.write(key_of(code & mask, prim));
                 }
             });
             let (mut others, mut last) = (of_pieces.iter_mut(), None);
@@ -82,7 +106,8 @@ impl MortonOrder {
                 } else {
                     &mut of_triangles[fragment.prim as usize - first]
                 };
-                key.write(key_of(encoder.code(fragment.bounds.center2()), (mesh.len() + i) as u32));
+                let code = encoder.code(fragment.bounds.center2()) & mask;
+                key.write(key_of(code, (mesh.len() + i) as u32));
             }
             assert!(others.next().is_none());
         });

@@ -32,10 +32,11 @@ pub(crate) struct TopTree<'a> {
 }
 
 impl<'a> TopTree<'a> {
-    /// Divides one or more `keys`; keys of one code are reordered.
-    pub fn new(refs: &PrimRefs<'_>, keys: &'a mut [MortonKey]) -> Self {
+    /// Divides one or more `keys`, which count as partitioned by the middle `depth` times before; keys of one code are
+    /// reordered.
+    pub fn new(refs: &PrimRefs<'_>, keys: &'a mut [MortonKey], depth: u32) -> Self {
         let mut top = Self { treelets: Vec::new(), pairs: Vec::new() };
-        top.divide(refs, keys, 0, 0);
+        top.divide(refs, keys, 0, depth);
         top
     }
 

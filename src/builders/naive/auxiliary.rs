@@ -109,14 +109,16 @@ pub fn lbvh(mesh: &Mesh, config: &AuxiliaryConfig) -> Option<(Rc<Tree>, f32)> {
         }
     }
     let encoder = MortonEncoder::new(centers);
-    let mut run: Vec<Item> = references.iter().map(|r| (encoder.code(r.bounds.center2()), *r)).collect();
+    let (bits, depth) = config.sort();
+    let code = |reference: &Reference| encoder.code(reference.bounds.center2()) & bits.mask();
+    let mut run: Vec<Item> = references.iter().map(|reference| (code(reference), *reference)).collect();
     run.sort_by_key(|(code, _)| *code);
     if run.is_empty() {
         return None;
     }
     let scene = mesh.bounds().half_area();
     let reference = config.calibration.map_or(scene, |parts| scene.min(parts * area_of_parts(&run)));
-    let root = subtree(&run, 0, config.auxiliary_leaf.unwrap_or(1));
+    let root = subtree(&run, depth, config.auxiliary_leaf.unwrap_or(1));
     let root = match &config.clusters {
         None => root,
         Some(Clusters { most, area }) => root.clustered(*most, area * reference),

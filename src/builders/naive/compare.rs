@@ -32,6 +32,7 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
         ("auxiliary leaves", auxiliary(AuxiliaryConfig { auxiliary_leaf: Some(4), ..paper })),
         ("leaf sweep", PhrConfig { max_leaf: 28, ..fast(Extensions { leaf_sweep: Some(16), ..none }) }),
         ("presplit", auxiliary(presplit)),
+        ("bucket sort", auxiliary(AuxiliaryConfig { bucket_sort: true, ..paper })),
         ("clipped triangles", fast(Extensions { clip_triangles: true, ..none })),
         ("clusters", auxiliary(clusters)),
         ("subtree sweep", fast(Extensions { subtree_sweep: Some(256), ..none })),
@@ -67,6 +68,7 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
                         auxiliary_leaf: Some(4),
                         clusters: Some(Clusters { most: 40, area: 1e-3 }),
                         calibration: Some(2.0),
+                        bucket_sort: true,
                         ..presplit
                     },
                     overlap_threshold: Some(1e-6),
@@ -83,7 +85,9 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
     ]
 }
 
-const HUNT_50: HuntConfig = HuntConfig { cut_length: 50, max_leaf: 8 };
+/// Cuts that one round of refinement makes, and some that take several.
+const HUNT: [HuntConfig; 2] =
+    [HuntConfig { cut_length: 50, max_leaf: 8 }, HuntConfig { cut_length: 7, max_leaf: 12 }];
 
 fn small_meshes() -> Vec<(String, Mesh)> {
     let mut meshes = Vec::new();
@@ -141,8 +145,11 @@ fn compare<const N: usize>(what: &str, mesh: &Mesh) -> Vec<u64> {
         let tree = Lbvh::<N>::default().build(mesh).tree;
         assert_same(&tree, mesh, linear(mesh, N).as_ref(), &format!("{what}, lbvh, width {N}"));
     }
-    let tree = Hunt::<N>::new("", HUNT_50).unwrap().build(mesh).tree;
-    assert_same(&tree, mesh, hunt(mesh, &HUNT_50, N).as_ref(), &format!("{what}, hunt, width {N}"));
+    for config in HUNT {
+        let tree = Hunt::<N>::new("", config).unwrap().build(mesh).tree;
+        let what = format!("{what}, hunt {}, width {N}", config.cut_length);
+        assert_same(&tree, mesh, hunt(mesh, &config, N).as_ref(), &what);
+    }
     spatial_splits
 }
 
@@ -190,5 +197,7 @@ fn same_tree_everywhere<const N: usize>(what: &str, mesh: &Mesh) {
     same("lbvh", &|isa| Lbvh::with_isa(isa).build(mesh).tree);
     let best = OptimisedPhrConfig { phr: PhrConfig::HQ, optimise: OptimiseConfig::DEFAULT };
     same("optimised", &|isa| OptimisedPhr::with_isa("", best, isa).unwrap().build(mesh).tree);
-    same("hunt", &|isa| Hunt::with_isa("", HUNT_50, isa).unwrap().build(mesh).tree);
+    for config in HUNT {
+        same("hunt", &|isa| Hunt::with_isa("", config, isa).unwrap().build(mesh).tree);
+    }
 }

@@ -4,7 +4,7 @@
 use super::treelet::DirectTreelet;
 use crate::builders::binary::kind::Kind;
 use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
-use crate::builders::lbvh::sort::MortonOrder;
+use crate::builders::lbvh::sort::{MortonOrder, SortBits};
 use crate::builders::lbvh::top_tree::{TopNode, TopTree, result_of};
 use crate::builders::wide::memory::Memory;
 use crate::builders::wide::open_largest::{Priority, open_largest, replace};
@@ -42,7 +42,7 @@ impl<const N: usize> Builder<N> for Lbvh<N> {
 
     fn build(&mut self, mesh: &Mesh) -> Build<N> {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, None, self.memory.blocks(mesh.len()), &mut watch);
+        self.order.sort(mesh, None, SortBits::All, self.memory.blocks(mesh.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
         let (tree, pairs) = if keys.is_empty() { Default::default() } else { self.tree(mesh, &mut keys) };
         self.order.keys = keys;
@@ -66,7 +66,7 @@ impl<const N: usize> Lbvh<N> {
     fn tree(&mut self, mesh: &Mesh, keys: &mut [u64]) -> (WideBvh<N>, usize) {
         let refs = &self.order.refs(mesh);
         let (mut nodes, mut blocks) = self.memory.arrays(mesh.len());
-        let top = TopTree::new(refs, keys);
+        let top = TopTree::new(refs, keys, 0);
         let make = |i: usize, wide: &mut WideTreelet<N>| {
             let mut treelet = self.treelets.take();
             let (_, depth, keys) = top.treelet(i);

@@ -14,6 +14,7 @@ impl PhrConfig {
         spatial_threshold: 1e-2,
         extensions: Extensions {
             auxiliary: AuxiliaryConfig {
+                bucket_sort: false,
                 presplit: Some(PresplitConfig::NEEDLES),
                 auxiliary_leaf: Some(4),
                 clusters: Some(Clusters { most: 32, area: 1e-3 }),
