@@ -84,7 +84,7 @@ impl Extensions {
 }
 
 impl PhrConfig {
-    /// PHR-Fast (paper 4.3).
+    /// PHR-Fast (paper 4.3), but for the sort of the auxiliary tree ([`AuxiliaryConfig::PAPER`]).
     pub const FAST: Self = Self {
         alpha: 0.5,
         delta: 6.0,
@@ -94,7 +94,7 @@ impl PhrConfig {
         max_references: 2.0,
         extensions: Extensions::NONE,
     };
-    /// PHR-HQ (paper 4.3).
+    /// PHR-HQ (paper 4.3), with the same exception.
     pub const HQ: Self = Self { alpha: 0.55, delta: 9.0, ..Self::FAST };
 
     /// Refuses parameters out of range.
