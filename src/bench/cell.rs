@@ -61,7 +61,7 @@ impl Cell {
 }
 
 /// The order of the table: the paper's, with our other builders beside their relatives.
-pub const ORDER: [&str; 12] = [
+pub const ORDER: [&str; 13] = [
     "lbvh",
     "embree-morton",
     "hunt-50",
@@ -71,6 +71,7 @@ pub const ORDER: [&str; 12] = [
     "embree-fast-spatial",
     "phr-fast",
     "phr-hq",
+    "phr-turbo",
     "phr-speed",
     "phr-quality",
     "phr-best",

@@ -69,6 +69,7 @@ const REGISTRY: &[(&str, Config)] = &[
     ("aac", Config::Aac(AacConfig::FAST)),
     ("phr-fast", Config::Phr(PhrConfig::FAST)),
     ("phr-hq", Config::Phr(PhrConfig::HQ)),
+    ("phr-turbo", Config::Phr(PhrConfig::TURBO)),
     ("phr-speed", Config::Phr(PhrConfig::SPEED)),
     ("phr-quality", Config::Phr(PhrConfig::QUALITY)),
     ("phr-best", Config::OptimisedPhr(BEST)),
@@ -105,7 +106,7 @@ const REGISTRY: &[(&str, Config)] = &[
 ];
 
 /// Builders of a table.
-const IN_TABLES: usize = 9;
+const IN_TABLES: usize = 10;
 
 const ALL: [&str; REGISTRY.len()] = {
     let mut names = [""; REGISTRY.len()];
@@ -154,7 +155,7 @@ mod tests {
         for name in NAMES.iter().chain(ABLATION) {
             assert_eq!(by_name::<4>(name).map(|builder| builder.name()), Some(*name));
         }
-        assert_eq!((NAMES.len(), ABLATION.len()), (9, 17));
+        assert_eq!((NAMES.len(), ABLATION.len()), (10, 17));
         assert!(by_name::<4>("phr").is_none());
     }
 }

@@ -69,6 +69,7 @@ pub(crate) struct Widen<const N: usize> {
 
 impl<const N: usize> Widen<N> {
     /// Appends the wide nodes below `root`, over the last of the pairs.
+    #[inline(always)]
     pub fn write(&mut self, root: &Slot, nodes: &mut Vec<WideNode<N>>) -> Link {
         let pairs = self.pairs.len();
         if pairs == 0 {
@@ -100,6 +101,7 @@ impl<const N: usize> Widen<N> {
     }
 
     /// Finds the pairs over which nodes lie, and their children.
+    #[inline(always)]
     fn find_nodes(&mut self) {
         let Self { pairs, children, is_node, numbers, nodes } = self;
         let count = pairs.len();
@@ -137,7 +139,7 @@ impl<const N: usize> Widen<N> {
 }
 
 /// The children of the wide node over a pair, in order; `none` is an unused slot.
-#[inline]
+#[inline(always)]
 fn children_of<const N: usize>(slots: &[Slot], pair: u32, none: u32) -> [u32; N] {
     let order = |slot: u32| slots[slot as usize].order();
     let mut children = [none; N];
@@ -153,24 +155,28 @@ fn children_of<const N: usize>(slots: &[Slot], pair: u32, none: u32) -> [u32; N]
             slot = if is_larger { children[i] } else { slot };
             largest = if is_larger { orders[i] } else { largest };
         }
+        // A node of eight has many steps; those that it may save are worth a branch.
+        if N > 4 && largest < 0 {
+            break;
+        }
         // Instead of a leaf the unused slots are opened, and put behind the last place.
         let is_open = largest >= 0;
         let first = if is_open { 2 * slots[slot as usize].link() } else { none };
         at = if is_open { at } else { N };
-        let opened = [order(first), order(first + 1)];
-        let insert = |old: [u32; N], [left, right]: [u32; 2]| {
-            let mut new = old;
-            for i in 0..=count {
-                let before = old[i.saturating_sub(1)];
-                let moved = if i == at + 1 { right } else { before };
-                let moved = if i == at { left } else { moved };
-                new[i] = if i < at { old[i] } else { moved };
-            }
-            new
-        };
-        children = insert(children, [first, first + 1]);
-        orders = insert(orders.map(|order| order as u32), opened.map(|order| order as u32))
-            .map(|order| order as i32);
+        children = replaced(children, count, at, [first, first + 1]);
+        orders = replaced(orders, count, at, [order(first), order(first + 1)]);
     }
     children
+}
+
+/// The first `count` elements of `old` with the one at an index replaced by two.
+#[inline(always)]
+fn replaced<T: Copy, const N: usize>(old: [T; N], count: usize, at: usize, [left, right]: [T; 2]) -> [T; N] {
+    let mut new = old;
+    for i in 0..=count {
+        let before = if i == at + 1 { right } else { old[i.saturating_sub(1)] };
+        let moved = if i == at { left } else { before };
+        new[i] = if i < at { old[i] } else { moved };
+    }
+    new
 }

@@ -62,7 +62,15 @@ impl<const N: usize> DirectTreelet<N> {
             widen.pairs.push(children);
             Slot::inner(&children, widen.pairs.len() - 1)
         });
-        (Some((root.bounds(), widen.write(&root, &mut treelet.nodes))), widen.pairs.len())
+        let nodes = &mut treelet.nodes;
+        let link = match isa.avx2() {
+            None => widen.write(&root, nodes),
+            Some(token) => token.run(
+                #[inline(always)]
+                || widen.write(&root, nodes),
+            ),
+        };
+        (Some((root.bounds(), link)), widen.pairs.len())
     }
 }
 

@@ -1,6 +1,6 @@
 //! Where [`super::config::Extensions`] change the tree, and the presets that use them.
 //!
-//! * [`presets`]: `phr-speed` and `phr-quality`;
+//! * [`presets`]: `phr-turbo`, `phr-speed` and `phr-quality`;
 //! * [`small_cuts`]: `leaf_sweep`, and `subtree_sweep`, which splits by [`crate::builders::split::sweep_sah`];
 //! * [`collapse`]: the extension of that name.
 //!
