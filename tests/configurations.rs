@@ -76,6 +76,7 @@ fn phr(random: &mut SplitMix64) -> PhrConfig {
         max_references: float(random, &[2.0, 1.0, 4.0]),
         extensions: Extensions {
             auxiliary: AuxiliaryConfig {
+                bucket_sort: random.below(4) == 0,
                 presplit: maybe(random, &[presplit]),
                 auxiliary_leaf: maybe(random, &[1, 2, 3, 4, 4, 4, 5, 0]),
                 clusters: maybe(random, &[clusters]),

@@ -3,16 +3,18 @@
 //! `PHR_RECORD_TREES=1 cargo test --test tree_hashes`, and says so in the changelog.
 
 use phr::builders;
-use phr::bvh::Bvh4;
+use phr::bvh::WideBvh;
+use phr::geometry::Mesh;
 use phr::scene;
 use phr::trace::Isa;
+use rayon::ThreadPool;
 use std::fmt::Write as _;
 use std::process::Command;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/tree_hashes.csv");
 
 /// A hash of all bits of a tree.
-fn hash(tree: &Bvh4) -> u64 {
+fn hash<const N: usize>(tree: &WideBvh<N>) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325u64;
     let mut add = |word: u32| {
         hash = (hash ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -34,7 +36,7 @@ fn hash(tree: &Bvh4) -> u64 {
     hash
 }
 
-/// A line for each scene and builder: `scene,builder,hash`.
+/// A line for each scene, builder and width: `scene,builder,width,hash`.
 fn hashes(threads: &[usize]) -> String {
     let pool = |&n: &usize| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
     let pools: Vec<_> = threads.iter().map(pool).collect();
@@ -42,19 +44,27 @@ fn hashes(threads: &[usize]) -> String {
     for scene in scene::builtin() {
         let mesh = scene.generate().mesh;
         for name in builders::NAMES.iter().chain(builders::ABLATION) {
-            let mut builder = builders::by_name::<4>(name).unwrap();
-            let mut of_pools = pools.iter().map(|pool| {
-                let tree = pool.install(|| builder.build(&mesh)).tree;
-                let hash = hash(&tree);
-                builder.recycle(tree);
-                hash
-            });
-            let first = of_pools.next().unwrap();
-            assert!(of_pools.all(|hash| hash == first), "{}, {name}: threads differ", scene.name);
-            writeln!(lines, "{},{name},{first:016x}", scene.name).unwrap();
+            let four = hash_of::<4>(name, &mesh, &pools);
+            writeln!(lines, "{},{name},4,{four:016x}", scene.name).unwrap();
+            let eight = hash_of::<8>(name, &mesh, &pools);
+            writeln!(lines, "{},{name},8,{eight:016x}", scene.name).unwrap();
         }
     }
     lines
+}
+
+/// The hash of a builder's tree, which is the same in all pools.
+fn hash_of<const N: usize>(name: &str, mesh: &Mesh, pools: &[ThreadPool]) -> u64 {
+    let mut builder = builders::by_name::<N>(name).unwrap();
+    let mut of_pools = pools.iter().map(|pool| {
+        let tree = pool.install(|| builder.build(mesh)).tree;
+        let hash = hash(&tree);
+        builder.recycle(tree);
+        hash
+    });
+    let first = of_pools.next().unwrap();
+    assert!(of_pools.all(|hash| hash == first), "{name}, width {N}: threads differ");
+    first
 }
 
 /// The first line that differs.
