@@ -3,7 +3,7 @@
 use crate::bench::row::{ROWS, Row};
 use crate::bench::samples::SAMPLES;
 use crate::bench::warnings::Warning;
-use crate::report::figures::{BASELINE, Figure, Tree, Under, WIDTH, scenes, tree_name, trees};
+use crate::report::figures::{BASELINE, Figure, Tree, Under, scenes, tree_name, trees};
 use crate::report::means::Ratios;
 use crate::report::plot::pareto::front;
 use std::path::{Path, PathBuf};
@@ -33,21 +33,30 @@ fn heading(rows: &[Row], folder: &Path) -> String {
     )
 }
 
-/// The best tree by each figure, and the trees that no other beats in both build and trace time.
+/// The best tree of each width by each figure, and the trees that no other beats in both build and trace time.
 fn best_builders(rows: &[Row], under: &Under) -> String {
-    // SAH costs of different widths do not compare; the plot, too, has trees of one width.
-    let trees: Vec<Tree<'_>> = trees(rows).into_iter().filter(|tree| tree.1 == WIDTH).collect();
+    let trees = trees(rows);
     let Some(&base) = trees.iter().find(|&&tree| tree == BASELINE).or(trees.first()) else {
         return String::new();
     };
+    let mut widths: Vec<u32> = trees.iter().map(|tree| tree.1).collect();
+    widths.sort_unstable();
+    widths.dedup();
     let means = |figure| means(rows, &trees, base, figure, under);
+    // SAH costs of different widths do not compare.
     let best = |title: &str, means: &[(Tree<'_>, f64)]| {
-        let least = means.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-        least.map_or_else(String::new, |(tree, mean)| format!("{title} {}, {mean:.2}\n", tree_name(*tree)))
+        let of_width = |&width: &u32| {
+            let of = means.iter().filter(|(tree, _)| tree.1 == width);
+            let (tree, mean) = of.min_by(|a, b| a.1.total_cmp(&b.1))?;
+            Some(format!("{}, {mean:.2}", tree_name(*tree)))
+        };
+        let of_widths: Vec<String> = widths.iter().filter_map(of_width).collect();
+        if of_widths.is_empty() { String::new() } else { format!("{title} {}\n", of_widths.join("; ")) }
     };
     let (builds, traces) = (means(Figure::Build), means(Figure::Trace));
-    let mut text =
-        format!("{WIDTH}-wide trees relative to {}, geometric means over scenes:\n", tree_name(base));
+    let names: Vec<String> = widths.iter().map(|width| format!("{width}-wide")).collect();
+    let (names, base_name) = (names.join(" and "), format!("{}, {}-wide", base.0, base.1));
+    let mut text = format!("{names} trees relative to {base_name}, geometric means over scenes:\n");
     text += &best("fastest build:", &builds);
     text += &best("fastest trace:", &traces);
     text += &best("lowest SAH cost:", &means(Figure::Cost));
@@ -150,8 +159,8 @@ mod tests {
             row("b", "embree-sah", 10.0, 10.0),
             row("b", "phr-fast", 8.0, 11.0),
             row("b", "phr-hq", 8.0, 5.0),
-            Row { width: 8, ..row("a", "embree-sah", 1.0, 1.0) },
-            Row { width: 8, ..row("b", "embree-sah", 1.0, 1.0) },
+            Row { width: 8, sah: Some(6.0), ..row("a", "embree-sah", 3.0, 7.0) },
+            Row { width: 8, sah: Some(6.0), ..row("b", "embree-sah", 3.0, 7.0) },
         ]
     }
 
@@ -160,10 +169,11 @@ mod tests {
         let text = run_summary(&rows(), Path::new("out"), &[PathBuf::from("out/figure6.svg")]);
         for line in [
             "## out: 2 scenes, 5 trees, 2 threads",
-            "4-wide trees relative to embree-sah, geometric means over scenes:",
-            "fastest build: phr-fast, 0.40",
-            "fastest trace: phr-hq, 0.50",
-            "no other builds and traces as fast: phr-fast, phr-hq",
+            "4-wide and 8-wide trees relative to embree-sah, 4-wide, geometric means over scenes:",
+            "fastest build: phr-fast, 0.40; embree-sah / 8, 0.30",
+            "fastest trace: phr-hq, 0.50; embree-sah / 8, 0.70",
+            "lowest SAH cost: embree-sah, 1.00; embree-sah / 8, 0.60",
+            "no other builds and traces as fast: embree-sah / 8, phr-hq",
             "table: out/table1.md",
             "rows: out/rows.csv (9), every sample in samples.json",
             "plot: out/figure6.svg",

@@ -60,10 +60,19 @@ pub struct Point {
 pub struct Front {
     /// The corners, in the units of the axes.
     pub through: Vec<(f64, f64)>,
+    /// How it is drawn.
+    pub line: Line,
+}
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
     /// Its colour.
     pub colour: &'static str,
-    /// Broken into dashes.
-    pub is_dashed: bool,
+    /// Its width, pixels.
+    pub width: f64,
+    /// SVG attributes such as [`DASHES`].
+    pub more: &'static str,
 }
 
 /// Ends of the axes.
@@ -126,7 +135,8 @@ impl Panel {
         for front in &self.fronts {
             let corners: Vec<(f64, f64)> = front.through.iter().map(|&at| place(at)).collect();
             segments.extend(corners.windows(2).map(|pair| (pair[0], pair[1])));
-            svg.line(&corners, front.colour, 1.5, if front.is_dashed { DASHES } else { "" });
+            let Line { colour, width, more } = front.line;
+            svg.line(&corners, colour, width, more);
         }
 
         let radius = 0.36 * self.font;

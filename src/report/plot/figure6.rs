@@ -1,160 +1,223 @@
-//! Figure 6 of the paper from a run: build time against trace time, relative to Embree SAH, with the Pareto
-//! front; averaged over the scenes, and a panel per scene. The paper's points stand beside ours.
+//! Figure 6 of the paper from a run: build time against trace time, relative to Embree SAH, with the Pareto fronts.
+//! [`averaged`] shows the trees of both widths, [`beside_paper`] the 4-wide ones beside the paper's points, and
+//! [`by_scene`] every scene by itself.
 
-use super::chart::{DASHES, Front, GREY, INK, Panel, Point, Range, SMALL, sheet, style};
+use super::chart::{Front, Panel, Point, Range, SMALL, sheet, style};
+use super::key::{Entry, key};
 use super::labels::Rect;
 use super::pareto::front;
-use super::raster::text_width;
-use super::svg::{Anchor, Svg};
+use super::svg::Svg;
 use crate::bench::row::Row;
-use crate::report::figures::{BASELINE, Figure, SceneFigures, Under, WIDTH, scenes, trees};
+use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, WIDTH, scenes, tree_name, trees};
 use crate::report::means::Ratios;
 use crate::report::paper;
 
 /// Panels side by side.
 const ABREAST: usize = 3;
-const OUR_FRONT: &str = "#4d4d4d";
-const PAPER_FRONT: &str = "#c4c4c4";
-
-fn our_point(builder: &str, at: (f64, f64), label: String) -> Point {
-    let (shape, colour) = style(builder);
-    Point { at, shape, colour, is_hollow: false, label: Some(label) }
-}
-
-fn front_of(points: &[Point], is_of_paper: bool) -> Front {
-    let at: Vec<(f64, f64)> = points.iter().map(|point| point.at).collect();
-    let colour = if is_of_paper { PAPER_FRONT } else { OUR_FRONT };
-    Front { through: front(&at).into_iter().map(|i| at[i]).collect(), colour, is_dashed: is_of_paper }
-}
-
-/// The paper's points, at the means or figures that `ratio` tells.
-fn papers(ratio: impl Fn(&str, Figure) -> Option<f64>, are_labelled: bool) -> Vec<Point> {
-    let point = |builder| {
-        let at = (ratio(builder, Figure::Build)?, ratio(builder, Figure::Trace)?);
-        // Embree SAH is at 1 in either.
-        let label = (are_labelled && builder != BASELINE.0).then(|| builder.to_owned());
-        Some(Point { at, shape: style(builder).0, colour: GREY, is_hollow: true, label })
-    };
-    paper::builders().filter_map(point).collect()
-}
-
-/// The paper's points behind ours.
-fn panel(title: String, ours: Vec<Point>, papers: Vec<Point>, font: f64) -> Panel {
-    let fronts = vec![front_of(&papers, true), front_of(&ours, false)];
-    let points: Vec<Point> = papers.into_iter().chain(ours).collect();
-    Panel { title, axes: (String::new(), String::new()), range: Range::of(&points), fronts, points, font }
-}
-
-fn axes() -> (String, String) {
-    ("build time / Embree SAH".into(), "trace time / Embree SAH".into())
-}
-
-/// Builders of the paper's width in the run.
-fn builders(rows: &[Row]) -> Vec<&str> {
-    trees(rows).into_iter().filter(|tree| tree.1 == WIDTH).map(|tree| tree.0).collect()
-}
 
 /// The averaged figure, arithmetic means as in the paper; `None` if the run has no point for it.
 pub fn averaged(rows: &[Row], under: &Under) -> Option<String> {
-    let count = scenes(rows).len();
-    let mut ours = Vec::new();
-    for builder in builders(rows) {
-        let ratios = |figure| Ratios::of(rows, (builder, WIDTH), figure, under);
-        let (build, trace) = (ratios(Figure::Build), ratios(Figure::Trace));
-        let (Some(x), Some(y)) = (build.arithmetic(), trace.arithmetic()) else { continue };
-        // A mean over fewer scenes is another mean.
-        let traced = trace.0.len().min(build.0.len());
-        let label =
-            if traced < count { format!("{builder} ({traced} of {count})") } else { builder.to_owned() };
-        ours.push(our_point(builder, (x, y), label));
-    }
-    if ours.is_empty() {
+    let ours = mean_points(rows, under, |_| true);
+    let entries = Entry::of_widths(&widths(&ours));
+    let fronts = fronts(&ours);
+    one_panel(rows, under, ours, fronts, &entries)
+}
+
+/// The averaged figure of the 4-wide trees beside the paper's; `None` if the run has no point of a method of the paper.
+pub fn beside_paper(rows: &[Row], under: &Under) -> Option<String> {
+    let ours = mean_points(rows, under, |tree| tree.1 == WIDTH);
+    if !ours.iter().any(|point| paper::builders().any(|builder| point.tree == (builder, WIDTH))) {
         return None;
     }
     let mean = |builder: &str, figure| Ratios::of_paper(builder, figure).arithmetic();
-    let papers = papers(mean, true);
-    let panel = Panel { axes: axes(), ..panel(String::new(), ours, papers, 13.0) };
-    let noun = if count == 1 { "scene" } else { "scenes" };
-    let means = format!("arithmetic means of {count} {noun}");
-    let mut svg = with_key((820.0, 660.0), rows, under, &means, true);
-    panel.draw(&mut svg, Rect { x: 78.0, y: 114.0, width: 716.0, height: 476.0 });
-    Some(svg.finish())
+    let papers = papers(mean);
+    let mut fronts = fronts(&ours);
+    fronts.insert(0, front_through(&papers, Entry::Paper));
+    let points = papers.into_iter().chain(ours).collect();
+    one_panel(rows, under, points, fronts, &[Entry::Four, Entry::Paper])
 }
 
 /// A panel per scene, all with the same axes; `None` if the run has no point for any.
 pub fn by_scene(rows: &[Row], under: &Under) -> Option<String> {
-    let mut panels: Vec<Panel> = scenes(rows).iter().filter_map(|name| of_scene(rows, name, under)).collect();
-    let range = Range::of(panels.iter().flat_map(|panel| &panel.points));
-    let lines = panels.len().div_ceil(ABREAST);
-    if lines == 0 {
+    let all: Vec<(String, Vec<TreePoint<'_>>)> = scenes(rows)
+        .into_iter()
+        .map(|name| {
+            let points = scene_points(rows, &name, under);
+            (name, points)
+        })
+        .filter(|(_, points)| !points.is_empty())
+        .collect();
+    if all.is_empty() {
         return None;
     }
-    let abreast = panels.len().min(ABREAST);
-    let (inside, pitch, left, top) = ((330.0, 250.0), (372.0, 312.0), 70.0, 130.0);
+    let every = all.iter().flat_map(|(_, points)| points.iter().map(|point| &point.point));
+    let range = Range::of(every);
+    let mut entries =
+        Entry::of_widths(&all.iter().flat_map(|(_, points)| widths(points)).collect::<Vec<_>>());
+    if all.iter().any(|(name, _)| paper::scene_of(name).is_some()) {
+        entries.push(Entry::Paper);
+    }
+    let lines = all.len().div_ceil(ABREAST);
+    let abreast = all.len().min(ABREAST);
+    let (inside, pitch, left, top) = ((390.0, 280.0), (436.0, 342.0), 70.0, 130.0);
     let size = (left + abreast.max(2) as f64 * pitch.0, top + lines as f64 * pitch.1 + 16.0);
-    let has_papers = panels.iter().any(|panel| panel.points.iter().any(|point| point.is_hollow));
-    let mut svg = with_key(size, rows, under, "each scene by itself", has_papers);
-    let count = panels.len();
-    for (index, panel) in panels.iter_mut().enumerate() {
+    let means = "each scene by itself; named are the trees on a front";
+    let mut svg = with_key(size, rows, under, means, &entries);
+    let count = all.len();
+    for (index, (name, points)) in all.into_iter().enumerate() {
         let (column, line) = (index % ABREAST, index / ABREAST);
-        panel.range = range;
+        let thousands = (SceneFigures::of(rows, &name).triangles() as f64 / 1000.0).round();
+        let papers = papers_of(&name);
+        let beside = paper::scene_of(&name).map_or_else(String::new, |scene| format!("; paper: {scene}"));
+        let mut fronts = fronts(&points);
         // Axes are named once: at the left, and below the last panel of a column.
         let (across, up) = axes();
-        panel.axes.0 = if index + ABREAST >= count { across } else { String::new() };
-        panel.axes.1 = if column == 0 { up } else { String::new() };
+        let axes = (
+            if index + ABREAST >= count { across } else { String::new() },
+            if column == 0 { up } else { String::new() },
+        );
+        let ours = named_on_fronts(points, &fronts);
+        fronts.insert(0, front_through(&papers, Entry::Paper));
+        let points = papers.into_iter().map(|paper| paper.point).chain(ours).collect();
+        let title = format!("{name}, {thousands} k triangles{beside}");
+        let panel = Panel { title, axes, range, fronts, points, font: 11.0 };
         let (x, y) = (left + column as f64 * pitch.0, top + line as f64 * pitch.1);
         panel.draw(&mut svg, Rect { x, y, width: inside.0, height: inside.1 });
     }
     Some(svg.finish())
 }
 
-fn of_scene(rows: &[Row], name: &str, under: &Under) -> Option<Panel> {
-    let figures = SceneFigures::of(rows, name);
-    let ours: Vec<Point> = builders(rows)
-        .into_iter()
-        .filter_map(|builder| {
-            let ratio = |figure| Some(figures.ratio((builder, WIDTH), figure, under)?.value);
-            let at = (ratio(Figure::Build)?, ratio(Figure::Trace)?);
-            Some(our_point(builder, at, builder.to_owned()))
-        })
-        .collect();
-    if ours.is_empty() {
-        return None;
-    }
-    let paper_scene = paper::scene_of(name);
-    let ratio = |builder: &str, figure| {
-        let ratios = paper::ratios(builder, figure);
-        ratios.into_iter().find(|(scene, _)| Some(scene) == paper_scene.as_ref()).map(|(_, ratio)| ratio)
-    };
-    let papers = papers(ratio, false);
-    let thousands = (figures.triangles() as f64 / 1000.0).round();
-    let beside = paper_scene.map_or_else(String::new, |scene| format!("; paper: {scene}"));
-    Some(panel(format!("{name}, {thousands} k triangles{beside}"), ours, papers, 11.0))
+/// A point of a figure with the tree that it stands for.
+#[derive(Clone)]
+struct TreePoint<'a> {
+    tree: Tree<'a>,
+    point: Point,
 }
 
-/// A sheet with title, what was measured and how, and the key; `has_papers` if it shows points of the paper.
-fn with_key(size: (f64, f64), rows: &[Row], under: &Under, means: &str, has_papers: bool) -> Svg {
+impl<'a> TreePoint<'a> {
+    /// Filled at width 4, hollow at width 8.
+    fn new(tree: Tree<'a>, at: (f64, f64), label: String) -> Self {
+        let (shape, colour) = style(tree.0);
+        Self { tree, point: Point { at, shape, colour, is_hollow: tree.1 != WIDTH, label: Some(label) } }
+    }
+}
+
+/// The trees that `keep` accepts, at their arithmetic means over scenes.
+fn mean_points<'a>(rows: &'a [Row], under: &Under, keep: impl Fn(Tree<'_>) -> bool) -> Vec<TreePoint<'a>> {
+    let count = scenes(rows).len();
+    let point = |tree| {
+        let ratios = |figure| Ratios::of(rows, tree, figure, under);
+        let (build, trace) = (ratios(Figure::Build), ratios(Figure::Trace));
+        let at = (build.arithmetic()?, trace.arithmetic()?);
+        // A mean over fewer scenes is another mean.
+        let traced = trace.0.len().min(build.0.len());
+        let of = if traced < count { format!(" ({traced} of {count})") } else { String::new() };
+        Some(TreePoint::new(tree, at, tree_name(tree) + &of))
+    };
+    trees(rows).into_iter().filter(|&tree| keep(tree)).filter_map(point).collect()
+}
+
+/// The trees of a scene.
+fn scene_points<'a>(rows: &'a [Row], scene: &str, under: &Under) -> Vec<TreePoint<'a>> {
+    let figures = SceneFigures::of(rows, scene);
+    let point = |tree| {
+        let ratio = |figure| Some(figures.ratio(tree, figure, under)?.value);
+        Some(TreePoint::new(tree, (ratio(Figure::Build)?, ratio(Figure::Trace)?), tree_name(tree)))
+    };
+    trees(rows).into_iter().filter_map(point).collect()
+}
+
+/// The paper's methods, at the means that `mean` tells.
+fn papers(mean: impl Fn(&str, Figure) -> Option<f64>) -> Vec<TreePoint<'static>> {
+    let point = |builder: &'static str| {
+        let at = (mean(builder, Figure::Build)?, mean(builder, Figure::Trace)?);
+        let mut paper = TreePoint::new((builder, WIDTH), at, builder.to_owned());
+        paper.point.is_hollow = true;
+        paper.point.colour = Entry::Paper.colour();
+        // Embree SAH is at 1 in either.
+        paper.point.label = paper.point.label.filter(|_| builder != BASELINE.0);
+        Some(paper)
+    };
+    paper::builders().filter_map(point).collect()
+}
+
+/// The paper's methods in the scene of ours, if the paper has it, without names.
+fn papers_of(scene: &str) -> Vec<TreePoint<'static>> {
+    let in_paper = paper::scene_of(scene);
+    let ratio = |builder: &str, figure| {
+        let ratios = paper::ratios(builder, figure);
+        ratios.into_iter().find(|(scene, _)| Some(scene) == in_paper.as_ref()).map(|(_, ratio)| ratio)
+    };
+    let mut points = papers(ratio);
+    points.iter_mut().for_each(|paper| paper.point.label = None);
+    points
+}
+
+/// The widths of some trees, ascending.
+fn widths(points: &[TreePoint<'_>]) -> Vec<u32> {
+    let mut widths: Vec<u32> = points.iter().map(|point| point.tree.1).collect();
+    widths.sort_unstable();
+    widths.dedup();
+    widths
+}
+
+/// The front over all trees, behind those of each width; a single width has one.
+fn fronts(points: &[TreePoint<'_>]) -> Vec<Front> {
+    let widths = widths(points);
+    let of_width = |&width: &u32| {
+        let of: Vec<TreePoint<'_>> = points.iter().filter(|point| point.tree.1 == width).cloned().collect();
+        front_through(&of, Entry::of_width(width))
+    };
+    let over_all = (widths.len() > 1).then(|| front_through(points, Entry::Both));
+    over_all.into_iter().chain(widths.iter().map(of_width)).collect()
+}
+
+fn front_through(points: &[TreePoint<'_>], entry: Entry) -> Front {
+    let at: Vec<(f64, f64)> = points.iter().map(|point| point.point.at).collect();
+    Front { through: front(&at).into_iter().map(|i| at[i]).collect(), line: entry.line() }
+}
+
+/// Leaves the names of trees on a front: more do not fit a small panel.
+fn named_on_fronts(points: Vec<TreePoint<'_>>, fronts: &[Front]) -> Vec<Point> {
+    let mut points: Vec<Point> = points.into_iter().map(|point| point.point).collect();
+    for point in &mut points {
+        let is_named = fronts.iter().any(|front| front.through.contains(&point.at));
+        point.label = point.label.take().filter(|_| is_named);
+    }
+    points
+}
+
+fn one_panel(
+    rows: &[Row],
+    under: &Under,
+    points: Vec<TreePoint<'_>>,
+    fronts: Vec<Front>,
+    entries: &[Entry],
+) -> Option<String> {
+    if points.is_empty() {
+        return None;
+    }
+    let points: Vec<Point> = points.into_iter().map(|point| point.point).collect();
+    let range = Range::of(&points);
+    let panel = Panel { title: String::new(), axes: axes(), range, fronts, points, font: 13.0 };
+    let count = scenes(rows).len();
+    let noun = if count == 1 { "scene" } else { "scenes" };
+    let mut svg =
+        with_key((820.0, 700.0), rows, under, &format!("arithmetic means of {count} {noun}"), entries);
+    panel.draw(&mut svg, Rect { x: 78.0, y: 114.0, width: 716.0, height: 516.0 });
+    Some(svg.finish())
+}
+
+fn axes() -> (String, String) {
+    ("build time / Embree SAH, 4-wide".into(), "trace time / Embree SAH, 4-wide".into())
+}
+
+/// A sheet with title, what was measured and how, and the key.
+fn with_key(size: (f64, f64), rows: &[Row], under: &Under, means: &str, entries: &[Entry]) -> Svg {
     let title = "Build time against trace time, relative to Embree SAH at width 4";
     let threads = rows.first().map_or(0, |row| row.threads);
     let about = format!("{means}, {threads} threads, both axes logarithmic");
     let mut svg = sheet(size, title, &[&about, &format!("traces: {}", under.about())]);
-    let end = key(&mut svg, 26.0, false, "this run and its front");
-    if has_papers {
-        key(&mut svg, end + 30.0, true, "the paper (16 threads, Embree 2.11, frame times) and its front");
-    }
+    entries.iter().fold(26.0, |x, &entry| key(&mut svg, (x, 88.5), entry, SMALL) + 26.0);
     svg
-}
-
-/// A line of the key from `x` on; returns where it ends.
-fn key(svg: &mut Svg, x: f64, is_of_paper: bool, text: &str) -> f64 {
-    let y = 88.5;
-    for (i, builder) in ["embree", "phr", "hunt", "aac"].into_iter().enumerate() {
-        let (shape, colour) = style(builder);
-        let colour = if is_of_paper { GREY } else { colour };
-        svg.point((x + 15.0 * i as f64, y), shape, 4.7, colour, is_of_paper);
-    }
-    let (colour, dashes) = if is_of_paper { (PAPER_FRONT, DASHES) } else { (OUR_FRONT, "") };
-    svg.line(&[(x + 60.0, y), (x + 84.0, y)], colour, 1.5, dashes);
-    svg.text((x + 90.0, y + 4.5), Anchor::Start, SMALL, INK, text, "");
-    x + 90.0 + text_width(text, SMALL)
 }

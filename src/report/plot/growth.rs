@@ -1,6 +1,6 @@
 //! The figure of growth: nanoseconds per triangle against triangles, a line for each builder.
 
-use super::chart::{Front, Panel, Point, Range, sheet, style};
+use super::chart::{Front, Line, Panel, Point, Range, sheet, style};
 use super::labels::Rect;
 use crate::bench::row::Row;
 use crate::report::targets::growth::Growth;
@@ -22,7 +22,7 @@ pub fn growth(rows: &[Row]) -> Option<String> {
             let label = (index == last).then(|| line.builder.clone());
             Point { at, shape, colour, is_hollow: false, label }
         }));
-        fronts.push(Front { through, colour, is_dashed: false });
+        fronts.push(Front { through, line: Line { colour, width: 1.5, more: "" } });
     }
     let first = points.first()?.at;
     let mut range = Range::from(first, &points);
@@ -36,8 +36,7 @@ pub fn growth(rows: &[Row]) -> Option<String> {
         points,
         font: 13.0,
     };
-    let about =
-        format!("scalable scenes, trees of width 4, {} threads, both axes logarithmic", growth.threads);
+    let about = format!("scalable scenes, 4-wide trees, {} threads, both axes logarithmic", growth.threads);
     let mut svg = sheet((820.0, 560.0), "Build time per triangle as scenes grow", &[&about]);
     panel.draw(&mut svg, Rect { x: 78.0, y: 76.0, width: 716.0, height: 416.0 });
     Some(svg.finish())

@@ -2,11 +2,12 @@
 //! a line in [`figures`].
 //!
 //! [`figure6`] and [`growth`] choose the points, [`pareto`] finds the front, [`chart`] draws a panel with axes and
-//! [`labels`], [`svg`] writes the drawing and [`raster`] turns it into PNG.
+//! [`labels`] and [`key`], [`svg`] writes the drawing and [`raster`] turns it into PNG.
 
 pub mod chart;
 pub mod figure6;
 pub mod growth;
+pub mod key;
 pub mod labels;
 pub mod pareto;
 pub mod raster;
@@ -24,10 +25,14 @@ pub struct Drawing {
     pub svg: String,
 }
 
-/// The figures for which `rows` have points.
+/// The figures for which `rows` have points. `figure6-own` is left out where `figure6` already compares each engine's
+/// trees under its own kernel.
 pub fn figures(rows: &[Row], under: &Under) -> Vec<Drawing> {
+    let own = if *under == Under::Own { None } else { figure6::averaged(rows, &Under::Own) };
     let all = [
         ("figure6", figure6::averaged(rows, under)),
+        ("figure6-own", own),
+        ("figure6-paper", figure6::beside_paper(rows, under)),
         ("figure6-scenes", figure6::by_scene(rows, under)),
         ("growth", growth::growth(rows)),
     ];

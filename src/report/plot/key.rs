@@ -1,0 +1,81 @@
+//! The key of Figure 6: the marks of trees by width, the paper's, and the fronts through them.
+
+use super::chart::{DASHES, GREY, INK, Line, style};
+use super::raster::text_width;
+use super::svg::{Anchor, Svg};
+use crate::report::figures::WIDTH;
+
+const DARK: &str = "#4d4d4d";
+const PALE: &str = "#c4c4c4";
+const BAND: &str = "#dfe8d8";
+
+/// A line of the key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// Trees of width 4 and their front.
+    Four,
+    /// Trees of width 8 and their front.
+    Eight,
+    /// The front over both widths.
+    Both,
+    /// The paper's points and their front.
+    Paper,
+}
+
+impl Entry {
+    /// The entry of trees of `width`.
+    pub fn of_width(width: u32) -> Self {
+        if width == WIDTH { Self::Four } else { Self::Eight }
+    }
+
+    /// The entries of a figure with trees of `widths`: one each, and the front over both.
+    pub fn of_widths(widths: &[u32]) -> Vec<Self> {
+        let has = |entry| widths.iter().any(|&width| Self::of_width(width) == entry);
+        let mut entries: Vec<Self> = [Self::Four, Self::Eight].into_iter().filter(|&e| has(e)).collect();
+        if entries.len() > 1 {
+            entries.push(Self::Both);
+        }
+        entries
+    }
+
+    /// How its front is drawn.
+    pub fn line(self) -> Line {
+        match self {
+            Self::Four => Line { colour: DARK, width: 1.5, more: "" },
+            Self::Eight => Line { colour: DARK, width: 1.5, more: DASHES },
+            Self::Both => Line { colour: BAND, width: 9.0, more: " stroke-linejoin=\"round\"" },
+            Self::Paper => Line { colour: PALE, width: 1.5, more: DASHES },
+        }
+    }
+
+    /// Colour of its points where that does not tell the builder.
+    pub fn colour(self) -> &'static str {
+        if self == Self::Paper { GREY } else { INK }
+    }
+
+    fn text(self) -> &'static str {
+        match self {
+            Self::Four => "4-wide trees and their front",
+            Self::Eight => "8-wide trees and their front",
+            Self::Both => "front over both",
+            Self::Paper => "the paper (16 threads, Embree 2.11, frame times) and its front",
+        }
+    }
+}
+
+/// Draws `entry` from a place on, in texts of `size`; returns where it ends.
+pub fn key(svg: &mut Svg, (x, y): (f64, f64), entry: Entry, size: f64) -> f64 {
+    let mut end = x;
+    if entry != Entry::Both {
+        for builder in ["embree", "phr", "hunt", "aac"] {
+            let (shape, colour) = style(builder);
+            let colour = if entry == Entry::Paper { entry.colour() } else { colour };
+            svg.point((end, y), shape, 4.7, colour, entry != Entry::Four);
+            end += 15.0;
+        }
+    }
+    let Line { colour, width, more } = entry.line();
+    svg.line(&[(end, y), (end + 24.0, y)], colour, width, more);
+    svg.text((end + 30.0, y + 4.5), Anchor::Start, size, INK, entry.text(), "");
+    end + 30.0 + text_width(entry.text(), size)
+}
