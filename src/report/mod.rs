@@ -3,12 +3,14 @@
 //! * [`figures`] looks up the figures of a scene and tree, [`means`] averages them over scenes, [`paper`] has the
 //!   paper's own; [`grid`] lays out a table;
 //! * [`table`] is the document of a run: [`table1`] in the paper's arrangement, means, [`details`] of every scene;
-//! * [`summary`], [`targets`], [`ablation`] and [`kernels`] are tables of their own, [`compare`] judges one run against another;
+//! * [`summary`], [`evidence`], [`targets`], [`ablation`] and [`kernels`] are tables of their own, [`compare`] judges one
+//!   run against another;
 //! * [`readme`] keeps the tables within Markdown pages up to date; [`plot`] draws.
 
 pub mod ablation;
 pub mod compare;
 pub mod details;
+pub mod evidence;
 pub mod figures;
 pub mod grid;
 pub mod kernels;

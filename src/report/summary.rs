@@ -1,39 +1,65 @@
 //! The short table of the first page: a few trees relative to Embree SAH.
 
-use super::figures::{BASELINE, Figure, Under, scenes, tree_name, tree_named};
+use super::figures::{BASELINE, Figure, Under, scenes, tree_name, trees};
 use super::grid::Grid;
 use super::means::Ratios;
 use crate::bench::row::Row;
 
-/// Geometric means of build time, trace time and SAH cost of the trees `names`, with the scene whose trace time is
-/// worst.
+/// Geometric means of build time, trace time and SAH cost of the trees of `builders`, of every width that `rows` have,
+/// and the scene whose trace time is worst. With rows of `withheld` scenes, their means and worst scenes stand beside
+/// these.
 ///
 /// # Errors
-/// One line, if a tree has no such figure in `rows`.
-pub fn summary(rows: &[Row], names: &[&str], under: &Under) -> Result<String, String> {
-    let header = ["builder", "build time", "trace time", "worst trace", "in", "SAH cost"];
-    let mut grid = Grid::new(header);
-    for name in names {
-        let cells = tree_named(name).and_then(|tree| {
-            let ratios = |figure| Ratios::of(rows, tree, figure, under);
-            let mean = |figure| Some(format!("{:.2}", ratios(figure).geometric()?));
-            let (scene, worst) = ratios(Figure::Trace).worst()?.clone();
-            // The baseline is 1 in every scene.
-            let (worst, scene) =
-                if tree == BASELINE { Default::default() } else { (format!("{worst:.2}"), scene) };
-            let (build, trace, cost) = (mean(Figure::Build)?, mean(Figure::Trace)?, mean(Figure::Cost)?);
-            Some(vec![tree_name(tree), build, trace, worst, scene, cost])
-        });
-        grid.push(
-            cells.ok_or_else(|| {
-                format!("the rows have no build, trace and cost of {name} beside Embree SAH")
-            })?,
-        );
+/// One line, if a builder has no such figure in `rows`, or not in `withheld`.
+pub fn summary(
+    rows: &[Row],
+    withheld: Option<&[Row]>,
+    builders: &[&str],
+    under: &Under,
+) -> Result<String, String> {
+    let mut header = vec!["tree"];
+    let runs: Vec<&[Row]> = [Some(rows), withheld].into_iter().flatten().collect();
+    for figure in ["build time", "trace time"] {
+        header.push(figure);
+        header.extend(withheld.map(|_| "withheld"));
     }
-    let (scenes, threads) = (scenes(rows).len(), rows.first().map_or(0, |row| row.threads));
+    header.extend(["worst trace", "in", "SAH cost"]);
+    let mut grid = Grid::new(header);
+    for builder in builders {
+        let of_builder = trees(rows).into_iter().filter(|tree| tree.0 == *builder);
+        let lines: Option<Vec<Vec<String>>> = of_builder
+            .map(|tree| {
+                let ratios = |rows, figure| Ratios::of(rows, tree, figure, under);
+                let mean = |rows, figure| Some(format!("{:.2}", ratios(rows, figure).geometric()?));
+                let mut cells = vec![tree_name(tree)];
+                for figure in [Figure::Build, Figure::Trace] {
+                    for rows in &runs {
+                        cells.push(mean(rows, figure)?);
+                    }
+                }
+                let traces = Ratios(runs.iter().flat_map(|rows| ratios(rows, Figure::Trace).0).collect());
+                // The baseline is 1 in every scene.
+                let worst = traces.worst().filter(|_| tree != BASELINE);
+                cells.push(worst.map_or_else(String::new, |worst| format!("{:.2}", worst.1)));
+                cells.push(worst.map_or_else(String::new, |worst| worst.0.clone()));
+                cells.push(mean(rows, Figure::Cost)?);
+                Some(cells)
+            })
+            .collect();
+        let missing =
+            || format!("the rows have no build, trace and cost of {builder} beside Embree SAH, 4-wide");
+        let lines = lines.filter(|lines| !lines.is_empty()).ok_or_else(missing)?;
+        lines.into_iter().for_each(|line| grid.push(line));
+    }
+    let threads = rows.first().map_or(0, |row| row.threads);
+    let withheld = withheld.map_or_else(String::new, |rows| {
+        format!(" (withheld: {}, which nobody who tuned has seen, on another machine)", scenes(rows).len())
+    });
     Ok(format!(
-        "{}\nRelative to Embree SAH: geometric means over {scenes} scenes, {threads} threads. Traces: {}.\n",
+        "{}\nRelative to Embree SAH, 4-wide: geometric means over {} scenes{withheld}, {threads} threads. 4-wide trees, and \
+         8-wide ones (/ 8). Traces: {}.\n",
         grid.markdown(),
+        scenes(rows).len(),
         under.about()
     ))
 }

@@ -1,23 +1,26 @@
-//! Figures within Markdown pages: the text between two markers is generated from committed rows, and a check tells
-//! whether it still agrees with them. `results/README.md` describes the markers.
+//! A marker in a page, and what it stands for: kinds, words, options, and the text made from the rows.
 
-use super::ablation::Ablation;
-use super::figures::{Figure, Under, scenes, tree_named};
-use super::means::{Ratios, means};
-use super::summary::summary;
-use super::table::{document_under, heading, remarks};
-use super::table1::table1;
-use super::{details, targets};
+use super::error::ReadmeError;
 use crate::bench::environment::{Environment, State};
-use crate::bench::files::RecordsError;
 use crate::bench::kernels;
 use crate::bench::results_dir;
 use crate::bench::row::{self, Row};
+use crate::report::ablation::Ablation;
+use crate::report::evidence::assertions::assertions;
+use crate::report::evidence::constants::constants;
+use crate::report::evidence::fronts::fronts;
+use crate::report::evidence::holdout::holdout;
+use crate::report::figures::{Figure, Under, scenes, tree_named};
+use crate::report::kernels::page;
+use crate::report::means::{Ratios, means};
+use crate::report::summary::summary;
+use crate::report::table::{document_under, heading, remarks};
+use crate::report::table1::table1;
+use crate::report::{details, targets};
 use std::path::Path;
 
-const END: &str = "<!-- end -->";
 /// The kinds of markers, each with the words that follow; `...` stands for more of the last.
-const KINDS: [(&str, &str); 12] = [
+pub(super) const KINDS: [(&str, &str); 16] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
@@ -25,6 +28,10 @@ const KINDS: [(&str, &str); 12] = [
     ("run", "RESULTS"),
     ("value", "RESULTS MEAN FIGURE BUILDER"),
     ("summary", "RESULTS BUILDER..."),
+    ("holdout", "RESULTS WITHHELD"),
+    ("fronts", "RESULTS WITHHELD"),
+    ("constants", "CONSTANTS"),
+    ("assertions", "RESULTS WITH WITHOUT"),
     ("targets", "RESULTS..."),
     ("bars", "RESULTS..."),
     ("growth", "RESULTS"),
@@ -32,102 +39,27 @@ const KINDS: [(&str, &str); 12] = [
     ("kernels", "RESULTS"),
 ];
 /// Kinds with fixed kernels, which take no `--kernel`.
-const OF_FIXED_KERNELS: [&str; 5] = ["targets", "bars", "growth", "ablation", "kernels"];
-
-/// Why a text cannot be regenerated.
-#[derive(Debug, thiserror::Error)]
-pub enum ReadmeError {
-    /// The rows cannot be read.
-    #[error("line {line}: {source}")]
-    Records {
-        /// Line of the marker.
-        line: usize,
-        /// The cause.
-        source: RecordsError,
-    },
-    /// A marker cannot be understood.
-    #[error("line {line}: {reason}")]
-    Marker {
-        /// Its line.
-        line: usize,
-        /// The mistake, and the remedy.
-        reason: String,
-    },
-    /// No marker at all: there would be nothing to check.
-    #[error("no marker; write `<!-- table1: RESULTS -->` and `<!-- end -->` around the generated text")]
-    None,
-}
-
-/// Generates the text between all markers of `text` again. Results are relative to `folder`, the page's own.
-///
-/// # Errors
-/// Markers that cannot be understood, rows that cannot be read, or no marker.
-pub fn regenerate(text: &str, folder: &Path) -> Result<String, ReadmeError> {
-    let mut out = String::new();
-    let (mut is_code, mut blocks) = (false, 0);
-    let mut lines = text.lines().enumerate();
-    while let Some((index, content)) = lines.next() {
-        let line = index + 1;
-        is_code ^= content.trim_start().starts_with("```");
-        if is_code || !content.contains("<!--") {
-            out += &format!("{content}\n");
-        } else if let Some(marker) = Marker::of(content.trim(), line)? {
-            // A block: all lines up to the end's.
-            let until = lines.by_ref().find(|(_, line)| line.trim() == END || Marker::starts(line));
-            if until.is_none_or(|(_, line)| line.trim() != END) {
-                return Err(marker.wrong(format!("{} without {END} on a line of its own", marker.kind)));
-            }
-            out += &format!("{content}\n{}\n{END}\n", marker.content(folder)?.trim_end());
-            blocks += 1;
-        } else {
-            let (content, count) = inline(content, line, folder)?;
-            out += &format!("{content}\n");
-            blocks += count;
-        }
-    }
-    if blocks == 0 { Err(ReadmeError::None) } else { Ok(out) }
-}
-
-/// A line with the text between its markers generated again, and their number.
-fn inline(mut rest: &str, line: usize, folder: &Path) -> Result<(String, usize), ReadmeError> {
-    let (mut out, mut count) = (String::new(), 0);
-    while let Some(start) = rest.find("<!--") {
-        let Some(length) = rest[start..].find("-->") else { break };
-        let after = start + length + "-->".len();
-        let comment = &rest[start..after];
-        out += &rest[..after];
-        rest = &rest[after..];
-        let Some(marker) = Marker::of(comment, line)? else {
-            if comment == END {
-                let kinds = KINDS.map(|kind| kind.0).join(", ");
-                let reason = format!("{END} without a beginning; there are {kinds}");
-                return Err(ReadmeError::Marker { line, reason });
-            }
-            continue;
-        };
-        let end = rest.find(END).ok_or_else(|| marker.wrong(format!("{} without {END}", marker.kind)))?;
-        out += &(marker.content(folder)? + END);
-        rest = &rest[end + END.len()..];
-        count += 1;
-    }
-    Ok((out + rest, count))
-}
+const OF_FIXED_KERNELS: [&str; 8] =
+    ["targets", "bars", "growth", "ablation", "fronts", "constants", "assertions", "kernels"];
+/// The kind that takes `--withheld RESULTS`.
+const OF_WITHHELD: &str = "summary";
 
 /// A marker, taken apart.
-struct Marker<'a> {
-    kind: &'a str,
+pub(super) struct Marker<'a> {
+    pub kind: &'a str,
     words: Vec<&'a str>,
     kernel: Option<&'a str>,
+    withheld: Option<&'a str>,
     line: usize,
 }
 
 impl<'a> Marker<'a> {
-    fn starts(line: &str) -> bool {
+    pub fn starts(line: &str) -> bool {
         Marker::of(line.trim(), 0).is_ok_and(|marker| marker.is_some())
     }
 
-    /// `<!-- KIND: WORDS [--kernel KERNEL] -->`; other comments are none.
-    fn of(comment: &'a str, line: usize) -> Result<Option<Self>, ReadmeError> {
+    /// `<!-- KIND: WORDS [--kernel KERNEL] [--withheld RESULTS] -->`; other comments are none.
+    pub fn of(comment: &'a str, line: usize) -> Result<Option<Self>, ReadmeError> {
         let inside = comment.strip_prefix("<!--").and_then(|rest| rest.strip_suffix("-->"));
         let Some((kind, words)) = inside.and_then(|inside| inside.split_once(':')) else { return Ok(None) };
         let kind = kind.trim();
@@ -135,27 +67,29 @@ impl<'a> Marker<'a> {
             return Ok(None);
         };
         let mut words: Vec<&str> = words.split_whitespace().collect();
-        let kernel = words.iter().position(|word| *word == "--kernel").map(|at| {
-            let kernel = words.get(at + 1).copied();
-            words.drain(at..words.len().min(at + 2));
-            kernel
-        });
-        let marker = Self { kind, words, kernel: kernel.flatten(), line };
+        let kernel = option(&mut words, "--kernel");
+        let withheld = option(&mut words, "--withheld");
+        let marker = Self { kind, words, kernel: kernel.flatten(), withheld: withheld.flatten(), line };
         let needed = usage.split(' ').count();
         let has_words = marker.words.len() == needed || usage.ends_with("...") && marker.words.len() > needed;
         let takes_kernel = !OF_FIXED_KERNELS.contains(&kind);
-        if !has_words || kernel.is_some_and(|name| name.is_none() || !takes_kernel) {
-            let option = if takes_kernel { " [--kernel KERNEL]" } else { "" };
-            return Err(marker.wrong(format!("write <!-- {kind}: {usage}{option} -->")));
+        let is_bad = |option: Option<Option<&str>>, is_taken: bool| {
+            option.is_some_and(|value| value.is_none() || !is_taken)
+        };
+        let takes_withheld = kind == OF_WITHHELD;
+        if !has_words || is_bad(kernel, takes_kernel) || is_bad(withheld, takes_withheld) {
+            let kernel = if takes_kernel { " [--kernel KERNEL]" } else { "" };
+            let withheld = if takes_withheld { " [--withheld RESULTS]" } else { "" };
+            return Err(marker.wrong(format!("write <!-- {kind}: {usage}{kernel}{withheld} -->")));
         }
         Ok(Some(marker))
     }
 
-    fn wrong(&self, reason: String) -> ReadmeError {
+    pub fn wrong(&self, reason: String) -> ReadmeError {
         ReadmeError::Marker { line: self.line, reason }
     }
 
-    fn content(&self, folder: &Path) -> Result<String, ReadmeError> {
+    pub fn content(&self, folder: &Path) -> Result<String, ReadmeError> {
         match self.kind {
             // `bars` is an older name.
             "targets" | "bars" => {
@@ -174,8 +108,9 @@ impl<'a> Marker<'a> {
             "kernels" => {
                 let rows = kernels::row::read(&folder.join(self.words[0]));
                 let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
-                Ok(super::kernels::page(&rows))
+                Ok(page(&rows))
             }
+            "constants" => constants(&folder.join(self.words[0])).map_err(|reason| self.wrong(reason)),
             _ => self.of_one_run(folder),
         }
     }
@@ -189,7 +124,8 @@ impl<'a> Marker<'a> {
     fn of_one_run(&self, folder: &Path) -> Result<String, ReadmeError> {
         let results = folder.join(self.words[0]);
         let records = |source| ReadmeError::Records { line: self.line, source };
-        let rows = row::read(&results).map_err(records)?;
+        let read = |results: &str| row::read(&folder.join(results)).map_err(records);
+        let rows = read(self.words[0])?;
         let under = match self.kernel {
             Some(name) => Under::by_name(name, &rows).map_err(|reason| self.wrong(reason))?,
             None => Under::best(&rows),
@@ -207,7 +143,14 @@ impl<'a> Marker<'a> {
             "scenes" => scenes(&rows).iter().map(|scene| details::scene(&rows, scene) + "\n").collect(),
             "run" => run(&rows, environment.as_ref()),
             "value" => self.value(&rows, &under)?,
-            "summary" => summary(&rows, &self.words[1..], &under).map_err(|reason| self.wrong(reason))?,
+            "summary" => {
+                let withheld = self.withheld.map(read).transpose()?;
+                summary(&rows, withheld.as_deref(), &self.words[1..], &under)
+                    .map_err(|reason| self.wrong(reason))?
+            }
+            "holdout" => holdout(&rows, &read(self.words[1])?, &under),
+            "assertions" => assertions(&rows, &read(self.words[1])?, &read(self.words[2])?),
+            "fronts" => fronts(&[("open", &rows), ("withheld", &read(self.words[1])?)]),
             _ => document_under(&rows, is_complete, &under),
         })
     }
@@ -236,6 +179,14 @@ impl<'a> Marker<'a> {
     }
 }
 
+/// Takes `name` and the word behind it out of `words`; the inner `None` is a name without a word.
+fn option<'a>(words: &mut Vec<&'a str>, name: &str) -> Option<Option<&'a str>> {
+    let at = words.iter().position(|word| *word == name)?;
+    let value = words.get(at + 1).copied();
+    words.drain(at..words.len().min(at + 2));
+    Some(value)
+}
+
 fn without_title(text: &str) -> String {
     text.split_once("\n\n").map_or_else(String::new, |(_, rest)| rest.to_owned())
 }
@@ -257,26 +208,4 @@ fn run(rows: &[Row], environment: Option<&Environment>) -> String {
         library.note,
         program.rustc,
     )
-}
-
-/// Lines that differ, as `-` what stands there and `+` what should, at most twenty.
-pub fn differences(old: &str, new: &str) -> String {
-    let (old, new): (Vec<&str>, Vec<&str>) = (old.lines().collect(), new.lines().collect());
-    let same_tail = |(a, b): &(&&str, &&str)| a == b;
-    let head = old.iter().zip(&new).take_while(|(a, b)| a == b).count();
-    let tail = old[head..].iter().rev().zip(new[head..].iter().rev()).take_while(same_tail).count();
-    let (old, new) = (&old[head..old.len() - tail], &new[head..new.len() - tail]);
-    let mut lines: Vec<String> = Vec::new();
-    for index in 0..old.len().max(new.len()) {
-        let (a, b) = (old.get(index), new.get(index));
-        if a != b {
-            lines.extend(a.map(|line| format!("{:>5} -{line}", head + index + 1)));
-            lines.extend(b.map(|line| format!("{:>5} +{line}", head + index + 1)));
-        }
-    }
-    if lines.len() > 20 {
-        lines.truncate(20);
-        lines.push("      ...".into());
-    }
-    lines.join("\n")
 }

@@ -1,0 +1,161 @@
+//! The constants that were chosen by looking at scenes, and what their neighbours give: from `chosen.csv`, a line for each
+//! constant, and `rows.csv`, which `cargo bench --bench constants` prints.
+
+use crate::bench::statistics::geometric_mean;
+use crate::report::grid::Grid;
+use serde::Deserialize;
+use std::path::Path;
+
+/// A constant, as a person wrote it down.
+#[derive(Clone, Debug, Deserialize)]
+struct Chosen {
+    preset: String,
+    constant: String,
+    value: String,
+    place: String,
+    scenes: String,
+}
+
+/// What a neighbouring value gives in a scene, relative to the preset.
+#[derive(Clone, Debug, Deserialize)]
+struct Neighbour {
+    scene: String,
+    preset: String,
+    constant: String,
+    value: f64,
+    sah: f64,
+    refs_per_tri: f64,
+    node_visits: f64,
+    block_tests: f64,
+    build: Option<f64>,
+}
+
+/// A line for each constant and neighbouring value: geometric means over the scenes, relative to the preset, and the scene
+/// whose node visits differ most.
+///
+/// # Errors
+/// One line: a file that cannot be read, or neighbours of a constant that is not listed.
+pub fn constants(folder: &Path) -> Result<String, String> {
+    let chosen: Vec<Chosen> = read(&folder.join("chosen.csv"))?;
+    let path = folder.join("rows.csv");
+    let neighbours: Vec<Neighbour> = read(&path)?;
+    let is_of = |of: &Neighbour, c: &Chosen| (&of.preset, &of.constant) == (&c.preset, &c.constant);
+    if let Some(stray) = neighbours.iter().find(|of| !chosen.iter().any(|c| is_of(of, c))) {
+        let (path, Neighbour { preset, constant, .. }) = (path.display(), stray);
+        return Err(format!("{path}: {constant} of {preset} is not in chosen.csv; add it there"));
+    }
+    let mut grid = Grid::new([
+        "preset",
+        "constant",
+        "value",
+        "in",
+        "chosen on",
+        "neighbour",
+        "build",
+        "SAH cost",
+        "references",
+        "node visits",
+        "block tests",
+        "most visits",
+    ]);
+    for constant in &chosen {
+        let head = [&constant.preset, &constant.constant, &constant.value, &constant.place, &constant.scenes];
+        let head: Vec<String> = head.map(Clone::clone).into();
+        let of: Vec<&Neighbour> = neighbours.iter().filter(|of| is_of(of, constant)).collect();
+        let mut values: Vec<f64> = of.iter().map(|of| of.value).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        if values.is_empty() {
+            grid.push(head.clone());
+        }
+        for (index, value) in values.into_iter().enumerate() {
+            let of: Vec<&Neighbour> = of.iter().copied().filter(|of| of.value == value).collect();
+            // The constant is told once.
+            let mut cells = if index == 0 { head.clone() } else { vec![String::new(); head.len()] };
+            cells.push(shown(value));
+            let mean = |figure: fn(&Neighbour) -> Option<f64>| {
+                let ratios: Vec<f64> = of.iter().filter_map(|of| figure(of)).collect();
+                geometric_mean(&ratios).map_or_else(|| "-".into(), |mean| format!("{mean:.3}"))
+            };
+            cells.extend([
+                mean(|of| of.build),
+                mean(|of| Some(of.sah)),
+                mean(|of| Some(of.refs_per_tri)),
+                mean(|of| Some(of.node_visits)),
+                mean(|of| Some(of.block_tests)),
+            ]);
+            let most = of.iter().max_by(|a, b| distance(a.node_visits).total_cmp(&distance(b.node_visits)));
+            cells.extend(most.map(|most| format!("{:.2} {}", most.node_visits, most.scene)));
+            grid.push(cells);
+        }
+    }
+    let mut scenes: Vec<&str> = neighbours.iter().map(|of| of.scene.as_str()).collect();
+    scenes.sort_unstable();
+    scenes.dedup();
+    Ok(format!(
+        "{}\nRelative to the preset: geometric means over {}, 4-wide trees. Costs and counts are exact, build times the least \
+         of three by turns. most visits: the scene whose node visits differ most.\n",
+        grid.markdown(),
+        scenes.join(", ")
+    ))
+}
+
+/// How far a ratio is from 1, up or down.
+fn distance(ratio: f64) -> f64 {
+    ratio.ln().abs()
+}
+
+/// A power of two below a tenth as a fraction, others as they are.
+fn shown(value: f64) -> String {
+    let inverse = 1.0 / value;
+    if value < 0.1 && inverse.fract() == 0.0 && inverse.log2().fract() == 0.0 {
+        format!("1/{inverse}")
+    } else {
+        format!("{value}")
+    }
+}
+
+fn read<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<Vec<T>, String> {
+    let told = |why: csv::Error| format!("{}: {why}", path.display());
+    csv::Reader::from_path(path).map_err(told)?.deserialize().map(|line| line.map_err(told)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_stand_beside_their_constant() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        write("chosen.csv", "preset,constant,value,place,scenes\nspeed,delta,6,config.rs,two\n");
+        let header = "scene,preset,constant,value,sah,refs_per_tri,node_visits,block_tests,build\n";
+        let lines = "a,speed,delta,3,1,1,0.5,1,2\nb,speed,delta,3,1,1,1,1,0.5\n";
+        write("rows.csv", &format!("{header}{lines}"));
+        let text = constants(folder.path()).unwrap();
+        let line = text.lines().find(|line| line.contains("config.rs")).unwrap();
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        let expected = [
+            "speed",
+            "delta",
+            "6",
+            "config.rs",
+            "two",
+            "3",
+            "1.000",
+            "1.000",
+            "1.000",
+            "0.707",
+            "1.000",
+            "0.50 a",
+        ];
+        assert_eq!(&cells[1..13], expected, "{text}");
+        write("rows.csv", &format!("{header}a,speed,alpha,3,1,1,0.5,1,2\n"));
+        assert!(constants(folder.path()).unwrap_err().contains("alpha of speed"));
+    }
+
+    #[test]
+    fn small_powers_of_two_are_fractions() {
+        assert_eq!([1.0 / 512.0, 0.25, 5e-4, 64.0].map(shown), ["1/512", "0.25", "0.0005", "64"]);
+    }
+}

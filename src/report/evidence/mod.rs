@@ -1,0 +1,7 @@
+//! What answers doubts: trees on the front in single scenes ([`fronts`]), open beside withheld scenes ([`holdout`]), the
+//! constants chosen on scenes and their neighbours ([`constants`]), and what Embree's assertions cost ([`assertions`]).
+
+pub mod assertions;
+pub mod constants;
+pub mod fronts;
+pub mod holdout;
