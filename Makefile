@@ -12,6 +12,10 @@
 # cargo bench --bench steps
 #                   the steps of a build one by one (codes, sort, auxiliary tree, sweeps by length of the cut,
 #                   refining, leaf blocks, wide nodes), each beside a memcpy of as many bytes: some minutes
+# make embree-ndebug
+#                   compiles the distribution's Embree from its source package, without assertions, into
+#                   target/embree-ndebug, and the harness with it; then builds and traces the built-in scenes with
+#                   either library by turns, into results/ndebug-full: an hour on two cores
 # make test         everything that is checked before a change is taken: formatting, lints, the library
 #                   without any feature, the harness without Embree, all tests and the documentation's examples
 #
@@ -32,12 +36,15 @@ GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
 ABLATED = phr-fast $(addprefix phr-fast-,coarse clusters subtrees) phr-hq \
 	$(addprefix phr-hq-,coarse cut own bias overlap subtrees sweep leaf-28 calibration collapse clip presplit optimised)
 KERNEL_SCENES = rooms statue hair city pipes
+# Builders whose times with and without assertions in Embree are compared, and ours beside them: what noise looks like.
+ASSERTED = embree-morton embree-sah embree-fast-spatial lbvh
+NDEBUG = $(CURDIR)/target/embree-ndebug
 GROWTH = $(foreach size,1 2 4 8 16 32,scalable-$(size)M)
 PACKAGES = libembree-dev libclang-dev
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: bench bench-full bench-builders bench-kernel bench-paper test packages
+.PHONY: bench bench-full bench-builders bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -71,6 +78,20 @@ bench-kernel: packages
 bench-paper: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr bench --set paper --frames $(ARGS)
+
+# One folder for each library; a round for the one, then one for the other.
+embree-ndebug: packages
+	sh .ci/embree-ndebug
+	$(CARGO) build --release --bin phr
+	EMBREE3_DIR=$(NDEBUG) $(CARGO) build --release --bin phr --target-dir target/ndebug
+	for round in 1 2 3 4; do \
+		[ $$round = 1 ] && resume= || resume=--resume; \
+		for program in with:target/release/phr without:target/ndebug/release/phr; do \
+			$${program#*:} bench --set builtin --size $(SIZE) $(addprefix --builder ,$(ASSERTED)) --rounds $$round \
+				--threads 2 $$resume --out results/ndebug-full/$${program%%:*} $(ARGS) || exit 1; \
+		done; \
+	done
+	./target/release/phr reduce results/ndebug-full results/ndebug
 
 test: packages
 	$(CARGO) fmt --all --check

@@ -1,4 +1,5 @@
-//! Provenance for the records: git revision, compiler and target features. Nothing else depends on it.
+//! Provenance for the records: git revision, compiler and target features; and where the loader finds an Embree of the
+//! user's own choice.
 
 use std::process::Command;
 
@@ -12,6 +13,11 @@ fn main() {
         }
     }
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
+    // The loader looks among the system's libraries, and would find the distribution's Embree there.
+    println!("cargo:rerun-if-env-changed=EMBREE3_DIR");
+    if let (Some(_), Ok(lib)) = (std::env::var_os("EMBREE3_DIR"), std::env::var("DEP_EMBREE3_LIB")) {
+        println!("cargo:rustc-link-arg=-Wl,-rpath,{lib}");
+    }
     set("PHR_GIT_REV", revision());
     set("PHR_RUSTC", output(&rustc, &["--version"]));
     set("PHR_TARGET", std::env::var("TARGET").ok());

@@ -3,6 +3,7 @@
 
 use crate::bench::cpu_time::Spin;
 use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -101,6 +102,27 @@ impl Machine {
     }
 }
 
+/// The file of the Embree that this process has loaded.
+fn loaded_embree() -> Option<PathBuf> {
+    let maps = std::fs::read_to_string("/proc/self/maps").ok()?;
+    let path = maps
+        .lines()
+        .find_map(|line| line.find('/').map(|at| &line[at..]).filter(|p| p.contains("libembree3")))?;
+    Some(PathBuf::from(path))
+}
+
+/// Whether a library has assertions: those call `__assert_fail`, whose name then is among its symbols.
+fn assertions_in(library: &Path) -> &'static str {
+    const CALLED: &[u8] = b"__assert_fail";
+    match std::fs::read(library) {
+        Ok(bytes) if bytes.windows(CALLED.len()).any(|found| found == CALLED) => {
+            "assertions on (no -DNDEBUG)"
+        }
+        Ok(_) => "assertions off (-DNDEBUG)",
+        Err(_) => "assertions unknown",
+    }
+}
+
 /// The library measured against.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Library {
@@ -119,10 +141,16 @@ impl Library {
     pub fn of(embree: String) -> Self {
         let package = |name: &str| output("dpkg-query", &["-W", "-f", "${Package} ${Version}", name]);
         let embree_package = package("libembree3-3");
-        let note = if embree_package.contains("libembree3-3 ") {
-            "the distribution's build: assertions on (no -DNDEBUG), ISA chosen at run time".into()
-        } else {
-            "unknown".into()
+        let note = match loaded_embree() {
+            None => "unknown".into(),
+            Some(path) => {
+                let whose = if path.starts_with("/usr/lib") && embree_package.contains("libembree3-3 ") {
+                    "the distribution's build"
+                } else {
+                    "a build of the user's own (EMBREE3_DIR)"
+                };
+                format!("{whose}: {}, ISA chosen at run time", assertions_in(&path))
+            }
         };
         Self { embree, embree_package, tbb_package: package("libtbb12"), note }
     }
