@@ -1,0 +1,205 @@
+//! What neighbours of the constants that were chosen by looking at scenes give: a line of CSV for each constant, value and
+//! scene. `cargo bench --bench constants -- [--rounds=N] SCENE...`, generators' names or files; costs and counts are exact,
+//! build times are the least of N rounds (3) in which the preset and its variant take turns, none with `--rounds=0`.
+
+#![allow(missing_docs)] // a program
+
+use phr::builders::{
+    Builder, Clusters, CollapseCosts, Extensions, LocalThreshold, OptimisedPhr, OptimisedPhrConfig, Phr,
+    PhrConfig, PresplitConfig,
+};
+use phr::bvh::Bvh4;
+use phr::geometry::{Mesh, Ray};
+use phr::scene::{self, Scene};
+use phr::trace::{BvhTracer, PathSettings, RayKind, record};
+use std::path::Path;
+use std::time::Instant;
+
+/// A preset; one that does not optimise leaves that part of the configuration alone.
+#[derive(Clone, Copy)]
+struct Preset {
+    name: &'static str,
+    config: OptimisedPhrConfig,
+    is_optimised: bool,
+}
+
+impl Preset {
+    fn builder(&self) -> Box<dyn Builder<4>> {
+        if self.is_optimised {
+            Box::new(OptimisedPhr::new(self.name, self.config).expect("in range"))
+        } else {
+            Box::new(Phr::new(self.name, self.config.phr).expect("in range"))
+        }
+    }
+}
+
+/// A constant of a preset: its name, neighbouring values, and how it is set.
+type Constant = (&'static str, &'static [f64], fn(&mut OptimisedPhrConfig, f32));
+
+fn extensions(config: &mut OptimisedPhrConfig) -> &mut Extensions {
+    &mut config.phr.extensions
+}
+
+fn clusters(config: &mut OptimisedPhrConfig) -> &mut Clusters {
+    extensions(config).auxiliary.clusters.as_mut().expect("a preset with clusters")
+}
+
+fn local(config: &mut OptimisedPhrConfig) -> &mut LocalThreshold {
+    extensions(config).local_threshold.as_mut().expect("a preset with a local threshold")
+}
+
+fn presplit(config: &mut OptimisedPhrConfig) -> &mut PresplitConfig {
+    extensions(config).auxiliary.presplit.as_mut().expect("a preset that presplits")
+}
+
+/// The costs of the treelets' collapse, or of the optimised tree's.
+fn costs(config: &mut OptimisedPhrConfig) -> &mut CollapseCosts {
+    match &mut config.phr.extensions.collapse {
+        Some(costs) => costs,
+        None => &mut config.optimise.costs,
+    }
+}
+
+const COSTS: [Constant; 3] = [
+    ("collapse.leaf", &[0.25, 1.0], |c, v| costs(c).leaf = v),
+    ("collapse.block", &[0.175, 0.7], |c, v| costs(c).block = v),
+    ("collapse.max_leaf", &[8.0, 28.0], |c, v| costs(c).max_leaf = v as u32),
+];
+
+const SPEED: [Constant; 14] = [
+    ("spatial_threshold", &[5e-3, 2e-2], |c, v| c.phr.spatial_threshold = v),
+    ("max_cut", &[1024.0, 4096.0], |c, v| {
+        c.phr.max_cut = v as usize;
+        c.phr.extensions.cut_share = Some(1.0 / 32.0);
+    }),
+    ("auxiliary_leaf", &[1.0, 2.0], |c, v| extensions(c).auxiliary.auxiliary_leaf = Some(v as u32)),
+    ("clusters.most", &[16.0, 64.0], |c, v| clusters(c).most = v as u32),
+    ("clusters.area", &[5e-4, 2e-3], |c, v| clusters(c).area = v),
+    ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
+    ("own_threshold.references", &[16384.0, 65536.0], |c, v| local(c).references = v as u32),
+    ("own_threshold.area", &[1.0 / 512.0, 1.0 / 128.0], |c, v| local(c).area = v),
+    ("overlap_threshold", &[5e-4, 2e-3], |c, v| extensions(c).overlap_threshold = Some(v)),
+    ("spatial_bias", &[1.0, 1.14], |c, v| extensions(c).spatial_bias = Some(v)),
+    ("subtree_sweep", &[16.0, 64.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
+    ("presplit.filled", &[0.075, 0.3], |c, v| presplit(c).filled = v),
+    ("presplit.min_area", &[1.0 / 65536.0, 1.0 / 16384.0], |c, v| presplit(c).min_area = v),
+    ("presplit.max_extra", &[0.125, 0.5], |c, v| presplit(c).max_extra = v),
+];
+
+const QUALITY: [Constant; 11] = [
+    ("delta", &[4.0, 6.0], |c, v| c.phr.delta = v),
+    ("spatial_threshold", &[1.5e-4, 6e-4], |c, v| c.phr.spatial_threshold = v),
+    ("cut_share", &[1.0 / 64.0, 1.0 / 16.0], |c, v| extensions(c).cut_share = Some(v)),
+    ("clusters.area", &[5e-5, 2e-4], |c, v| clusters(c).area = v),
+    ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
+    ("own_threshold.references", &[32768.0, 131_072.0], |c, v| local(c).references = v as u32),
+    ("own_threshold.area", &[1.0 / 512.0, 1.0 / 128.0], |c, v| local(c).area = v),
+    ("overlap_threshold", &[1.5e-5, 6e-5], |c, v| extensions(c).overlap_threshold = Some(v)),
+    ("spatial_bias", &[1.0, 1.16], |c, v| extensions(c).spatial_bias = Some(v)),
+    ("leaf_sweep", &[8.0, 32.0], |c, v| extensions(c).leaf_sweep = Some(v as u32)),
+    ("subtree_sweep", &[32.0, 128.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
+];
+
+const BEST: [Constant; 7] = [
+    ("alpha", &[0.5, 0.6], |c, v| c.phr.alpha = v),
+    ("delta", &[7.0, 9.0], |c, v| c.phr.delta = v),
+    ("cut_share", &[1.0 / 64.0, 1.0 / 16.0], |c, v| extensions(c).cut_share = Some(v)),
+    ("own_threshold.references", &[8192.0, 32768.0], |c, v| local(c).references = v as u32),
+    ("own_threshold.area", &[1.0 / 2048.0, 1.0 / 512.0], |c, v| local(c).area = v),
+    ("rounds", &[2.0, 8.0], |c, v| c.optimise.rounds = v as u32),
+    ("share", &[0.05, 0.2], |c, v| c.optimise.share = v),
+];
+
+/// What is exact of a tree: SAH cost, references per triangle, node visits and block tests per ray.
+fn measure(tree: &Bvh4, mesh: &Mesh, rays: &[(RayKind, Vec<Ray>)]) -> [f64; 4] {
+    let tracer = BvhTracer::new(tree);
+    let of = |(kind, rays): &(RayKind, Vec<Ray>)| {
+        if kind.is_any_hit() { tracer.count_any(rays) } else { tracer.count_closest(rays) }
+    };
+    let counts = rays.iter().map(of).reduce(|a, b| a + b).expect("some rays");
+    let references = tree.blocks.iter().map(|block| block.ids().count()).sum::<usize>();
+    let per_ray = |count: u64| count as f64 / counts.rays as f64;
+    [
+        phr::bvh::sah_cost(tree),
+        references as f64 / mesh.len() as f64,
+        per_ray(counts.node_visits),
+        per_ray(counts.block_tests),
+    ]
+}
+
+/// Milliseconds of a build, and what is exact of its tree where that is asked for.
+fn build(
+    builder: &mut dyn Builder<4>,
+    mesh: &Mesh,
+    of_tree: Option<&[(RayKind, Vec<Ray>)]>,
+) -> (f64, Option<[f64; 4]>) {
+    let clock = Instant::now();
+    let tree = builder.build(mesh).tree;
+    let ms = 1e3 * clock.elapsed().as_secs_f64();
+    let exact = of_tree.map(|rays| measure(&tree, mesh, rays));
+    builder.recycle(tree);
+    (ms, exact)
+}
+
+fn compare(
+    scene: &Scene,
+    rays: &[(RayKind, Vec<Ray>)],
+    preset: Preset,
+    constants: &[Constant],
+    rounds: usize,
+) {
+    let mut base = preset.builder();
+    let (_, exact) = build(&mut *base, &scene.mesh, Some(rays));
+    let of_base = exact.expect("asked for");
+    for (constant, values, set) in constants {
+        for &value in *values {
+            let mut config = preset.config;
+            set(&mut config, value as f32);
+            let mut variant = Preset { config, ..preset }.builder();
+            let (_, exact) = build(&mut *variant, &scene.mesh, Some(rays));
+            let (mut least, mut least_of_base) = (f64::INFINITY, f64::INFINITY);
+            for _ in 0..rounds {
+                least_of_base = least_of_base.min(build(&mut *base, &scene.mesh, None).0);
+                least = least.min(build(&mut *variant, &scene.mesh, None).0);
+            }
+            let exact = exact.expect("asked for");
+            let ratios =
+                std::array::from_fn::<_, 4, _>(|i| format!("{:.4}", exact[i] / of_base[i])).join(",");
+            let build = if rounds == 0 { String::new() } else { format!("{:.3}", least / least_of_base) };
+            println!("{},{},{constant},{value},{ratios},{build}", scene.name, preset.name);
+        }
+    }
+}
+
+fn main() {
+    let (options, names): (Vec<String>, Vec<String>) =
+        std::env::args().skip(1).partition(|argument| argument.starts_with("--"));
+    let rounds = options.iter().find_map(|option| option.strip_prefix("--rounds="));
+    let rounds = rounds.map_or(3, |rounds| rounds.parse().expect("--rounds=N"));
+    let of = |phr| OptimisedPhrConfig { phr, ..OptimisedPhrConfig::DEFAULT };
+    let [speed, quality, best] = [
+        ("phr-speed", of(PhrConfig::SPEED), false),
+        ("phr-quality", of(PhrConfig::QUALITY), false),
+        ("phr-best", OptimisedPhrConfig::DEFAULT, true),
+    ]
+    .map(|(name, config, is_optimised)| Preset { name, config, is_optimised });
+    println!("scene,preset,constant,value,sah,refs_per_tri,node_visits,block_tests,build");
+    for name in names {
+        let scene = match scene::generator(&name) {
+            Some(generator) => generator.generate(),
+            None => scene::load(Path::new(&name)).unwrap_or_else(|why| panic!("{why}")),
+        };
+        let tree = speed.builder().build(&scene.mesh).tree;
+        let settings = PathSettings { width: 96, height: 96, ..PathSettings::default() };
+        let views = scene.views.iter().take(3);
+        let rays: Vec<(RayKind, Vec<Ray>)> = views
+            .flat_map(|view| {
+                let batches = record(&BvhTracer::new(&tree), &scene.mesh, view, &settings).batches;
+                RayKind::ALL.map(|kind| (kind, batches.get(kind).to_vec()))
+            })
+            .collect();
+        compare(&scene, &rays, speed, &[&SPEED[..], &COSTS].concat(), rounds);
+        compare(&scene, &rays, quality, &QUALITY, rounds);
+        compare(&scene, &rays, best, &[&BEST[..], &COSTS].concat(), rounds);
+    }
+}
