@@ -1,11 +1,12 @@
 //! `environment.json`: the machine, the program and the settings of a run, and how it ended. Holds no host name
 //! and no path of the machine.
 
+use super::library::{UNKNOWN, output};
 use crate::bench::cpu_time::Spin;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
+
+pub use super::library::Library;
 
 /// The file in a results folder.
 pub const ENVIRONMENT: &str = "environment.json";
@@ -99,60 +100,6 @@ impl Machine {
             huge_pages: text("/sys/kernel/mm/transparent_hugepage/enabled"),
             governor: text("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor"),
         }
-    }
-}
-
-/// The file of the Embree that this process has loaded.
-fn loaded_embree() -> Option<PathBuf> {
-    let maps = std::fs::read_to_string("/proc/self/maps").ok()?;
-    let path = maps
-        .lines()
-        .find_map(|line| line.find('/').map(|at| &line[at..]).filter(|p| p.contains("libembree3")))?;
-    Some(PathBuf::from(path))
-}
-
-/// Whether a library has assertions: those call `__assert_fail`, whose name then is among its symbols.
-fn assertions_in(library: &Path) -> &'static str {
-    const CALLED: &[u8] = b"__assert_fail";
-    match std::fs::read(library) {
-        Ok(bytes) if bytes.windows(CALLED.len()).any(|found| found == CALLED) => {
-            "assertions on (no -DNDEBUG)"
-        }
-        Ok(_) => "assertions off (-DNDEBUG)",
-        Err(_) => "assertions unknown",
-    }
-}
-
-/// The library measured against.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Library {
-    /// Embree's version as the loaded library reports it; empty without it.
-    pub embree: String,
-    /// The package it came from, as the system's package manager knows it.
-    pub embree_package: String,
-    /// The package of its scheduler.
-    pub tbb_package: String,
-    /// How it was built, where known.
-    pub note: String,
-}
-
-impl Library {
-    /// The library of version `embree`, with the packages it came from.
-    pub fn of(embree: String) -> Self {
-        let package = |name: &str| output("dpkg-query", &["-W", "-f", "${Package} ${Version}", name]);
-        let embree_package = package("libembree3-3");
-        let note = match loaded_embree() {
-            None => "unknown".into(),
-            Some(path) => {
-                let whose = if path.starts_with("/usr/lib") && embree_package.contains("libembree3-3 ") {
-                    "the distribution's build"
-                } else {
-                    "a build of the user's own (EMBREE3_DIR)"
-                };
-                format!("{whose}: {}, ISA chosen at run time", assertions_in(&path))
-            }
-        };
-        Self { embree, embree_package, tbb_package: package("libtbb12"), note }
     }
 }
 
@@ -262,8 +209,6 @@ fn cpu_quota() -> String {
     }
 }
 
-const UNKNOWN: &str = "unknown";
-
 fn text(path: &str) -> String {
     let text = std::fs::read_to_string(path).unwrap_or_default();
     if text.trim().is_empty() { UNKNOWN.into() } else { text.trim().into() }
@@ -274,12 +219,6 @@ fn line_of(path: &str, key: &str) -> String {
     let text = std::fs::read_to_string(path).unwrap_or_default();
     let value = text.lines().find_map(|line| line.strip_prefix(key)).map(str::trim);
     value.unwrap_or(UNKNOWN).into()
-}
-
-fn output(program: &str, arguments: &[&str]) -> String {
-    let output = Command::new(program).args(arguments).output().ok().filter(|output| output.status.success());
-    let text = output.and_then(|output| String::from_utf8(output.stdout).ok()).unwrap_or_default();
-    if text.trim().is_empty() { UNKNOWN.into() } else { text.trim().into() }
 }
 
 #[cfg(test)]

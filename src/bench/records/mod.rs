@@ -5,6 +5,7 @@ pub mod build_times;
 pub mod environment;
 pub mod files;
 pub mod kernel_rows;
+mod library;
 pub mod recorder;
 pub mod results_dir;
 pub mod row;
