@@ -38,9 +38,15 @@ fn every_forged_answer_is_found() {
             .collect();
         for (a, b) in [(&reference, &hits), (&hits, &reference)] {
             let verdict = compare_closest(&mesh, &rays, a, b);
-            assert_eq!(verdict.rays, verdict.equal + verdict.ties + verdict.edge + verdict.mismatched);
+            assert_eq!(
+                verdict.rays,
+                verdict.equal + verdict.ties + verdict.edge + verdict.near_misses + verdict.mismatched
+            );
             // Rays that start on the surface or graze it are rightly doubtful.
-            assert!(verdict.mismatched + verdict.edge == forged, "{name}: {verdict}, {forged} forged");
+            assert!(
+                verdict.mismatched + verdict.edge + verdict.near_misses == forged,
+                "{name}: {verdict}, {forged} forged"
+            );
             assert!(verdict.mismatched * 100 > forged * 97, "{name}: {verdict}, {forged} forged");
         }
     }
@@ -110,7 +116,22 @@ fn coplanar_twins_tie_and_edges_are_counted_apart() {
     let verdict = compare_closest(&mesh, &[beside], &[hit(0)], &[Hit::MISS]);
     assert_eq!(verdict.mismatched, 1);
     let text = verdict.to_string();
-    assert!(text.contains("1 mismatches (ray 0: reference hit triangle 0 at 1e0, not nothing)"), "{text}");
+    assert!(
+        text.contains("0 near misses, 1 mismatches (ray 0: reference hit triangle 0 at 1e0, not nothing)"),
+        "{text}"
+    );
+}
+
+/// A thousand long, a hundredth wide, at an angle to the ray: the computed normal is off.
+#[test]
+fn what_only_thin_triangles_explain_is_a_near_miss() {
+    let thin = mesh(vec![[0.0, 0.0, 0.0], [1000.0, 1000.0, 300.0], [500.0, 500.02, 150.0]], vec![[0, 1, 2]]);
+    let down = ray([500.0, 500.007, 500.0], [0.0, 0.0, -1.0]);
+    let hit = Hit { t: 350.0, u: 0.3, v: 0.3, prim: 0 };
+    let verdict = compare_closest(&thin, &[down], &[hit], &[Hit::MISS]);
+    assert_eq!((verdict.near_misses, verdict.edge, verdict.is_ok()), (1, 0, true), "{verdict}");
+    let wrong = Hit { t: 100.0, ..hit };
+    assert_eq!(compare_closest(&thin, &[down], &[wrong], &[hit]).mismatched, 1);
 }
 
 #[test]

@@ -55,6 +55,15 @@ impl Device {
         Self::from_string(config.device_string())
     }
 
+    /// A device that builds with `config` and takes kernels for no more than the instruction set `isa`, as Embree
+    /// writes it (`avx2`).
+    ///
+    /// # Errors
+    /// [`EmbreeError::Device`].
+    pub fn limited(config: &Config, isa: &str) -> Result<Self, EmbreeError> {
+        Self::from_string(format!("{},max_isa={isa}", config.device_string()))
+    }
+
     /// A device from any device string.
     pub(super) fn from_string(config: String) -> Result<Self, EmbreeError> {
         let Ok(string) = CString::new(config.as_str()) else {

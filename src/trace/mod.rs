@@ -5,11 +5,12 @@
 //! * [`WatertightTracer`] does so without gaps between triangles that share an edge or a vertex;
 //! * [`record`] runs a path tracer once per view and keeps its rays ([`RayBatches`]), so that every tree
 //!   traces the very same ones; [`render`] is the same path tracer without the recording;
-//! * [`verify`] compares the hits of two tracers, with [`oracle`] in double precision to settle disputes.
+//! * [`verify`] compares the hits of two tracers, with [`oracle`] in extended precision to settle disputes.
 
 mod batches;
 mod brute_force;
 mod camera;
+mod double_double;
 mod image;
 mod kernel;
 mod lights;

@@ -1,22 +1,34 @@
-//! Ray against triangle in double precision, with bounds on the errors of single precision: settles
-//! disputes between tracers.
+//! Ray against triangle in [extended precision](super::double_double), with bounds on the errors of single precision:
+//! settles disputes between tracers.
 //!
 //! The model is backward error: arithmetic in `f32` answers correctly for a triangle (or a box around it)
 //! that is displaced by at most a few units in the last place of the coordinates involved. The oracle turns
 //! this displacement into slacks of the distance along the ray and of the hit point within the triangle's
-//! plane; both grow as rays graze the plane.
+//! plane; both grow as rays graze the plane. They do not grow as triangles get thin: what single precision gets wrong
+//! there is wrong, and counted as a near miss ([`Model::ThinTriangles`]).
 
+use super::double_double::{self as extended, Vector};
 use crate::geometry::{Mesh, Ray};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// Displacement, in units of `f32::EPSILON` times the largest coordinate difference between ray origin and
-/// triangle plus the origin's largest coordinate, plus the error of a needle's normal.
+/// triangle plus the origin's largest coordinate.
 pub const DISPLACEMENT_ULPS: f64 = 4.0;
+
+/// Which errors of single precision are allowed for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Model {
+    /// Rounded coordinates.
+    RoundedCoordinates,
+    /// That, and the computed normal of a thin triangle: a difference of products far larger than itself, whose
+    /// rounding tilts the plane. The error grows with the triangle's aspect.
+    ThinTriangles,
+}
 
 /// Relative difference of distances that counts as equal.
 pub const T_TOLERANCE: f64 = 1e-5;
 
-/// How a ray meets a triangle, as exact as `f64` is.
+/// How a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// Ray parameter at which the ray crosses the triangle's plane.
@@ -33,40 +45,43 @@ pub struct Crossing {
 
 impl Crossing {
     /// Of `ray` with triangle `prim`; `None` if there is no such triangle, or it or the ray has no extent.
-    pub fn new(mesh: &Mesh, prim: u32, ray: &Ray) -> Option<Self> {
+    pub fn new(mesh: &Mesh, prim: u32, ray: &Ray, model: Model) -> Option<Self> {
         if prim as usize >= mesh.len() {
             return None;
         }
-        let [a, b, c] = mesh.corners(prim).map(|corner| corner.as_dvec3());
-        let (org, dir) = (ray.org.as_dvec3(), ray.dir.as_dvec3());
-        let length = dir.length();
-        let (e1, e2) = (b - a, c - a);
-        let cross = e1.cross(e2);
-        let normal = cross.try_normalize()?;
-        if length == 0.0 {
+        let vector = |v: Vec3| -> Vector { v.to_array().map(Into::into) };
+        let corners = mesh.corners(prim).map(|corner| vector(corner.into()));
+        let (org, dir) = (vector(ray.org), vector(ray.dir));
+        let edge = |to: usize| extended::difference(corners[to], corners[0]);
+        let normal = extended::cross(edge(1), edge(2));
+        let (length, twice_area) = (ray.dir.as_dvec3().length(), extended::rounded(normal).length());
+        if length == 0.0 || twice_area == 0.0 {
             return None;
         }
-        let reach = [a, b, c].map(|corner| (corner - org).abs().max_element());
-        let reach = reach[0].max(reach[1]).max(reach[2]) + org.abs().max_element();
-        // The normal of a needle is a difference of products far larger than itself: its rounding tilts the
-        // plane, which shifts the crossing by the tilt times the distance from the first corner.
-        let tilt = e1.length() * e2.length() / cross.length();
-        let arm = e1.length().max(e2.length());
-        let displacement = DISPLACEMENT_ULPS * f64::from(f32::EPSILON) * (reach + tilt * arm);
+        let from_org = corners.map(|corner| extended::difference(corner, org));
+        let reach = from_org.map(|to| extended::rounded(to).abs().max_element());
+        let reach = reach[0].max(reach[1]).max(reach[2]) + ray.org.as_dvec3().abs().max_element();
+        let lengths = [1, 2].map(|to| extended::rounded(edge(to)).length());
+        // A tilted plane shifts the crossing by the tilt times the distance from the first corner.
+        let of_normal = match model {
+            Model::RoundedCoordinates => 0.0,
+            Model::ThinTriangles => lengths[0] * lengths[1] / twice_area * lengths[0].max(lengths[1]),
+        };
+        let displacement = DISPLACEMENT_ULPS * f64::from(f32::EPSILON) * (reach + of_normal);
+        let approach = extended::dot(normal, dir);
         // The sine of the angle between ray and plane.
-        let facing = normal.dot(dir) / length;
-        let t = normal.dot(a - org) / (facing * length);
+        let facing = approach.value() / (twice_area * length);
+        let t = extended::dot(normal, from_org[0]) / approach;
         let interval = [f64::from(ray.tnear.max(0.0)), f64::from(ray.tfar)];
-        if !t.is_finite() {
+        if !t.value().is_finite() {
             // In or beside the plane: neither hit nor missed for certain.
             let infinite = f64::INFINITY;
             return Some(Self { t: 0.0, t_slack: infinite, inside: 0.0, slack: infinite, interval });
         }
-        let point = org + t * dir;
         Some(Self {
-            t,
+            t: t.value(),
             t_slack: displacement / (facing.abs() * length),
-            inside: border_distance(point, [a, b, c], normal),
+            inside: border_distance(extended::along(org, t, dir), corners, normal),
             slack: displacement * (1.0 + (1.0 - facing * facing).max(0.0).sqrt() / facing.abs()),
             interval,
         })
@@ -94,16 +109,18 @@ impl Crossing {
 }
 
 /// Distance of `point`, taken to lie in the triangle's plane, from the border; negative outside.
-fn border_distance(point: DVec3, corners: [DVec3; 3], normal: DVec3) -> f64 {
+fn border_distance(point: Vector, corners: [Vector; 3], normal: Vector) -> f64 {
     let mut within = f64::INFINITY;
     let mut outside = f64::INFINITY;
     for i in 0..3 {
-        let (from, to) = (corners[i], corners[(i + 1) % 3]);
-        let edge = to - from;
-        let inward = normal.cross(edge).normalize_or_zero();
-        within = within.min(inward.dot(point - from));
-        let along = ((point - from).dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
-        outside = outside.min(point.distance(from + along * edge));
+        let edge = extended::difference(corners[(i + 1) % 3], corners[i]);
+        let from_corner = extended::difference(point, corners[i]);
+        let inward = extended::cross(normal, edge);
+        let distance = extended::dot(inward, from_corner).value() / extended::rounded(inward).length();
+        within = within.min(distance);
+        let (edge, from_corner): (DVec3, DVec3) = (extended::rounded(edge), extended::rounded(from_corner));
+        let along = (from_corner.dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
+        outside = outside.min(from_corner.distance(along * edge));
     }
     if within >= 0.0 { within } else { -outside }
 }
@@ -111,7 +128,6 @@ fn border_distance(point: DVec3, corners: [DVec3; 3], normal: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     fn mesh() -> Mesh {
         let vertices = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -122,10 +138,29 @@ mod tests {
         Ray { org: Vec3::new(x, y, 2.0), tnear: 0.0, dir: Vec3::NEG_Z, tfar: f32::INFINITY }
     }
 
+    fn of(mesh: &Mesh, prim: u32, ray: &Ray) -> Option<Crossing> {
+        Crossing::new(mesh, prim, ray, Model::RoundedCoordinates)
+    }
+
+    /// A thousand long and a hundred thousandth wide; the ray goes through its middle.
+    #[test]
+    fn a_thin_triangle_has_no_wider_band_than_another() {
+        let at = |x: f32| [1000.0 * x, 1000.0 * x, 0.0];
+        let vertices = vec![at(0.0), at(1.0), [500.0, 500.02, 0.0]];
+        let thin = Mesh::new(vertices, vec![[0, 1, 2]]).unwrap().0;
+        let down = down(500.0, 500.007);
+        let exact = of(&thin, 0, &down).unwrap();
+        assert!((exact.inside - 0.005).abs() < 1e-4 && exact.slack < 1e-3, "{exact:?}");
+        assert!(exact.is_certain());
+        assert!((exact.t - 2.0).abs() < 1e-12);
+        let single = Crossing::new(&thin, 0, &down, Model::ThinTriangles).unwrap();
+        assert!(!single.is_certain() && single.slack > exact.slack && single.inside == exact.inside);
+    }
+
     #[test]
     fn distances_from_the_border() {
         let mesh = mesh();
-        let crossing = |x, y| Crossing::new(&mesh, 0, &down(x, y)).unwrap();
+        let crossing = |x, y| of(&mesh, 0, &down(x, y)).unwrap();
         assert!((crossing(0.25, 0.5).inside - 0.25f64 * 0.5f64.sqrt()).abs() < 1e-12);
         assert!((crossing(0.1, 0.5).inside - 0.1).abs() < 1e-6);
         assert!((crossing(-3.0, -4.0).inside + 5.0).abs() < 1e-12);
@@ -136,7 +171,7 @@ mod tests {
     fn verdicts_on_a_face_an_edge_and_beside() {
         let mesh = mesh();
         let judge = |ray: Ray| {
-            let crossing = Crossing::new(&mesh, 0, &ray).unwrap();
+            let crossing = of(&mesh, 0, &ray).unwrap();
             (crossing.is_possible(), crossing.is_certain())
         };
         assert_eq!(judge(down(0.25, 0.25)), (true, true));
@@ -148,8 +183,8 @@ mod tests {
         assert_eq!(judge(Ray { tnear: 2.1, ..down(0.25, 0.25) }), (false, false));
         let beside = Ray { dir: Vec3::X, ..down(0.25, 0.25) };
         assert_eq!(judge(beside), (true, false), "parallel rays are never certain");
-        assert!(Crossing::new(&mesh, 1, &down(0.25, 0.25)).is_none());
-        assert!(Crossing::new(&mesh, 2, &down(0.25, 0.25)).is_none());
-        assert!(Crossing::new(&mesh, 0, &Ray { dir: Vec3::ZERO, ..down(0.0, 0.0) }).is_none());
+        assert!(of(&mesh, 1, &down(0.25, 0.25)).is_none());
+        assert!(of(&mesh, 2, &down(0.25, 0.25)).is_none());
+        assert!(of(&mesh, 0, &Ray { dir: Vec3::ZERO, ..down(0.0, 0.0) }).is_none());
     }
 }

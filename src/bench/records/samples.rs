@@ -66,6 +66,9 @@ pub struct Check {
     pub ties: u64,
     /// Differences at an edge, where either answer is right.
     pub edge: u64,
+    /// Differences on thin triangles that single precision alone explains.
+    #[serde(default)]
+    pub near_misses: u64,
     /// Inner nodes visited, if counted.
     pub node_visits: Option<u64>,
     /// Leaf blocks tested, if counted.
@@ -104,6 +107,23 @@ pub struct CellSamples {
     pub memory: Option<BuildMemory>,
     /// Why there is none, if the builder failed.
     pub error: Option<String>,
+}
+
+impl KernelChecks {
+    /// Largest share of the rays that may differ at an edge or be a near miss.
+    pub const EXCUSED: f64 = 1e-4;
+    /// As many may in any case: fewer rays than a hundred thousand tell nothing of so small a share.
+    pub const EXCUSED_AT_LEAST: u64 = 10;
+
+    /// Why its answers cannot be accepted, if too many of them are excused.
+    pub fn excess(&self) -> Option<String> {
+        let total = |value: fn(&Check) -> u64| self.checks.iter().map(value).sum::<u64>();
+        let (rays, edges, near) = (total(|c| c.rays), total(|c| c.edge), total(|c| c.near_misses));
+        let most = ((Self::EXCUSED * rays as f64) as u64).max(Self::EXCUSED_AT_LEAST);
+        (edges + near > most).then(|| {
+            format!("{edges} answers differ at edges, {near} on thin triangles, of {rays}: more than {most}")
+        })
+    }
 }
 
 impl CellSamples {

@@ -94,6 +94,7 @@ impl<'a> SceneTraces<'a> {
                     equal: verdict.equal as u64,
                     ties: verdict.ties as u64,
                     edge: verdict.edge as u64,
+                    near_misses: verdict.near_misses as u64,
                     node_visits: counts.map(|counts| counts.node_visits),
                     block_tests: counts.map(|counts| counts.block_tests),
                 });
@@ -108,6 +109,7 @@ impl<'a> SceneTraces<'a> {
                 }
             }
         }
+        kernel.mismatch = kernel.excess();
         Ok(kernel)
     }
 
