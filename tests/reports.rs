@@ -92,6 +92,13 @@ fn cells<'a>(text: &'a str, heading: &str, method: &str) -> Vec<&'a str> {
         .collect()
 }
 
+/// The cells behind the method, without intervals and noise.
+fn means<'a>(text: &'a str, heading: &str, method: &str) -> Vec<&'a str> {
+    let mut cells = cells(text, heading, method);
+    cells.retain(|cell| !cell.starts_with(['[', '±']));
+    cells.split_off(1)
+}
+
 fn phr(arguments: &[&str], folder: &Path) -> (i32, Output) {
     let output =
         Command::new(env!("CARGO_BIN_EXE_phr")).args(arguments).current_dir(folder).output().unwrap();
@@ -131,7 +138,7 @@ fn failures_and_gaps_are_told_not_averaged() {
     assert!(text.contains("no figures: yard lbvh/4: out of memory"), "{text}");
     // One scene is left of lbvh.
     assert_eq!(
-        cells(&text, "### Build time", "lbvh")[1..],
+        means(&text, "### Build time", "lbvh"),
         ["0.500", "-", "0.500", "-", "0.50", "conference-like", "1"]
     );
 }
@@ -139,13 +146,14 @@ fn failures_and_gaps_are_told_not_averaged() {
 #[test]
 fn means_are_those_worked_out_by_hand() {
     let text = table::document(&rows(), true);
+    assert_eq!(cells(&text, "### Build time", "phr-hq")[4..6], ["[0.375, 2.670]", "±0.3 %"]);
     // (2 + 0.5) / 2 and sqrt(2 * 0.5); (0.8 + 1.25) / 2 and sqrt(0.8 * 1.25).
     assert_eq!(
-        cells(&text, "### Build time", "phr-hq")[1..],
+        means(&text, "### Build time", "phr-hq"),
         ["1.250", "1.821", "1.000", "1.636", "2.00", "conference-like", "2"]
     );
     assert_eq!(
-        cells(&text, "### Trace time", "phr-hq")[1..],
+        means(&text, "### Trace time", "phr-hq"),
         ["1.025", "0.977", "1.000", "0.975", "1.25", "yard", "2"]
     );
     assert_eq!(cells(&text, "### SAH cost", "phr-hq")[1..3], ["1.250", "0.947"]);
@@ -312,7 +320,7 @@ fn a_changed_figure_fails_the_check() {
     assert_eq!(std::fs::read_to_string(&readme).unwrap(), text, "a check writes nothing");
     assert_eq!(phr(&["readme", "README.md"], folder.path()).0, 0);
     let made = std::fs::read_to_string(&readme).unwrap();
-    assert!(made.contains("-->1.00<!-- end --> of the time."), "{made}");
+    assert!(made.contains("-->1.00 [0.73, 1.37]<!-- end --> of the time."), "{made}");
     assert!(made.contains("### Build time\n") && made.contains("<!-- means: nowhere -->"), "{made}");
     assert_eq!(phr(&["readme", "--check", "README.md"], folder.path()).0, 0);
 
@@ -334,7 +342,10 @@ fn the_summary_has_the_means_and_the_worst_trace() {
         readme::regenerate(&text, folder.path()).map_err(|error| error.to_string())
     };
     let text = made("embree-sah phr-hq").unwrap();
-    assert_eq!(cells(&text, "<!--", "phr-hq"), ["phr-hq", "1.00", "1.00", "1.25", "yard", "1.00"]);
+    assert_eq!(
+        cells(&text, "<!--", "phr-hq"),
+        ["phr-hq", "1.00 [0.37, 2.67]", "1.00 [0.73, 1.37]", "1.25", "yard", "1.00 [0.38, 2.67]"]
+    );
     assert_eq!(cells(&text, "<!--", "embree-sah")[1..], ["1.00", "1.00", "", "", "1.00"]);
     assert!(text.contains("over 2 scenes, 2 threads"), "{text}");
     for unknown in ["aac", "phr-hq/8", "phr-hq/wide"] {

@@ -95,39 +95,69 @@ fn written(folder: &Path, rows: &[Row]) {
     row::write(&folder.join(ROWS), rows).unwrap();
 }
 
+fn worst(judged: &Judged) -> Option<(&str, f64)> {
+    judged.worst.as_ref().map(|worst| (worst.scene.as_str(), worst.value))
+}
+
 const BUILD: Measure = Measure::Build("embree-morton");
 const TRACE: Measure = Measure::Trace("embree-sah");
 
 #[test]
 fn means_and_worst_scenes_are_those_worked_out_by_hand() {
-    // sqrt(0.5 * 2) = 1, at the limit.
+    // sqrt(0.5 * 2) = 1, at the limit; two scenes so far apart decide nothing.
     let build = judged(&rows(), "phr-speed", BUILD);
     assert!(near(build.mean, 1.0) && build.under_phr.is_none(), "{build:?}");
-    assert_eq!((build.worst, build.verdict), (Some(("yard".into(), 2.0)), Verdict::Met));
-    assert_eq!((build.scenes, build.of_scenes), (2, 2));
+    assert_eq!((worst(&build), &build.verdict), (Some(("yard", 2.0)), &Verdict::Undecided));
+    assert_eq!((build.scenes, build.of_scenes, build.noise.as_str()), (2, 2, ""));
+    // Both scenes twice or neither: the ends are 0.5 and 2, deviations enlarged by sqrt(2 / 1) as of two scenes.
+    let interval = build.interval.unwrap();
+    let end = 2f64.powf(2f64.sqrt());
+    assert!(near(Some(interval.high), end) && near(Some(interval.low), 1.0 / end), "{interval:?}");
     // sqrt(0.8 * 1.05) under Embree's kernel, sqrt(1 * 4) under ours; 1.05 is the limit of the worst.
     let trace = judged(&rows(), "phr-speed", TRACE);
     assert!(near(trace.mean, 0.84f64.sqrt()) && near(trace.under_phr, 2.0), "{trace:?}");
-    assert_eq!((trace.worst, trace.verdict), (Some(("yard".into(), 1.05)), Verdict::Met));
+    assert_eq!((worst(&trace), &trace.verdict), (Some(("yard", 1.05)), &Verdict::Undecided));
+}
+
+/// Times of phr-speed in both scenes.
+fn alike(time: f64) -> Vec<Row> {
+    with(
+        rows(),
+        |row| row.builder == "phr-speed",
+        |row| (row.build_ms_median, row.trace_ms_median) = (Some(time), Some(10.0 * time)),
+    )
 }
 
 #[test]
-fn beyond_the_mean_or_the_worst_is_not_met() {
-    let slower = |scene: &'static str, time: f64| {
+fn the_whole_interval_must_be_within_the_limits() {
+    let verdict = |rows: &[Row], measure| judged(rows, "phr-speed", measure).verdict;
+    assert_eq!(verdict(&alike(10.0), BUILD), Verdict::Met, "at the limit");
+    assert_eq!(verdict(&alike(10.001), BUILD), Verdict::NotMet);
+    assert_eq!(verdict(&alike(9.0), TRACE), Verdict::Met);
+    // The mean is undecided, the worst is beyond its limit.
+    let slower = |time: f64| {
         with(
             rows(),
-            move |row| row.builder == "phr-speed" && row.scene == scene,
-            |row| {
-                row.build_ms_median = Some(time);
-                row.trace_ms_median = Some(time);
-            },
+            |row| row.builder == "phr-speed" && row.scene == "yard",
+            move |row| row.trace_ms_median = Some(time),
         )
     };
-    assert_eq!(judged(&slower("yard", 20.001), "phr-speed", BUILD).verdict, Verdict::NotMet);
-    let trace = judged(&slower("yard", 105.1), "phr-speed", TRACE);
+    let trace = judged(&slower(105.1), "phr-speed", TRACE);
     assert!(trace.mean.is_some_and(|mean| mean < 1.0), "the mean alone would do: {trace:?}");
     assert_eq!(trace.verdict, Verdict::NotMet);
-    assert_eq!(judged(&slower("yard", 104.9), "phr-speed", TRACE).verdict, Verdict::Met);
+    assert_eq!(verdict(&slower(104.9), TRACE), Verdict::Undecided);
+    // Noise of rounds: medians that deviate by a tenth.
+    let noisy = with(alike(9.9), |_| true, |row| row.build_ms_mad = row.build_ms_median.map(|ms| 0.1 * ms));
+    let build = judged(&noisy, "phr-speed", BUILD);
+    assert!(build.verdict == Verdict::Undecided && build.noise.starts_with('±'), "{build:?}");
+    // The same deviations in step with Morton's are no noise.
+    let by_round = |row: &Row, ms: f64| {
+        let drift = [0.9, 1.0, 1.1, 1.0].map(|factor| factor * ms);
+        let times = (0..).zip(drift).collect();
+        Row { by_round: phr::bench::rounds::RowRounds { build: times, ..Default::default() }, ..row.clone() }
+    };
+    let paired: Vec<Row> = noisy.iter().map(|row| by_round(row, row.build_ms_median.unwrap())).collect();
+    assert_eq!(verdict(&paired, BUILD), Verdict::Met);
 }
 
 #[test]
@@ -139,7 +169,7 @@ fn bytes_are_of_large_scenes() {
     // 60 and 120: the worst is too much.
     let tree = judged(&small, "phr-speed", Measure::Tree);
     assert!(near(tree.mean, 90.0), "{tree:?}");
-    assert_eq!((tree.worst, tree.verdict), (Some(("yard".into(), 120.0)), Verdict::NotMet));
+    assert_eq!((worst(&tree), &tree.verdict), (Some(("yard", 120.0)), &Verdict::NotMet));
     assert_eq!(judged(&small, "embree-sah", Measure::Tree).verdict, Verdict::NoTarget);
     let tiny = with(rows(), |_| true, |row| row.triangles = 100_000);
     assert_eq!(judged(&tiny, "phr-speed", BUILD).of_scenes, 0);
@@ -161,7 +191,7 @@ fn threads_are_compared_where_both_were_measured() {
     all.push(one("yard", "phr-speed", 80.0, "another"));
     let ours = judged(&all, "phr-speed", Measure::Threads);
     assert!(near(ours.mean, 1.85), "{ours:?}");
-    assert_eq!((ours.scenes, ours.of_scenes, ours.verdict), (1, 2, Verdict::Met));
+    assert_eq!((ours.scenes, ours.of_scenes, ours.verdict), (1, 2, Verdict::Undecided), "one scene of two");
     let embree = judged(&all, "embree-sah", Measure::Threads);
     assert!(near(embree.mean, 1.5) && embree.verdict == Verdict::NoTarget, "{embree:?}");
     // The rows of one thread have no part in the other targets.
@@ -171,8 +201,8 @@ fn threads_are_compared_where_both_were_measured() {
     all.retain(|row| row.run_id != "another");
     let ours = judged(&all, "phr-speed", Measure::Threads);
     assert_eq!(
-        (ours.worst, ours.verdict),
-        (Some(("yard".into(), 1.8)), Verdict::NotMet),
+        (worst(&ours), &ours.verdict),
+        (Some(("yard", 1.8)), &Verdict::Undecided),
         "the least is worst"
     );
     let none = judged(&rows(), "phr-speed", Measure::Threads);
@@ -212,7 +242,7 @@ fn the_report_has_a_line_for_every_target() {
     assert_eq!(lines.count(), TARGETS.len());
     let line = text.lines().find(|line| line.starts_with("| phr-speed") && line.contains("trace")).unwrap();
     let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
-    let expected = "phr-speed, trace, embree-sah, ≤ 1.00, 0.917, 2.000, 1.050, yard, ≤ 1.05, 2, met";
+    let expected = "phr-speed, trace, embree-sah, ≤ 1.00, 0.917, [0.756, 1.111], , 2.000, 1.050, yard, ≤ 1.05, 2, undecided";
     assert_eq!(cells.join(", "), expected);
     assert!(text.contains("Measured: 2026-01-02T03:04:05Z, revision 0123456789ab, threads: 2, rounds: 3."));
     let twice = |target: &Target| {

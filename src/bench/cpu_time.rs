@@ -23,6 +23,16 @@ impl CpuTime {
     }
 }
 
+impl std::iter::Sum for CpuTime {
+    fn sum<I: Iterator<Item = Self>>(times: I) -> Self {
+        times.fold(Self::default(), |a, b| Self {
+            wall_s: a.wall_s + b.wall_s,
+            ran_s: a.ran_s + b.ran_s,
+            waited_s: a.waited_s + b.waited_s,
+        })
+    }
+}
+
 /// Above this [`CpuTime::waiting`] a measurement counts as disturbed.
 pub const DISTURBED: f64 = 0.05;
 /// Attempts at an undisturbed measurement.

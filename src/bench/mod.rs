@@ -1,6 +1,7 @@
 //! The benchmark driver. A [`plan`] lists scenes and [`cell`]s; a [`run`] visits each cell in interleaved rounds;
 //! a [`visit`] has a [`contender`] build its tree and times it under each kernel; the [`recorder`] keeps
-//! [`samples`], [`rows`] and [`environment`] on disk. [`kernels`] times kernels alone.
+//! [`samples`], [`rows`] and [`environment`] on disk. [`kernels`] times kernels alone,
+//! [`turns`] two programs beside each other.
 
 pub mod cell;
 pub mod contender;
@@ -10,14 +11,16 @@ pub mod kernels;
 pub mod memory;
 pub mod plan;
 pub mod planned_scene;
+pub mod precision;
 pub mod rays;
 pub mod records;
 pub mod run;
 pub mod settings;
+pub mod turns;
 pub mod visit;
 
 pub use contender::pools;
 pub use records::{
-    build_times, environment, files, recorder, results_dir, row, rows, samples, statistics, tree_facts,
-    visit_times, warnings,
+    build_times, environment, environment::moment, files, recorder, results_dir, rounds, row, rows, samples,
+    statistics, tree_facts, visit_times, warnings,
 };

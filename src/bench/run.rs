@@ -7,6 +7,7 @@ use super::error::RunError;
 use super::plan::Plan;
 use super::planned_scene::PlannedScene;
 use super::pools::Pools;
+use super::precision::widest;
 use super::recorder::{RecordOptions, Recorder};
 use super::row::Row;
 use super::visit::{Bench, SceneTraces, Turn};
@@ -16,7 +17,7 @@ use crate::random::SplitMix64;
 use crate::scene::Scene;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Receives the progress of a run.
 pub trait Progress {
@@ -142,7 +143,12 @@ impl Run<'_> {
         let index = recorder.scene(planned, scene, cells, rays.len(), invalid)?;
         let mut bench = Bench::new(SceneTraces::new(scene, &rays, reference, settings, pools, self.stop));
         let start = Instant::now();
-        for round in (0..).take_while(|&round| settings.wants(round, start.elapsed())) {
+        let scenes = self.plan.scenes.len();
+        for round in 0.. {
+            let width = || widest(&recorder.samples.scenes[index]);
+            if !settings.wants(round, start.elapsed(), scenes, width) {
+                break;
+            }
             for (place, cell) in order(cells, &planned.name, settings.seed, round).into_iter().enumerate() {
                 if self.stopped() {
                     return Ok(());
@@ -168,6 +174,14 @@ impl Run<'_> {
                     progress.advance(weight(planned));
                 }
             }
+        }
+        let width = widest(&recorder.samples.scenes[index]);
+        if settings.wants(settings.rounds, Duration::ZERO, scenes, || width) && settings.until_permille > 0 {
+            let (name, spent) = (&planned.name, start.elapsed().as_secs());
+            let note =
+                format!("{name}: intervals within ±{:.1} % when its {spent} s were over", 100.0 * width);
+            progress.note(&note);
+            recorder.imprecise.push(note);
         }
         progress.scene(&rows::scene_rows(&recorder.samples.scenes[index], &recorder.header()));
         Ok(())

@@ -8,7 +8,7 @@ use std::time::Duration;
 /// A day.
 const MOST_SECONDS: u64 = 24 * 60 * 60;
 
-/// The settings of a run. A resumed run must have the same, except for `rounds` and `seconds`.
+/// The settings of a run. A resumed run must have the same, except for those that say when it ends.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Settings {
     /// Pixels across.
@@ -24,6 +24,13 @@ pub struct Settings {
     /// Seconds to spend in each scene, at least: rounds are added until they have passed.
     #[serde(default)]
     pub seconds: u64,
+    /// Half the 95 % interval that the means over scenes may have, in thousandths: rounds are added until every scene has
+    /// its share of that. 0: none are.
+    #[serde(default)]
+    pub until_permille: u32,
+    /// Seconds in a scene after which no round is added for that.
+    #[serde(default)]
+    pub limit: u64,
     /// Threads of each side.
     pub threads: usize,
     /// Seed of the paths and of the order of visits.
@@ -43,9 +50,13 @@ impl Settings {
         PathSettings { width: self.width, height: self.height, max_depth: self.max_depth, seed: self.seed }
     }
 
-    /// Whether `round` is to be run in a scene whose rounds so far took `spent`.
-    pub fn wants(&self, round: usize, spent: Duration) -> bool {
-        round < self.rounds || spent < Duration::from_secs(self.seconds)
+    /// Whether `round` is to be run in one of `scenes` whose rounds so far took `spent` and left intervals of `width`
+    /// to either side: the error of a mean is that of its scenes over the root of their number.
+    pub fn wants(&self, round: usize, spent: Duration, scenes: usize, width: impl FnOnce() -> f64) -> bool {
+        let is_wide = || width() > 0.001 * f64::from(self.until_permille) * (scenes as f64).sqrt();
+        round < self.rounds
+            || spent < Duration::from_secs(self.seconds)
+            || self.until_permille > 0 && spent < Duration::from_secs(self.limit) && is_wide()
     }
 
     /// Refuses values out of range.
@@ -99,6 +110,8 @@ impl Settings {
             max_depth: 8,
             rounds: 1,
             seconds: 0,
+            until_permille: 0,
+            limit: 0,
             threads: 1,
             seed: 1,
             build_only: false,
@@ -115,10 +128,15 @@ mod tests {
     #[test]
     fn rounds_are_added_until_the_time_is_over() {
         let settings = Settings { rounds: 3, seconds: 60, ..Settings::least() };
-        let wants = |round, seconds| settings.wants(round, Duration::from_secs(seconds));
-        assert!(wants(2, 1000) && !wants(3, 1000));
-        assert!(wants(2, 10) && wants(3, 59) && wants(300, 59) && !wants(3, 60));
+        let wants = |settings: &Settings, round, seconds| {
+            settings.wants(round, Duration::from_secs(seconds), 4, || 0.05)
+        };
+        assert!(wants(&settings, 2, 1000) && !wants(&settings, 3, 1000));
+        assert!(wants(&settings, 3, 59) && wants(&settings, 300, 59) && !wants(&settings, 3, 60));
         let settings = Settings { seconds: 0, ..settings };
-        assert!(!settings.wants(3, Duration::ZERO));
+        assert!(!wants(&settings, 3, 0));
+        // Four scenes of 5 % are a mean of 2.5 %.
+        let until = |until_permille| Settings { until_permille, limit: 90, ..settings.clone() };
+        assert!(wants(&until(20), 3, 89) && !wants(&until(20), 3, 90) && !wants(&until(26), 3, 0));
     }
 }

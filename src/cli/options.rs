@@ -43,3 +43,15 @@ pub fn cell(builder: &str, width: Option<u32>) -> Result<Cell, Failure> {
     };
     found.map(|&cell| cell.clone()).ok_or_else(no_width)
 }
+
+/// Reads "5%" as 0.05.
+///
+/// # Errors
+/// Anything else.
+pub fn percent(text: &str) -> Result<f64, String> {
+    let value = text.strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());
+    match value {
+        Some(value) if value >= 0.0 && value.is_finite() => Ok(0.01 * value),
+        _ => Err("give a percentage, as 5%".into()),
+    }
+}

@@ -1,6 +1,7 @@
 //! Means over scenes of the figures relative to Embree SAH, beside the paper's: arithmetic as in its
 //! Figure 6, and geometric, which is the right one for ratios. The worst scene is named.
 
+use super::figures::interval::{self, Interval, Noise, Over, SceneRatio};
 use super::figures::{
     BASELINE, Figure, NATIVE, OWN, SceneFigures, Tree, Under, kernels, scenes, tree_name, trees,
 };
@@ -11,7 +12,7 @@ use crate::bench::statistics::{arithmetic_mean, geometric_mean};
 
 /// Ratios of one tree with their scenes.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ratios(pub Vec<(String, f64)>);
+pub struct Ratios(pub Vec<SceneRatio>);
 
 impl Ratios {
     /// The ratios of a run to Embree SAH, see [`Ratios::to`].
@@ -21,18 +22,18 @@ impl Ratios {
 
     /// The ratios of a run to `base`, without scenes that lack the figure of either tree.
     pub fn to(base: Tree<'_>, rows: &[Row], tree: Tree<'_>, figure: Figure, under: &Under) -> Self {
-        let ratio =
-            |name: &str| Some(SceneFigures::of(rows, name).ratio_to(base, tree, figure, under)?.value);
-        Self(scenes(rows).into_iter().filter_map(|name| ratio(&name).map(|value| (name, value))).collect())
+        let ratio = |name: &String| SceneFigures::of(rows, name).noisy_ratio_to(base, tree, figure, under);
+        Self(scenes(rows).iter().filter_map(ratio).collect())
     }
 
     /// The ratios in the paper.
     pub fn of_paper(builder: &str, figure: Figure) -> Self {
-        Self(paper::ratios(builder, figure))
+        let ratio = |(scene, value)| SceneRatio { scene, value, noise: Noise::Error(f64::INFINITY) };
+        Self(paper::ratios(builder, figure).into_iter().map(ratio).collect())
     }
 
     fn values(&self) -> Vec<f64> {
-        self.0.iter().map(|ratio| ratio.1).collect()
+        self.0.iter().map(|ratio| ratio.value).collect()
     }
 
     /// As in the paper's Figure 6.
@@ -45,14 +46,36 @@ impl Ratios {
         geometric_mean(&self.values())
     }
 
-    /// The least, with its scene.
-    pub fn least(&self) -> Option<&(String, f64)> {
-        self.0.iter().reduce(|least, other| if other.1 < least.1 { other } else { least })
+    /// The interval of the geometric mean.
+    pub fn interval(&self, over: Over) -> Option<Interval> {
+        interval::of_mean(&self.0, over)
     }
 
-    /// The greatest, with its scene.
-    pub fn worst(&self) -> Option<&(String, f64)> {
-        self.0.iter().reduce(|worst, other| if other.1 > worst.1 { other } else { worst })
+    /// The geometric mean with its interval over scenes and rounds, as `0.87 [0.84, 0.90]`.
+    pub fn shown(&self) -> Option<String> {
+        let interval = self.interval(Over::ScenesAndRounds)?;
+        Some(format!("{:.2} {}", self.geometric()?, interval.shown(2)))
+    }
+
+    /// Half the interval of the geometric mean over rounds alone, as `±1.3 %`; empty for figures without noise.
+    pub fn noise(&self) -> String {
+        let half =
+            self.interval(Over::Rounds).zip(self.geometric()).map(|(rounds, mean)| rounds.half_width(mean));
+        match half {
+            Some(0.0) => String::new(),
+            Some(half) if half.is_finite() => format!("±{:.1} %", 100.0 * half),
+            _ => "±?".into(),
+        }
+    }
+
+    /// The least.
+    pub fn least(&self) -> Option<&SceneRatio> {
+        self.0.iter().reduce(|least, other| if other.value < least.value { other } else { least })
+    }
+
+    /// The greatest.
+    pub fn worst(&self) -> Option<&SceneRatio> {
+        self.0.iter().reduce(|worst, other| if other.value > worst.value { other } else { worst })
     }
 }
 
@@ -61,6 +84,7 @@ pub fn means(rows: &[Row], under: &Under) -> String {
     let sections = [
         ("Build time", Figure::Build),
         ("Build time, all memory reused", Figure::Rebuild),
+        ("Build time on processors, all threads", Figure::BuildCpu),
         ("SAH cost", Figure::Cost),
         ("Frame time", Figure::Frame),
         ("Trace time, recorded rays", Figure::Trace),
@@ -81,7 +105,9 @@ pub fn means(rows: &[Row], under: &Under) -> String {
     format!(
         "## Means relative to Embree SAH at width 4\n\n{text}{}{}",
         by_kernel(rows),
-        "arith.: arithmetic mean, as in the paper's Figure 6. geo.: geometric mean. paper: the same mean over \
+        "arith.: arithmetic mean, as in the paper's Figure 6. geo.: geometric mean. 95 %: its interval over scenes and \
+         rounds, what it would be over other scenes of the kind. noise: half its interval over rounds alone, what \
+         another measurement of these scenes would change. paper: the same mean over \
          the paper's nine scenes, 16 threads, Embree 2.11; its trace time is that of frames.\n"
     )
 }
@@ -91,10 +117,13 @@ fn show(value: Option<f64>) -> String {
 }
 
 fn table(rows: &[Row], figure: Figure, under: &Under) -> Grid {
-    let mut grid = Grid::new(["method", "arith.", "paper", "geo.", "paper", "worst", "in", "scenes"]);
+    let mut grid =
+        Grid::new(["method", "arith.", "paper", "geo.", "95 %", "noise", "paper", "worst", "in", "scenes"]);
     for tree in trees(rows) {
         let ratios = Ratios::of(rows, tree, figure, under);
-        let Some((scene, worst)) = ratios.worst() else { continue };
+        let Some(worst) = ratios.worst() else { continue };
+        let is_base = tree == BASELINE;
+        let interval = ratios.interval(Over::ScenesAndRounds).filter(|_| !is_base);
         // The paper's trees are all four wide.
         let paper =
             if tree_name(tree) == tree.0 { Ratios::of_paper(tree.0, figure) } else { Ratios::default() };
@@ -103,9 +132,11 @@ fn table(rows: &[Row], figure: Figure, under: &Under) -> Grid {
             show(ratios.arithmetic()),
             show(paper.arithmetic()),
             show(ratios.geometric()),
+            interval.map_or_else(String::new, |interval| interval.shown(3)),
+            if is_base { String::new() } else { ratios.noise() },
             show(paper.geometric()),
-            format!("{worst:.2}"),
-            scene.clone(),
+            format!("{:.2}", worst.value),
+            worst.scene.clone(),
             ratios.0.len().to_string(),
         ]);
     }

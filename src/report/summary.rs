@@ -30,7 +30,12 @@ pub fn summary(
         let lines: Option<Vec<Vec<String>>> = of_builder
             .map(|tree| {
                 let ratios = |rows, figure| Ratios::of(rows, tree, figure, under);
-                let mean = |rows, figure| Some(format!("{:.2}", ratios(rows, figure).geometric()?));
+                // The baseline is 1 in every scene.
+                let is_base = tree == BASELINE;
+                let mean = |rows, figure| match is_base {
+                    true => Some("1.00".to_owned()),
+                    false => ratios(rows, figure).shown(),
+                };
                 let mut cells = vec![tree_name(tree)];
                 for figure in [Figure::Build, Figure::Trace] {
                     for rows in &runs {
@@ -38,10 +43,9 @@ pub fn summary(
                     }
                 }
                 let traces = Ratios(runs.iter().flat_map(|rows| ratios(rows, Figure::Trace).0).collect());
-                // The baseline is 1 in every scene.
-                let worst = traces.worst().filter(|_| tree != BASELINE);
-                cells.push(worst.map_or_else(String::new, |worst| format!("{:.2}", worst.1)));
-                cells.push(worst.map_or_else(String::new, |worst| worst.0.clone()));
+                let worst = traces.worst().filter(|_| !is_base);
+                cells.push(worst.map_or_else(String::new, |worst| format!("{:.2}", worst.value)));
+                cells.push(worst.map_or_else(String::new, |worst| worst.scene.clone()));
                 cells.push(mean(rows, Figure::Cost)?);
                 Some(cells)
             })
@@ -56,8 +60,8 @@ pub fn summary(
         format!(" (withheld: {}, which nobody who tuned has seen, on another machine)", scenes(rows).len())
     });
     Ok(format!(
-        "{}\nRelative to Embree SAH, 4-wide: geometric means over {} scenes{withheld}, {threads} threads. 4-wide trees, and \
-         8-wide ones (/ 8). Traces: {}.\n",
+        "{}\nRelative to Embree SAH, 4-wide: geometric means over {} scenes{withheld}, {threads} threads; in brackets 95 % \
+         intervals over scenes and rounds. 4-wide trees, and 8-wide ones (/ 8). Traces: {}.\n",
         grid.markdown(),
         scenes(rows).len(),
         under.about()

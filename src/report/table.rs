@@ -46,7 +46,11 @@ pub fn heading(rows: &[Row]) -> String {
     engines.sort_unstable();
     engines.dedup();
     let (engines, id, utc, revision) = (engines.join(", "), &row.run_id, &row.utc, &row.git_rev);
-    format!("# Run {id}\n\n{utc}, revision {revision}; {engines}\n\n")
+    // Said first: every row of such a run is marked.
+    let is_busy =
+        rows.iter().all(|row| Warning::parse(&row.warnings).any(|found| found == Warning::Contended));
+    let busy = if is_busy { ", on a busy machine" } else { "" };
+    format!("# Run {id}{busy}\n\n{utc}, revision {revision}; {engines}\n\n")
 }
 
 /// How many rounds rows had, or from how many to how many.
@@ -154,8 +158,17 @@ mod tests {
             .map(|line| line.split('|').map(str::trim).collect())
             .collect();
         // Builds 2 and 0.5, costs alike, traces 0.5 and 2.
-        assert_eq!(&lines[0][2..9], ["1.250", "1.821", "1.000", "1.636", "2.00", "a", "2"], "{text}");
-        assert_eq!(&lines[2][2..9], ["1.250", "0.977", "1.000", "0.975", "2.00", "b", "2"], "{text}");
+        let interval = "[0.375, 2.665]";
+        assert_eq!(
+            &lines[0][2..10],
+            ["1.250", "1.821", "1.000", interval, "1.636", "2.00", "a", "2"],
+            "{text}"
+        );
+        assert_eq!(
+            &lines[2][2..10],
+            ["1.250", "0.977", "1.000", interval, "0.975", "2.00", "b", "2"],
+            "{text}"
+        );
     }
 
     #[test]

@@ -3,7 +3,8 @@
 use super::contestants::{Contestant, Trees};
 use super::row::{KernelRow, SCHEMA, SINGLE};
 use crate::bench::cell::Cell;
-use crate::bench::environment::{Machine, Program, utc_now};
+use crate::bench::environment::moment::utc_now;
+use crate::bench::environment::{Machine, Program};
 use crate::bench::rays::Answers;
 use crate::bench::statistics::{Ratio, Summary};
 use crate::geometry::{Ray, Tracer};

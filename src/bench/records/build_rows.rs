@@ -1,12 +1,12 @@
 //! The rows that tell of a cell's builds, one per regime.
 
 use super::build_times::WarmTimes;
-use super::row::{FIRST, FRESH, REBUILD, Row, figures};
+use super::rounds::{ByRound, RowRounds};
+use super::row::{FIRST, FRESH, REBUILD, Row};
 use super::samples::CellSamples;
-use super::statistics::Summary;
-use super::visit_times::{builds, medians, rebuilds};
+use super::statistics::{Summary, figures};
+use super::visit_times::{all_ms, builds, medians, rebuilds, rounded};
 use super::warnings::Warning;
-use crate::bench::cpu_time::CpuTime;
 
 /// The rows of builds.
 pub struct BuildRows {
@@ -21,34 +21,49 @@ pub struct BuildRows {
 impl BuildRows {
     /// The rows of `cell`, what is known of it beside times in `known`; `of_run` gives the warnings of samples.
     pub fn of(cell: &CellSamples, known: Row, of_run: impl Fn(&[f64]) -> Vec<Warning>) -> Self {
-        let of_times = |samples: &[f64], times: Vec<&WarmTimes>, threads: u32| {
-            let load = sum(times.into_iter().map(|times| times.cpu_time));
-            [of_run(samples), Warning::of_cpu_time(&load, threads as usize)].concat()
+        let of_times = |times: &ByRound, builds: Vec<&WarmTimes>, threads: u32| {
+            let load = builds.into_iter().map(|builds| builds.cpu_time).sum();
+            [of_run(&all_ms(times)), Warning::of_cpu_time(&load, threads as usize)].concat()
         };
         let firsts = builds(cell, FIRST);
-        let first = with_builds(Row { regime: FIRST.into(), ..known.clone() }, &firsts, &of_run(&firsts));
+        let warnings = of_run(&all_ms(&firsts));
+        let first = with_builds(Row { regime: FIRST.into(), ..known.clone() }, &firsts, &warnings);
         let again = builds(cell, REBUILD);
-        let warnings = of_times(&again, rebuilds(cell), known.threads);
+        let load = rebuilds(cell).into_iter().map(|of_round| of_round.1).collect();
+        let warnings = of_times(&again, load, known.threads);
         let rebuild = with_builds(Row { regime: REBUILD.into(), ..known.clone() }, &again, &warnings);
+        let rebuild = with_cpu_time(rebuild, rebuilds(cell).into_iter().map(|of_round| of_round.1));
         let mut others = vec![first, rebuild];
-        let alone: Vec<&WarmTimes> =
-            cell.visits.iter().filter_map(|visit| visit.builds.one_thread.as_ref()).collect();
+        let visits = cell.visits.iter();
+        let alone: Vec<(u32, &WarmTimes)> = visits
+            .filter_map(|visit| Some((visit.round as u32, visit.builds.one_thread.as_ref()?)))
+            .collect();
         if !alone.is_empty() {
             let times = medians(alone.iter().copied());
-            let warnings = of_times(&times, alone, 1);
+            let warnings = of_times(&times, alone.iter().map(|of_round| of_round.1).collect(), 1);
             // The bytes are those of builds on all threads.
             let row = Row { threads: 1, bytes: None, peak_bytes: None, ..known.clone() };
-            others.push(with_builds(row, &times, &warnings));
+            let row = with_builds(row, &times, &warnings);
+            others.push(with_cpu_time(row, alone.into_iter().map(|of_round| of_round.1)));
         }
         let times = builds(cell, FRESH);
-        let fresh = cell.visits.iter().map(|visit| &visit.builds.fresh).collect();
-        let warnings = of_times(&times, fresh, known.threads);
-        Self { compared: with_builds(known, &times, &warnings), warnings, others }
+        let fresh = || cell.visits.iter().map(|visit| &visit.builds.fresh);
+        let warnings = of_times(&times, fresh().collect(), known.threads);
+        let compared = with_cpu_time(with_builds(known, &times, &warnings), fresh());
+        Self { compared, warnings, others }
     }
 }
 
-fn with_builds(row: Row, samples: &[f64], warnings: &[Warning]) -> Row {
-    let Some(summary) = Summary::of(samples) else { return row };
+/// The row with the CPU time of its builds, where the system tells it.
+fn with_cpu_time<'a>(row: Row, builds: impl Iterator<Item = &'a WarmTimes>) -> Row {
+    let (count, ran_s) =
+        builds.fold((0, 0.0), |(count, ran_s), of| (count + of.ms.len(), ran_s + of.cpu_time.ran_s));
+    let per_triangle = figures(ran_s * 1e9 / (count as f64 * row.triangles as f64));
+    Row { build_cpu_ns_per_tri: Some(per_triangle).filter(|ns| *ns > 0.0 && ns.is_finite()), ..row }
+}
+
+fn with_builds(row: Row, times: &ByRound, warnings: &[Warning]) -> Row {
+    let Some(summary) = Summary::of(&all_ms(times)) else { return row };
     Row {
         build_ms_median: Some(figures(summary.median)),
         build_ms_mad: Some(figures(summary.mad)),
@@ -56,15 +71,7 @@ fn with_builds(row: Row, samples: &[f64], warnings: &[Warning]) -> Row {
         build_ms_max: Some(figures(summary.max)),
         build_mtri_s: Some(figures(row.triangles as f64 * 1e-3 / summary.median)),
         warnings: Warning::join(warnings),
+        by_round: RowRounds { build: rounded(times.clone()), ..RowRounds::default() },
         ..row
     }
-}
-
-/// CPU time of all.
-pub fn sum(times: impl Iterator<Item = CpuTime>) -> CpuTime {
-    times.fold(CpuTime::default(), |a, b| CpuTime {
-        wall_s: a.wall_s + b.wall_s,
-        ran_s: a.ran_s + b.ran_s,
-        waited_s: a.waited_s + b.waited_s,
-    })
 }

@@ -1,9 +1,10 @@
 //! The rows of one tree under one kernel.
 
-use super::row::{ALL, Row, figures};
+use super::rounds::RowRounds;
+use super::row::{ALL, Row};
 use super::samples::{CellSamples, Check, KernelChecks};
-use super::statistics::Summary;
-use super::visit_times::times;
+use super::statistics::{Summary, figures};
+use super::visit_times::{all_ms, rounded, times};
 use super::warnings::Warning;
 use crate::trace::RayKind;
 
@@ -38,13 +39,12 @@ fn batch_row(
         let sum = checks.iter().map(|check| value(check)).sum::<Option<u64>>()?;
         (rays > 0).then(|| figures(sum as f64 / rays as f64))
     };
-    let samples =
+    let by_round =
         times(cell, kernel.kernel, view, |found| found.is_some() && (kind.is_none() || kind == found));
-    let frames = if kind.is_none() {
-        Summary::of(&times(cell, kernel.kernel, view, |found| found.is_none()))
-    } else {
-        None
-    };
+    let samples = all_ms(&by_round);
+    let frames_by_round =
+        if kind.is_none() { times(cell, kernel.kernel, view, |found| found.is_none()) } else { Vec::new() };
+    let frames = Summary::of(&all_ms(&frames_by_round));
     let summary = Summary::of(&samples).filter(|_| rays > 0);
     let mut warnings = warnings.to_vec();
     warnings.extend(Warning::of_samples(&samples));
@@ -65,8 +65,16 @@ fn batch_row(
         block_tests_per_ray: per_ray(|check| check.block_tests),
         hits: Some(total(|check| check.hits)),
         hit_hash: if let [check] = checks[..] { check.hash.clone() } else { String::new() },
+        ties: Some(total(|check| check.ties)),
+        edges: Some(total(|check| check.edge)),
+        near_misses: Some(total(|check| check.near_misses)),
         verified: Some(true),
         warnings: Warning::join(&warnings),
+        by_round: RowRounds {
+            build: row.by_round.build.clone(),
+            trace: if rays > 0 { rounded(by_round) } else { Vec::new() },
+            frame: rounded(frames_by_round),
+        },
         ..row.clone()
     }
 }

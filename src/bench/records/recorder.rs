@@ -1,7 +1,9 @@
 //! The records of a run on disk, brought up to date after every visit.
 
-use super::environment::{ENVIRONMENT, Environment, Machine, Moment, Program, State};
+use super::environment::moment::Moment;
+use super::environment::{ENVIRONMENT, Environment, Machine, Program, State};
 use super::files::{RecordsError, read_json, write_json};
+use super::rounds::ROUNDS;
 use super::row::{self, ROWS, Row, SCHEMA};
 use super::rows::{self, Header};
 use super::samples::{CellSamples, SAMPLES, Samples, SceneSamples};
@@ -47,6 +49,8 @@ pub struct Recorder<'a> {
     environment: Environment,
     rounds: usize,
     threads: usize,
+    /// Scenes whose time was over before their intervals were narrow.
+    pub imprecise: Vec<String>,
 }
 
 impl<'a> Recorder<'a> {
@@ -88,12 +92,18 @@ impl<'a> Recorder<'a> {
             environment.notes = old.notes;
         }
         environment.before.push(Moment::now(settings.threads));
-        let recorder =
-            Self { folder, samples, environment, rounds: settings.rounds, threads: settings.threads };
+        let recorder = Self {
+            folder,
+            samples,
+            environment,
+            rounds: settings.rounds,
+            threads: settings.threads,
+            imprecise: Vec::new(),
+        };
         recorder.write_environment()?;
         if !options.resume {
             // No file of an older run may be taken for part of this one.
-            for file in MADE_OF_ROWS.into_iter().chain([ROWS, SAMPLES]) {
+            for file in MADE_OF_ROWS.into_iter().chain([ROWS, ROUNDS, SAMPLES]) {
                 let path = folder.join(file);
                 if path.exists() {
                     let remedy = "give another folder with --out";
@@ -168,7 +178,7 @@ impl<'a> Recorder<'a> {
             warnings.push(Warning::ThreadMismatch);
         }
         let mut moments = self.environment.before.iter().chain(&self.environment.after);
-        if moments.any(|moment| !moment.spin.is_enough()) {
+        if moments.any(|moment| moment.busy().is_some()) {
             warnings.push(Warning::Contended);
         }
         Header {
@@ -190,7 +200,7 @@ impl<'a> Recorder<'a> {
     /// Brings samples and rows on disk up to date.
     pub fn save(&self) -> Result<(), RunError> {
         self.samples.write(self.folder)?;
-        row::write(&self.folder.join(ROWS), &self.rows())?;
+        row::write_all(self.folder, &self.rows())?;
         Ok(())
     }
 
@@ -213,6 +223,7 @@ impl<'a> Recorder<'a> {
                 notes.push(format!("{}: {count} rays left out that Embree would not accept", scene.name));
             }
         }
+        notes.append(&mut self.imprecise);
         self.environment.notes = notes;
         if !self.samples.scenes.is_empty() {
             self.save()?;
@@ -232,7 +243,7 @@ fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunEr
     }
     let settings = |environment: &Environment| environment.plan["settings"].as_object().cloned();
     let (old, new) = (settings(old).unwrap_or_default(), settings(new).unwrap_or_default());
-    let must_agree = |key: &str| !matches!(key, "rounds" | "seconds");
+    let must_agree = |key: &str| !matches!(key, "rounds" | "seconds" | "until_permille" | "limit");
     match new.iter().find(|(key, value)| must_agree(key) && old.get(*key) != Some(value)) {
         Some((key, _)) => differs(format!("{key} ({})", old.get(key).unwrap_or(&serde_json::Value::Null))),
         None => Ok(()),

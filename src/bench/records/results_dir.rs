@@ -73,7 +73,7 @@ pub fn reduce(from: &Path, to: &Path) -> Result<Vec<PathBuf>, ReduceError> {
         if let Some(environment) = environment(&part)? {
             write_json(&folder.join(ENVIRONMENT), &environment)?;
         }
-        row::write(&folder.join(ROWS), &rows)?;
+        row::write_all(&folder, &rows)?;
         written.push(folder);
     }
     Ok(written)

@@ -1,9 +1,10 @@
 //! The rows that the samples give: medians, spreads and warnings.
 
-use super::build_rows::{BuildRows, sum};
+use super::build_rows::BuildRows;
 use super::kernel_rows::kernel_rows;
-use super::row::{ALL, FRESH, NO_KERNEL, Row, SCHEMA, figures};
+use super::row::{ALL, FRESH, NO_KERNEL, Row, SCHEMA};
 use super::samples::{CellSamples, Samples, SceneSamples};
+use super::statistics::figures;
 use super::warnings::Warning;
 
 /// The columns that all rows of a run share.
@@ -87,7 +88,7 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
         rows.push(compared);
         return rows;
     }
-    let load = sum(cell.visits.iter().map(|visit| visit.cpu_time));
+    let load = cell.visits.iter().map(|visit| visit.cpu_time).sum();
     warnings.extend(Warning::of_cpu_time(&load, header.threads));
     for kernel in &cell.checks {
         let row = Row { kernel: kernel.kernel.name().into(), isa: kernel.isa.clone(), ..compared.clone() };
@@ -109,6 +110,7 @@ mod tests {
     use crate::bench::cell::{Cell, Kernel};
     use crate::bench::cpu_time::CpuTime;
     use crate::bench::memory::BuildMemory;
+    use crate::bench::rounds::RowRounds;
     use crate::bench::row::{FIRST, REBUILD};
     use crate::bench::samples::{Check, KernelChecks, Timing, VisitSamples};
     use crate::bench::tree_facts::TreeFacts;
@@ -207,6 +209,9 @@ mod tests {
         assert_eq!((total.hits, total.frame_ms_median), (Some(1250), Some(14.0)));
         assert_eq!((total.node_visits_per_ray, total.block_tests_per_ray), (Some(10.0), None));
         assert_eq!((total.build_ms_median, total.build_mtri_s), (Some(10.0), Some(100.0)));
+        let rounds = |ms: f64| vec![(0, ms), (1, ms), (2, ms)];
+        let by_round = RowRounds { build: rounds(10.0), trace: rounds(4.0), frame: rounds(14.0) };
+        assert_eq!(total.by_round, by_round);
         let primary = find(&rows, ALL, "primary");
         assert_eq!(
             (primary.rays, primary.trace_ms_median, primary.frame_ms_median),

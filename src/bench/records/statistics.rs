@@ -60,7 +60,7 @@ pub fn median(samples: &[f64]) -> Option<f64> {
 }
 
 /// Student's two-sided 95 % quantile.
-fn student95(degrees: usize) -> f64 {
+pub fn student95(degrees: usize) -> f64 {
     const TABLE: [f64; 10] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228];
     match degrees {
         0 => f64::INFINITY,
@@ -139,6 +139,14 @@ pub fn arithmetic_mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
+/// Rounded to six significant digits: more would be noise in a diff.
+pub fn figures(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -213,5 +221,13 @@ mod tests {
         assert_eq!(geometric_mean(&[]), None);
         assert_eq!(geometric_mean(&[1.0, 0.0]), None);
         assert_eq!(arithmetic_mean(&[]), None);
+    }
+
+    #[test]
+    fn figures_have_six_digits() {
+        assert_eq!(figures(1_234.567_89), 1234.57);
+        assert_eq!(figures(0.001_234_567_89), 0.001_234_57);
+        assert_eq!(figures(0.0), 0.0);
+        assert!(figures(f64::NAN).is_nan());
     }
 }

@@ -2,13 +2,14 @@
 
 use super::plot::draw;
 use crate::bench::files::write_whole;
+use crate::bench::moment::Moment;
 use crate::bench::plan::{Plan, Request, Set};
 use crate::bench::recorder::RecordOptions;
 use crate::bench::row::Row;
 use crate::bench::run::Run;
 use crate::bench::settings::Settings;
 use crate::cli::failure::Failure;
-use crate::cli::options::all_threads;
+use crate::cli::options::{all_threads, percent};
 use crate::cli::output::say;
 use crate::cli::progress::Bar;
 use crate::cli::run_summary::{TABLE, run_summary};
@@ -55,6 +56,15 @@ pub struct Arguments {
     /// Seconds per scene, at least: rounds are added until they have passed
     #[arg(long, default_value_t = 0, value_name = "N")]
     seconds: u64,
+    /// Add rounds until the 95 % intervals of means over scenes, over rounds alone, are within this, as 2%
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    until: Option<f64>,
+    /// Seconds per scene after which --until adds no more rounds
+    #[arg(long, default_value_t = 300, value_name = "N")]
+    limit: u64,
+    /// Refuse to start on a busy machine
+    #[arg(long)]
+    when_quiet: bool,
     /// Threads for each side [default: all processors]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -121,6 +131,8 @@ impl Arguments {
             max_depth: 8,
             rounds: self.rounds.unwrap_or(if quick { 4 } else { 5 }),
             seconds: self.seconds,
+            until_permille: self.until.map_or(0, |until| (1000.0 * until).ceil() as u32),
+            limit: self.limit,
             threads: self.threads.unwrap_or_else(all_threads),
             seed: self.seed,
             build_only: self.build_only,
@@ -170,6 +182,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return say(&outline(&plan, &folder));
     }
     plan.check_files()?;
+    if let Some(reason) = arguments.when_quiet.then(|| Moment::now(plan.settings.threads).busy()).flatten() {
+        let remedy = "wait for a quiet hour or run without --when-quiet";
+        return Err(Failure::Inconclusive(format!("{reason}; {remedy}")));
+    }
     let stop = Arc::new(AtomicBool::new(false));
     let heard = Arc::clone(&stop);
     ctrlc::set_handler(move || {

@@ -41,6 +41,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         max_depth: 8,
         rounds: 1,
         seconds: 0,
+        until_permille: 0,
+        limit: 0,
         threads: arguments.threads.unwrap_or_else(all_threads),
         seed: 1,
         one_thread: false,
@@ -64,7 +66,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         if scene.dropped.total() > 0 {
             eprintln!("phr: {}: {}", scene.name, scene.dropped);
         }
-        let mut grid = Grid::new([&scene.name, "kernel", "rays", "equal", "ties", "edges", "verdict"]);
+        let mut grid =
+            Grid::new([&scene.name, "kernel", "rays", "equal", "ties", "edges", "near", "verdict"]);
         let stop = AtomicBool::new(false);
         let built = contender::reference(&scene.mesh, &pools.all).map_err(Failure::Wrong)?;
         let tree = TreeUnderKernel::new(&built, REFERENCE_KERNEL, plan.settings.threads);
@@ -82,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 }),
                 Err(reason) => {
                     wrong += 1;
-                    let nothing = std::iter::repeat_n("-".to_owned(), 5);
+                    let nothing = std::iter::repeat_n("-".to_owned(), 6);
                     grid.push([name].into_iter().chain(nothing).chain([reason]).collect());
                 }
             }
@@ -108,6 +111,7 @@ fn line(name: &str, kernel: &KernelChecks) -> Vec<String> {
         sum(|check| check.equal),
         sum(|check| check.ties),
         sum(|check| check.edge),
+        sum(|check| check.near_misses),
         verdict,
     ]
 }

@@ -168,13 +168,15 @@ impl<'a> Marker<'a> {
         let tree =
             tree_named(builder).ok_or_else(|| self.wrong(format!("{builder}: write NAME or NAME/WIDTH")))?;
         let ratios = Ratios::of(rows, tree, figure, under);
+        let none = || self.wrong(format!("the rows have no such figure of {builder} beside Embree SAH"));
         let value = match mean {
             "arithmetic" => ratios.arithmetic(),
-            "geometric" => ratios.geometric(),
-            "worst" => ratios.worst().map(|worst| worst.1),
+            "geometric" => {
+                return ratios.shown().ok_or_else(none);
+            }
+            "worst" => ratios.worst().map(|worst| worst.value),
             _ => return Err(self.wrong(format!("no mean {mean}; there are arithmetic, geometric, worst"))),
         };
-        let none = || self.wrong(format!("the rows have no such figure of {builder} beside Embree SAH"));
         value.map(|value| format!("{value:.2}")).ok_or_else(none)
     }
 }

@@ -1,10 +1,11 @@
 //! How builders grow: build time per triangle over scenes of the same kind and growing size, relative to the
 //! smallest of them.
 
-use super::judge::{Verdict, within};
+use super::judge::Verdict;
 use super::list::{GROWTH, GROWTH_BUILDERS, GROWTH_SIZES};
 use crate::bench::row::Row;
-use crate::report::figures::{Place, SceneFigures, WIDTH, only, scenes, trees};
+use crate::report::figures::interval::Interval;
+use crate::report::figures::{Place, SceneFigures, Tree, WIDTH, only, scenes, trees};
 use crate::report::grid::{Grid, short};
 use crate::scene::{scalable_name, scalable_triangles};
 
@@ -15,6 +16,8 @@ pub struct Line {
     pub builder: String,
     /// Nanoseconds per triangle, by the sizes of the [`Growth`].
     pub ns: Vec<Place<f64>>,
+    /// Half the 95 % intervals of these, relative to them; infinite where there is no figure.
+    pub errors: Vec<f64>,
 }
 
 /// Build times over sizes.
@@ -45,16 +48,18 @@ impl Growth {
             .map(|figures| (figures.triangles(), figures))
             .collect();
         by_size.sort_by_key(|size| size.0);
-        let ns = |tree| {
-            let of_size = |(triangles, figures): &(u64, SceneFigures<'_>)| {
-                figures
-                    .build(tree)
-                    .and_then(|row| row.build_ms_median)
-                    .and_then(|ms| Some(ms * 1e6 / *triangles as f64))
+        let line = |tree: Tree<'_>| {
+            let summary = |figures: &SceneFigures<'_>| figures.build(tree).and_then(Row::build_ms);
+            let ns = |(triangles, figures): &(u64, SceneFigures<'_>)| {
+                summary(figures).and_then(|ms| Some(ms.median * 1e6 / *triangles as f64))
             };
-            by_size.iter().map(of_size).collect()
+            let error = |(_, figures): &(u64, SceneFigures<'_>)| {
+                summary(figures).value().map_or(f64::INFINITY, |ms| ms.relative_error())
+            };
+            let (ns, errors) = (by_size.iter().map(ns).collect(), by_size.iter().map(error).collect());
+            Line { builder: tree.0.into(), ns, errors }
         };
-        let lines = trees(&rows).into_iter().map(|tree| Line { builder: tree.0.into(), ns: ns(tree) });
+        let lines = trees(&rows).into_iter().map(line);
         Self { lines: lines.collect(), sizes: by_size.iter().map(|size| size.0).collect(), threads }
     }
 
@@ -71,10 +76,14 @@ impl Growth {
             let line = self.lines.iter().find(|line| line.builder == builder);
             let at = |size| {
                 let index = self.sizes.iter().position(|other| *other == size)?;
-                line?.ns[index].value()
+                Some((line?.ns[index].value()?, line?.errors[index]))
             };
             match at(from).zip(at(to)) {
-                Some((from, to)) => Verdict::of(within(to / from, GROWTH)),
+                Some(((from, error_from), (to, error_to))) => {
+                    let (growth, error) = (to / from, error_from.hypot(error_to));
+                    let (low, high) = (growth * (1.0 - error).max(0.0), growth * (1.0 + error));
+                    Verdict::at_most(GROWTH, Interval { low, high })
+                }
                 None => Verdict::NotMeasured,
             }
         })
@@ -98,6 +107,7 @@ pub fn growth(rows: &[Row]) -> String {
     let lacking = lacking.map(|name| Line {
         builder: (*name).into(),
         ns: growth.sizes.iter().map(|_| Place::Missing).collect(),
+        errors: growth.sizes.iter().map(|_| f64::INFINITY).collect(),
     });
     for line in growth.lines.iter().cloned().chain(lacking) {
         let mut cells = vec![line.builder.clone(), line.ns[0].cell(short)];
@@ -110,7 +120,7 @@ pub fn growth(rows: &[Row]) -> String {
     let (from, to) = GROWTH_SIZES;
     format!(
         "{}\nBuild time per triangle, 4-wide trees, {} threads: nanoseconds in the smallest scene, then relative to \
-         that. The target is for {} relative to {}.\n",
+         that. The target is for {} relative to {}, with the whole 95 % interval over rounds.\n",
         grid.markdown(),
         growth.threads,
         size_name(to),

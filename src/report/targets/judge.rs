@@ -1,7 +1,9 @@
 //! From rows to verdicts: what each builder reaches in every scene, and whether it meets the target.
 
 use super::list::{MORE_THAN, MORE_THAN_FOR_PEAK, Measure, Target};
+use crate::bench::rounds::paired;
 use crate::bench::row::Row;
+use crate::report::figures::interval::{Interval, Noise, Over, SceneRatio, of_worst};
 use crate::report::figures::{Figure, GRAFTED, PHR, Place, SceneFigures, Under, WIDTH, only, scenes};
 use crate::report::means::Ratios;
 use crate::scene::scalable_triangles;
@@ -9,10 +11,12 @@ use crate::scene::scalable_triangles;
 /// Whether a target is met.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Mean and worst scene are within their limits.
+    /// Mean and worst scene are within their limits, with their whole 95 % intervals.
     Met,
     /// One of them is not.
     NotMet,
+    /// The interval of one reaches over its limit.
+    Undecided,
     /// The builder failed in this scene.
     Failed(String),
     /// The rows do not have it.
@@ -27,15 +31,39 @@ impl Verdict {
         match self {
             Self::Met => "met".into(),
             Self::NotMet => "not met".into(),
+            Self::Undecided => "undecided".into(),
             Self::Failed(scene) => format!("not met: failed in {scene}"),
             Self::NotMeasured => "not measured".into(),
             Self::NoTarget => "-".into(),
         }
     }
 
-    /// [`Verdict::Met`] or [`Verdict::NotMet`].
+    /// [`Verdict::Met`] or [`Verdict::NotMet`]: of a mean alone, whatever its interval.
     pub fn of(is_met: bool) -> Self {
         if is_met { Self::Met } else { Self::NotMet }
+    }
+
+    /// Whether a figure that lies in `interval` is at most `limit`.
+    pub fn at_most(limit: f64, interval: Interval) -> Self {
+        match (within(interval.low, limit), within(interval.high, limit)) {
+            (_, true) => Self::Met,
+            (true, false) => Self::Undecided,
+            (false, false) => Self::NotMet,
+        }
+    }
+
+    /// Whether a figure that lies in `interval` is at least `limit`.
+    fn at_least(limit: f64, interval: Interval) -> Self {
+        Self::at_most(1.0 / limit, Interval { low: 1.0 / interval.high, high: 1.0 / interval.low })
+    }
+
+    /// Of two verdicts on one target that which stands.
+    fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::NotMet, _) | (_, Self::NotMet) => Self::NotMet,
+            (Self::Undecided, _) | (_, Self::Undecided) => Self::Undecided,
+            _ => Self::Met,
+        }
     }
 }
 
@@ -46,10 +74,14 @@ pub struct Judged {
     pub target: Target,
     /// Mean over scenes: geometric of ratios, arithmetic of bytes.
     pub mean: Option<f64>,
+    /// Its 95 % interval over scenes and rounds, of ratios.
+    pub interval: Option<Interval>,
+    /// Half its interval over rounds alone, as text.
+    pub noise: String,
     /// The same mean under our kernel, of traces.
     pub under_phr: Option<f64>,
     /// The worst scene and its value.
-    pub worst: Option<(String, f64)>,
+    pub worst: Option<SceneRatio>,
     /// Scenes behind the figures.
     pub scenes: usize,
     /// Scenes that could be.
@@ -81,25 +113,31 @@ impl Judge {
         let (mut values, mut failed) = (Ratios::default(), None);
         for name in &names {
             match self.value(target, name, GRAFTED) {
-                Place::Value(value) => values.0.push((name.clone(), value)),
+                Place::Value(value) => values.0.push(value),
                 Place::Failed => failed = failed.or(Some(name.clone())),
                 Place::Missing => {}
             }
         }
         let mean = mean(target.measure, &values);
         let worst = if is_at_least(target.measure) { values.least() } else { values.worst() }.cloned();
-        let verdict = match (failed, mean, &worst) {
+        let interval = values.interval(Over::ScenesAndRounds).filter(|_| !is_of_bytes(target.measure));
+        let verdict = match (failed, mean) {
             _ if target.mean.is_none() && target.worst.is_none() => Verdict::NoTarget,
-            (Some(scene), ..) => Verdict::Failed(scene),
-            (None, Some(mean), Some((_, worst))) => {
-                Verdict::of(reaches(target, mean, target.mean) && reaches(target, *worst, target.worst))
+            (Some(scene), _) => Verdict::Failed(scene),
+            (None, None) => Verdict::NotMeasured,
+            (None, Some(mean)) => {
+                let exact = Interval { low: mean, high: mean };
+                let of_mean = verdict_on(target.measure, target.mean, interval.or(Some(exact)));
+                let worse = if is_at_least(target.measure) { f64::min } else { f64::max };
+                of_mean.and(verdict_on(target.measure, target.worst, of_worst(&values.0, worse)))
             }
-            _ => Verdict::NotMeasured,
         };
         let scenes = values.0.len();
         Judged {
             target: *target,
             mean,
+            interval,
+            noise: if is_of_bytes(target.measure) { String::new() } else { values.noise() },
             under_phr: self.under_phr(target, &names),
             worst,
             scenes,
@@ -110,7 +148,7 @@ impl Judge {
 
     fn under_phr(&self, target: &Target, names: &[String]) -> Option<f64> {
         let Measure::Trace(_) = target.measure else { return None };
-        let value = |name: &String| Some((name.clone(), self.value(target, name, PHR).value()?));
+        let value = |name: &String| self.value(target, name, PHR).value();
         Ratios(names.iter().filter_map(value).collect()).geometric()
     }
 
@@ -127,16 +165,19 @@ impl Judge {
     }
 
     /// The measured value of the builder in `scene`, traces under `kernel`.
-    fn value(&self, target: &Target, scene: &str, kernel: &str) -> Place<f64> {
+    fn value(&self, target: &Target, scene: &str, kernel: &str) -> Place<SceneRatio> {
         let tree = (target.builder, WIDTH);
         let main = SceneFigures::of(&self.main, scene);
         let under = Under::One(kernel.into());
         let ratio = |base, figure| {
             let own = main.figure(tree, figure, &under);
-            own.and_then(|_| Some(main.ratio_to((base, WIDTH), tree, figure, &under)?.value))
+            own.and_then(|_| main.noisy_ratio_to((base, WIDTH), tree, figure, &under))
         };
         let per_triangle = |bytes: fn(&Row) -> Option<u64>| {
-            main.build(tree).and_then(|row| Some(bytes(row)? as f64 / row.triangles as f64))
+            main.build(tree).and_then(|row| {
+                let value = bytes(row)? as f64 / row.triangles as f64;
+                Some(SceneRatio { scene: scene.into(), value, noise: Noise::NONE })
+            })
         };
         match target.measure {
             Measure::Build(base) => ratio(base, Figure::Build),
@@ -149,7 +190,10 @@ impl Judge {
                     // Times of two runs are not compared.
                     let of_run = only(&self.two_threads, |two| two.run_id == one.run_id);
                     let two = SceneFigures::of(&of_run, scene).build(tree).value()?;
-                    Some(one.build_ms_median? / two.build_ms_median?)
+                    let (a, b) = (one.build_ms()?, two.build_ms()?);
+                    let pairs = paired(&one.by_round.build, &two.by_round.build);
+                    let (value, noise) = (a.median / b.median, Noise::of(&a, &b, pairs));
+                    Some(SceneRatio { scene: scene.into(), value, noise })
                 })
             }
         }
@@ -176,10 +220,11 @@ pub fn within(value: f64, limit: f64) -> bool {
     value <= limit * (1.0 + ROUNDING)
 }
 
-fn reaches(target: &Target, value: f64, limit: Option<f64>) -> bool {
-    limit.is_none_or(
-        |limit| {
-            if is_at_least(target.measure) { within(limit, value) } else { within(value, limit) }
-        },
-    )
+/// A limit that is not set is met.
+fn verdict_on(measure: Measure, limit: Option<f64>, interval: Option<Interval>) -> Verdict {
+    match limit.zip(interval) {
+        None => Verdict::Met,
+        Some((limit, interval)) if is_at_least(measure) => Verdict::at_least(limit, interval),
+        Some((limit, interval)) => Verdict::at_most(limit, interval),
+    }
 }

@@ -36,8 +36,9 @@ pub fn targets(rows: &[Row], is_complete: bool) -> String {
 
 const LEGEND: &str = "All trees 4-wide; scenes of more than 100 k triangles (peak of memory: 1 M). build: medians of \
     builds on warm threads in fresh memory, both sides with equal threads. trace: all recorded rays of all views under embree-grafted, and beside \
-    it under phr. mean: geometric of ratios, arithmetic of bytes. A target is met if the mean, and the worst scene where \
-    that has a limit, is not beyond it.\n";
+    it under phr. mean: geometric of ratios, arithmetic of bytes. 95 %: interval of the mean over scenes and rounds. noise: half its \
+    interval over rounds alone. A target is met if the whole interval of the mean, and where it has a limit that of the \
+    worst scene over rounds, is within it; not met if one is wholly beyond; else undecided.\n";
 
 fn section(measure: Measure) -> &'static str {
     match measure {
@@ -48,11 +49,24 @@ fn section(measure: Measure) -> &'static str {
 }
 
 fn grid(lines: &[Judged]) -> Grid {
-    let header =
-        ["builder", "figure", "against", "target", "mean", "under phr", "worst", "in", "limit", "scenes", ""];
+    let header = [
+        "builder",
+        "figure",
+        "against",
+        "target",
+        "mean",
+        "95 %",
+        "noise",
+        "under phr",
+        "worst",
+        "in",
+        "limit",
+        "scenes",
+        "",
+    ];
     let mut grid = Grid::new(header);
     for judged in lines {
-        let Judged { target, mean, under_phr, worst, .. } = judged;
+        let Judged { target, mean, interval, noise, under_phr, worst, .. } = judged;
         let (figure, against) = names(target.measure);
         let show = |value: f64| show(target.measure, value);
         let sign = if is_at_least(target.measure) { '≥' } else { '≤' };
@@ -70,9 +84,11 @@ fn grid(lines: &[Judged]) -> Grid {
             against.into(),
             limit(target.mean),
             mean.map_or_else(|| "-".into(), show),
+            interval.map_or_else(String::new, |interval| interval.shown(3)),
+            noise.clone(),
             under_phr.map_or_else(String::new, show),
-            worst.as_ref().map_or_else(String::new, |worst| show(worst.1)),
-            worst.as_ref().map_or_else(String::new, |worst| worst.0.clone()),
+            worst.as_ref().map_or_else(String::new, |worst| show(worst.value)),
+            worst.as_ref().map_or_else(String::new, |worst| worst.scene.clone()),
             limit(target.worst),
             scenes,
             judged.verdict.cell(),

@@ -1,9 +1,11 @@
 //! The records of a run: `rows.csv`, one row per scene x builder x width x kernel x threads x regime x view
 //! x ray kind. `results/README.md` describes the columns for readers of the files.
 
-use super::files::{RecordsError, write_whole};
-use super::statistics::Summary;
+use crate::bench::files::{RecordsError, write_whole};
+use crate::bench::rounds::{self, ROUNDS, RowKey, RowRounds};
+use crate::bench::statistics::Summary;
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 use std::path::Path;
 
 /// Version of the columns; a reader refuses any other.
@@ -72,6 +74,9 @@ pub struct Row {
     pub build_ms_max: Option<f64>,
     /// Million triangles built per second, from the median.
     pub build_mtri_s: Option<f64>,
+    /// Time on processors per triangle of these builds, all threads together, ns.
+    #[serde(default)]
+    pub build_cpu_ns_per_tri: Option<f64>,
     /// SAH cost: traversal and intersection cost 1, leaves in blocks of four triangles.
     pub sah: Option<f64>,
     /// End-point overlap (Aila et al. 2013).
@@ -122,12 +127,24 @@ pub struct Row {
     pub hits: Option<u64>,
     /// Hash of the rounded hit distances, hexadecimal.
     pub hit_hash: String,
+    /// Answers of another triangle at the same distance.
+    #[serde(default)]
+    pub ties: Option<u64>,
+    /// Answers that differ where only rounding decides: at an edge, an end of the ray, or at grazing incidence.
+    #[serde(default)]
+    pub edges: Option<u64>,
+    /// Answers that exact arithmetic refutes, but single precision gives: on thin triangles.
+    #[serde(default)]
+    pub near_misses: Option<u64>,
     /// True if every hit agreed with the reference.
     pub verified: Option<bool>,
-    /// Names of [`super::warnings::Warning`], separated by `;`.
+    /// Names of [`crate::bench::warnings::Warning`], separated by `;`.
     pub warnings: String,
     /// Why there is no figure; empty for a good row.
     pub error: String,
+    /// The times of each round, in rows that sum over views and kinds of rays; kept in `rounds.csv`.
+    #[serde(skip)]
+    pub by_round: RowRounds,
 }
 
 impl Row {
@@ -144,6 +161,18 @@ impl Row {
     /// True for rows of first builds.
     pub fn is_first(&self) -> bool {
         self.regime == FIRST || self.regime == COLD
+    }
+
+    fn key(&self) -> RowKey {
+        RowKey {
+            run_id: self.run_id.clone(),
+            scene: self.scene.clone(),
+            builder: self.builder.clone(),
+            width: self.width,
+            threads: self.threads,
+            regime: self.regime.clone(),
+            kernel: self.kernel.clone(),
+        }
     }
 
     /// True if the row holds figures that can be used.
@@ -198,7 +227,23 @@ pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
         }
         rows.push(row);
     }
+    let mut by_round: HashMap<RowKey, RowRounds> =
+        rounds::read(&path.with_file_name(ROUNDS))?.into_iter().collect();
+    for row in rows.iter_mut().filter(|row| row.is_total()) {
+        row.by_round = by_round.remove(&row.key()).unwrap_or_default();
+    }
     if rows.is_empty() { Err(RecordsError::Empty { path }) } else { Ok(rows) }
+}
+
+/// Writes `rows` to the folder: `rows.csv`, and `rounds.csv` where the times of rounds are known.
+///
+/// # Errors
+/// An unwritable place.
+pub fn write_all(folder: &Path, rows: &[Row]) -> Result<(), RecordsError> {
+    let totals: Vec<(RowKey, &RowRounds)> =
+        rows.iter().filter(|row| row.is_total()).map(|row| (row.key(), &row.by_round)).collect();
+    rounds::write(folder, &totals)?;
+    write(&folder.join(ROWS), rows)
 }
 
 /// Writes `rows` to the file `path`, whole or not at all.
@@ -215,70 +260,5 @@ pub fn write(path: &Path, rows: &[Row]) -> Result<(), RecordsError> {
     write_whole(path, &bytes)
 }
 
-/// Rounded to six significant digits: more would be noise in a diff.
-pub fn figures(value: f64) -> f64 {
-    if value == 0.0 || !value.is_finite() {
-        return value;
-    }
-    format!("{value:.5e}").parse().unwrap_or(value)
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn row() -> Row {
-        Row {
-            schema: SCHEMA,
-            scene: "a, \"quoted\" scene".into(),
-            builder: "phr-hq".into(),
-            builder_config: r#"{"alpha":0.55,"delta":9}"#.into(),
-            width: 4,
-            build_ms_median: Some(12.5),
-            rays: Some(1 << 40),
-            verified: Some(true),
-            view: ALL.into(),
-            ray_kind: ALL.into(),
-            ..Row::default()
-        }
-    }
-
-    #[test]
-    fn rows_survive_the_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let rows = [row(), Row { error: "mismatch\nin two lines".into(), verified: None, ..row() }];
-        write(&folder.path().join(ROWS), &rows).unwrap();
-        assert_eq!(read(folder.path()).unwrap(), rows);
-        assert_eq!(read(&folder.path().join(ROWS)).unwrap(), rows);
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no part file is left");
-    }
-
-    #[test]
-    fn other_files_are_refused_with_place_and_remedy() {
-        let folder = tempfile::tempdir().unwrap();
-        let missing = read(folder.path()).unwrap_err().to_string();
-        assert!(missing.contains(ROWS) && missing.contains("phr bench"), "{missing}");
-
-        let path = folder.path().join(ROWS);
-        std::fs::write(&path, "a,b\n1,2\n").unwrap();
-        assert!(matches!(read(&path), Err(RecordsError::Malformed { .. })));
-        write(&path, &[]).unwrap();
-        assert!(matches!(read(&path), Err(RecordsError::Empty { .. })));
-        write(&path, &[Row { schema: 99, ..row() }]).unwrap();
-        assert!(matches!(read(&path), Err(RecordsError::Schema { found: 99, .. })));
-    }
-
-    #[test]
-    fn an_unwritable_place_is_an_error() {
-        let error = write(Path::new("/proc/no/such/rows.csv"), &[row()]).unwrap_err().to_string();
-        assert!(error.contains("/proc/no/such/rows.csv") && error.contains("--out"), "{error}");
-    }
-
-    #[test]
-    fn figures_have_six_digits() {
-        assert_eq!(figures(1_234.567_89), 1234.57);
-        assert_eq!(figures(0.001_234_567_89), 0.001_234_57);
-        assert_eq!(figures(0.0), 0.0);
-        assert!(figures(f64::NAN).is_nan());
-    }
-}
+mod tests;

@@ -1,10 +1,8 @@
 //! The library measured against: its version, its package, and whether it has assertions.
 
+use super::system::{UNKNOWN, output};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use std::process::Command;
-
-pub(super) const UNKNOWN: &str = "unknown";
 
 /// The file of the Embree that this process has loaded.
 fn loaded_embree() -> Option<PathBuf> {
@@ -46,7 +44,7 @@ impl Library {
         let package = |name: &str| output("dpkg-query", &["-W", "-f", "${Package} ${Version}", name]);
         let embree_package = package("libembree3-3");
         let note = match loaded_embree() {
-            None => "unknown".into(),
+            None => UNKNOWN.into(),
             Some(path) => {
                 let whose = if path.starts_with("/usr/lib") && embree_package.contains("libembree3-3 ") {
                     "the distribution's build"
@@ -58,10 +56,4 @@ impl Library {
         };
         Self { embree, embree_package, tbb_package: package("libtbb12"), note }
     }
-}
-
-pub(super) fn output(program: &str, arguments: &[&str]) -> String {
-    let output = Command::new(program).args(arguments).output().ok().filter(|output| output.status.success());
-    let text = output.and_then(|output| String::from_utf8(output.stdout).ok()).unwrap_or_default();
-    if text.trim().is_empty() { UNKNOWN.into() } else { text.trim().into() }
 }

@@ -1,12 +1,15 @@
 //! `environment.json`: the machine, the program and the settings of a run, and how it ended. Holds no host name
 //! and no path of the machine.
 
-use super::library::{UNKNOWN, output};
-use crate::bench::cpu_time::Spin;
-use serde::{Deserialize, Serialize};
-use std::time::{SystemTime, UNIX_EPOCH};
+mod library;
+pub mod moment;
+mod system;
 
-pub use super::library::Library;
+use moment::Moment;
+use serde::{Deserialize, Serialize};
+use system::{UNKNOWN, line_of, output, text};
+
+pub use library::Library;
 
 /// The file in a results folder.
 pub const ENVIRONMENT: &str = "environment.json";
@@ -103,33 +106,10 @@ impl Machine {
     }
 }
 
-/// Load of the machine at one moment.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Moment {
-    /// ISO 8601.
-    pub utc: String,
-    /// Load averages over 1, 5 and 15 minutes.
-    pub load: String,
-    /// Times that the control group was throttled so far.
-    pub throttled: u64,
-    /// The spin check.
-    pub spin: Spin,
-}
-
-impl Moment {
-    /// Now; spins for about a quarter of a second.
-    pub fn now(threads: usize) -> Self {
-        let load = text("/proc/loadavg").split(' ').take(3).collect::<Vec<_>>().join(" ");
-        let throttled = line_of("/sys/fs/cgroup/cpu.stat", "nr_throttled ").parse().unwrap_or(0);
-        let spin = Spin::check(threads, std::time::Duration::from_millis(120));
-        Self { utc: utc_now(), load, throttled, spin }
-    }
-}
-
 /// The whole file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Environment {
-    /// [`super::row::SCHEMA`].
+    /// [`crate::bench::row::SCHEMA`].
     pub schema: u32,
     /// Names the run.
     pub run_id: String,
@@ -154,25 +134,6 @@ pub struct Environment {
     pub after: Option<Moment>,
     /// Remarks for the reader of the figures.
     pub notes: Vec<String>,
-}
-
-/// The present time, ISO 8601, to the second.
-pub fn utc_now() -> String {
-    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
-    utc(seconds)
-}
-
-/// Seconds since 1970 as ISO 8601 (days to civil date after Hinnant).
-fn utc(seconds: u64) -> String {
-    let (days, rest) = ((seconds / 86_400) as i64 + 719_468, seconds % 86_400);
-    let (era, day_of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));
-    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let shifted = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * shifted + 2) / 5 + 1;
-    let month = if shifted < 10 { shifted + 3 } else { shifted - 9 };
-    let year = year_of_era + era * 400 + i64::from(month <= 2);
-    format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", rest / 3600, rest / 60 % 60, rest % 60)
 }
 
 /// Memory available now, bytes, if the system reports it.
@@ -209,30 +170,9 @@ fn cpu_quota() -> String {
     }
 }
 
-fn text(path: &str) -> String {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    if text.trim().is_empty() { UNKNOWN.into() } else { text.trim().into() }
-}
-
-/// The rest of the first line that starts with `key`.
-fn line_of(path: &str, key: &str) -> String {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    let value = text.lines().find_map(|line| line.strip_prefix(key)).map(str::trim);
-    value.unwrap_or(UNKNOWN).into()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn dates_are_right() {
-        assert_eq!(utc(0), "1970-01-01T00:00:00Z");
-        assert_eq!(utc(951_782_399), "2000-02-28T23:59:59Z");
-        assert_eq!(utc(951_782_400), "2000-02-29T00:00:00Z");
-        assert_eq!(utc(4_107_542_400), "2100-03-01T00:00:00Z");
-        assert_eq!(utc(1_798_761_599), "2026-12-31T23:59:59Z");
-    }
 
     #[test]
     fn the_machine_is_described_without_its_name() {

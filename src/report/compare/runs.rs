@@ -1,15 +1,17 @@
 //! Two runs compared, figure by figure: is B faster than A, slower or the same, as far as the interval of
 //! the ratio can tell?
 
-use super::grid::{Grid, short};
 use crate::bench::cell::Kernel;
 use crate::bench::environment::{ENVIRONMENT, Environment};
 use crate::bench::files::RecordsError;
 use crate::bench::files::read_json;
+use crate::bench::rounds::{ByRound, paired};
 use crate::bench::row::{self, ALL, Row};
 use crate::bench::samples::{CellSamples, SAMPLES, Samples};
 use crate::bench::statistics::{Ratio, Summary};
-use crate::bench::visit_times::{builds, times};
+use crate::bench::turns::paired::PairedMean;
+use crate::bench::visit_times::{all_ms, times};
+use crate::report::grid::{Grid, short};
 use crate::trace::RayKind;
 use std::collections::HashSet;
 use std::path::Path;
@@ -95,7 +97,7 @@ struct Measure {
     sha: String,
     rays: Option<u64>,
     summary: Summary,
-    samples: Vec<f64>,
+    times: ByRound,
 }
 
 /// A figure in both runs.
@@ -145,8 +147,7 @@ impl Outcome {
                 changed.push(old.of.clone());
                 continue;
             }
-            let ratio =
-                Ratio::cautious((&new.summary, &new.samples), (&old.summary, &old.samples), index as u64);
+            let ratio = ratio(new, old, index as u64);
             outcome.comparisons.push(Comparison {
                 name: old.name.clone(),
                 a: old.summary.median,
@@ -237,6 +238,17 @@ impl Outcome {
     }
 }
 
+/// `new` relative to `old`: paired where both have rounds in common, which were made in the same order; else by
+/// resampling both.
+fn ratio(new: &Measure, old: &Measure, seed: u64) -> Ratio {
+    let pairs = paired(&new.times, &old.times);
+    if pairs.len() > 1 {
+        let logs: Vec<f64> = pairs.iter().map(|[new, old]| (new / old).ln()).collect();
+        return PairedMean::of([&logs[..]].into_iter()).ratio();
+    }
+    Ratio::cautious((&new.summary, &all_ms(&new.times)), (&old.summary, &all_ms(&old.times)), seed)
+}
+
 /// The figures of a run, each under its own name.
 fn measures(run: &Recorded, totals: bool) -> Vec<Measure> {
     let mut measures: Vec<Measure> = Vec::new();
@@ -244,23 +256,31 @@ fn measures(run: &Recorded, totals: bool) -> Vec<Measure> {
     for row in run.rows.iter().filter(|row| row.is_good() && (!totals || row.is_total())) {
         let tree = format!("{} {}/{}, {} threads", row.scene, row.builder, row.width, row.threads);
         let cell = run.cell(row);
-        let mut add =
-            |figure: String, of: String, summary: Option<Summary>, rays, samples: Option<Vec<f64>>| {
-                let name = format!("{of}: {figure}");
-                if let Some(summary) = summary
-                    && names.insert(name.clone())
-                {
-                    let samples = samples.unwrap_or_default();
-                    measures.push(Measure { name, of, sha: row.scene_sha.clone(), rays, summary, samples });
-                }
-            };
+        let mut add = |figure: String, of: String, summary: Option<Summary>, rays, times: Option<ByRound>| {
+            let name = format!("{of}: {figure}");
+            if let Some(summary) = summary
+                && names.insert(name.clone())
+            {
+                let times = times.unwrap_or_default();
+                measures.push(Measure { name, of, sha: row.scene_sha.clone(), rays, summary, times });
+            }
+        };
         // Builds stand in the rows of every kernel, but are one figure.
-        let samples = cell.map(|cell| builds(cell, &row.regime));
-        add(format!("{} build", row.regime), tree.clone(), row.build_ms(), None, samples);
+        add(
+            format!("{} build", row.regime),
+            tree.clone(),
+            row.build_ms(),
+            None,
+            Some(row.by_round.build.clone()),
+        );
 
         let view = if row.view == ALL { None } else { row.view.parse().ok() };
         let kind = RayKind::ALL.into_iter().find(|kind| kind.name() == row.ray_kind);
+        // Rows of single views and kinds have their times in the samples alone.
         let traced = |is_frame: bool| {
+            if row.is_total() {
+                return Some(if is_frame { &row.by_round.frame } else { &row.by_round.trace }.clone());
+            }
             let matches = |found: Option<RayKind>| match found {
                 None => is_frame,
                 Some(found) => !is_frame && kind.is_none_or(|kind| kind == found),

@@ -1,9 +1,15 @@
 //! The figures of a run by scene and tree: looked up among the rows, never mixing kernels silently, and
 //! relative to Embree SAH.
 
+pub mod interval;
+mod place;
+
 use crate::bench::cell::place;
+use crate::bench::rounds::{ByRound, paired};
 use crate::bench::row::{ALL, NO_KERNEL, REBUILD, Row};
 use crate::bench::statistics::{Ratio, Summary};
+use interval::{Noise, SceneRatio};
+pub use place::Place;
 
 /// A tree of the table: builder and width.
 pub type Tree<'a> = (&'a str, u32);
@@ -144,6 +150,8 @@ pub enum Figure {
     Build,
     /// Time of a build that reuses all it can.
     Rebuild,
+    /// Time on processors of fresh builds, all threads together.
+    BuildCpu,
     /// SAH cost.
     Cost,
     /// End-point overlap.
@@ -154,47 +162,9 @@ pub enum Figure {
     Trace,
 }
 
-/// A place in a table.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place<T> {
-    /// A figure.
-    Value(T),
-    /// The builder failed, its hits were wrong, or the kernel could not have the tree: the row says why.
-    Failed,
-    /// Not measured.
-    Missing,
-}
-
-impl<T> Place<T> {
-    /// The figure.
-    pub fn value(self) -> Option<T> {
-        match self {
-            Self::Value(value) => Some(value),
-            Self::Failed | Self::Missing => None,
-        }
-    }
-
-    /// Another figure of the same place; missing if there is none.
-    pub fn and_then<U>(self, figure: impl FnOnce(T) -> Option<U>) -> Place<U> {
-        match self {
-            Self::Value(value) => figure(value).map_or(Place::Missing, Place::Value),
-            Self::Failed => Place::Failed,
-            Self::Missing => Place::Missing,
-        }
-    }
-
-    /// As a cell: the figure, `error` or `-`.
-    pub fn cell(self, show: impl FnOnce(T) -> String) -> String {
-        match self {
-            Self::Value(value) => show(value),
-            Self::Failed => "error".into(),
-            Self::Missing => "-".into(),
-        }
-    }
-}
-
 /// The figures of one scene.
 pub struct SceneFigures<'a> {
+    scene: String,
     totals: Vec<&'a Row>,
     /// Views behind a figure that sums over all of them; `None` where the rows hold the sums alone.
     pub views: Option<usize>,
@@ -210,7 +180,7 @@ impl<'a> SceneFigures<'a> {
         views.sort_unstable();
         views.dedup();
         let views = Some(views.len()).filter(|&views| views > 0);
-        Self { totals: of_scene().filter(|row| row.is_total()).collect(), views }
+        Self { scene: scene.into(), totals: of_scene().filter(|row| row.is_total()).collect(), views }
     }
 
     /// Rows that sum over views and kinds of rays.
@@ -270,6 +240,7 @@ impl<'a> SceneFigures<'a> {
             Figure::Rebuild => {
                 self.rebuild(tree).and_then(Row::build_ms).map_or(Place::Missing, Place::Value)
             }
+            Figure::BuildCpu => self.build(tree).and_then(|row| row.build_cpu_ns_per_tri.map(exact)),
             Figure::Cost => self.build(tree).and_then(|row| row.sah.map(exact)),
             Figure::Overlap => self.build(tree).and_then(|row| row.epo.map(exact)),
             Figure::Frame => traced().and_then(Row::frame_ms),
@@ -288,6 +259,39 @@ impl<'a> SceneFigures<'a> {
         let of = |tree| self.figure(tree, figure, under).value();
         let (a, b) = (of(tree)?, of(base).filter(|b| b.median > 0.0)?);
         Some(if tree == base { Ratio { value: 1.0, low: 1.0, high: 1.0 } } else { Ratio::propagated(&a, &b) })
+    }
+
+    /// The ratio of [`SceneFigures::ratio_to`] with what is known of its noise: from times of the same rounds where the
+    /// rows have them.
+    pub fn noisy_ratio_to(
+        &self,
+        base: Tree<'_>,
+        tree: Tree<'_>,
+        figure: Figure,
+        under: &Under,
+    ) -> Option<SceneRatio> {
+        let (scene, value) = (self.scene.clone(), self.ratio_to(base, tree, figure, under)?.value);
+        if tree == base {
+            return Some(SceneRatio { scene, value, noise: Noise::NONE });
+        }
+        let of = |tree| Some((self.figure(tree, figure, under).value()?, self.rounds(tree, figure, under)));
+        let ((a, a_rounds), (b, b_rounds)) = (of(tree)?, of(base)?);
+        let of_one_run = a_rounds.zip(b_rounds).filter(|(a, b)| a.0 == b.0);
+        let noise = Noise::of(&a, &b, of_one_run.map(|(a, b)| paired(a.1, b.1)).unwrap_or_default());
+        Some(SceneRatio { scene, value, noise })
+    }
+
+    /// The run behind a figure and its times by round; costs have none.
+    fn rounds(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Option<(&'a str, &'a ByRound)> {
+        let traced = || self.trace(tree, under.kernel_of(tree.0)).value();
+        let (row, times) = match figure {
+            Figure::Build => self.build(tree).value().map(|row| (row, &row.by_round.build)),
+            Figure::Rebuild => self.rebuild(tree).map(|row| (row, &row.by_round.build)),
+            Figure::Frame => traced().map(|row| (row, &row.by_round.frame)),
+            Figure::Trace => traced().map(|row| (row, &row.by_round.trace)),
+            Figure::BuildCpu | Figure::Cost | Figure::Overlap => None,
+        }?;
+        Some((&row.run_id, times))
     }
 }
 

@@ -1,0 +1,201 @@
+//! `rounds.csv`: the time of each round behind a row that sums over views and kinds of rays. Rounds of a scene are
+//! interleaved, so that two builders' times of one round are a pair: ratios are taken within it, and intervals drawn
+//! from whole rounds. Small enough to be committed, as `samples.json` is not.
+
+use super::files::{RecordsError, write_whole};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The file in a results folder.
+pub const ROUNDS: &str = "rounds.csv";
+
+/// Times of one figure: the round, from 0, and milliseconds, by ascending round.
+pub type ByRound = Vec<(u32, f64)>;
+
+/// The times behind a row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RowRounds {
+    /// Build times.
+    pub build: ByRound,
+    /// Times for the recorded rays.
+    pub trace: ByRound,
+    /// Times for the whole frame.
+    pub frame: ByRound,
+}
+
+/// The rounds that both have, with the milliseconds of each in a pair.
+pub fn paired(a: &[(u32, f64)], b: &[(u32, f64)]) -> Vec<[f64; 2]> {
+    let in_b = |round| b.iter().find(|other| other.0 == round).map(|other| other.1);
+    a.iter().filter_map(|&(round, ms)| Some([ms, in_b(round)?])).collect()
+}
+
+/// Which row the times belong to: the columns of the same names.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct RowKey {
+    /// The run.
+    pub run_id: String,
+    /// The scene.
+    pub scene: String,
+    /// The builder.
+    pub builder: String,
+    /// Children per node.
+    pub width: u32,
+    /// Threads of each side.
+    pub threads: u32,
+    /// Regime of the builds.
+    pub regime: String,
+    /// The kernel.
+    pub kernel: String,
+}
+
+/// One line of the file, as it is written: lists have spaces between their entries.
+#[derive(Debug, Serialize, Deserialize)]
+struct Line {
+    run_id: String,
+    scene: String,
+    builder: String,
+    width: u32,
+    threads: u32,
+    regime: String,
+    kernel: String,
+    figure: String,
+    rounds: String,
+    ms: String,
+}
+
+const FIGURES: [&str; 3] = ["build", "trace", "frame"];
+
+/// Writes the file in `folder`, whole or not at all; where no row has rounds, an older file is removed.
+///
+/// # Errors
+/// An unwritable place.
+pub fn write(folder: &Path, rows: &[(RowKey, &RowRounds)]) -> Result<(), RecordsError> {
+    let path = folder.join(ROUNDS);
+    let malformed = |source| RecordsError::Malformed { path: path.clone(), source };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut lines = 0;
+    for (key, times) in rows {
+        for (figure, of_figure) in FIGURES.into_iter().zip([&times.build, &times.trace, &times.frame]) {
+            if !of_figure.is_empty() {
+                writer.serialize(Line::of(key.clone(), figure, of_figure)).map_err(malformed)?;
+                lines += 1;
+            }
+        }
+    }
+    if lines == 0 {
+        return match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                Err(RecordsError::Io { path, source, remedy: "give another folder with --out" })
+            }
+            _ => Ok(()),
+        };
+    }
+    let bytes = writer.into_inner().map_err(|error| malformed(error.into_error().into()))?;
+    write_whole(&path, &bytes)
+}
+
+/// Reads the file at `path`; nothing where there is none, as beside rows of older programs.
+///
+/// # Errors
+/// A file of another content.
+pub fn read(path: &Path) -> Result<Vec<(RowKey, RowRounds)>, RecordsError> {
+    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source };
+    let Ok(file) = std::fs::File::open(path) else { return Ok(Vec::new()) };
+    let mut rows: Vec<(RowKey, RowRounds)> = Vec::new();
+    for line in csv::Reader::from_reader(file).deserialize() {
+        let line: Line = line.map_err(malformed)?;
+        let unusable = || {
+            let what =
+                format!("{} {}/{}: unusable {} times", line.scene, line.builder, line.width, line.figure);
+            malformed(std::io::Error::new(std::io::ErrorKind::InvalidData, what).into())
+        };
+        let times = line.times().ok_or_else(unusable)?;
+        let figure = FIGURES.iter().position(|name| *name == line.figure).ok_or_else(unusable)?;
+        let key = line.key();
+        // The figures of a row follow each other.
+        if rows.last().is_none_or(|last| last.0 != key) {
+            rows.push((key, RowRounds::default()));
+        }
+        if let Some((_, of_row)) = rows.last_mut() {
+            *[&mut of_row.build, &mut of_row.trace, &mut of_row.frame][figure] = times;
+        }
+    }
+    Ok(rows)
+}
+
+impl Line {
+    fn of(key: RowKey, figure: &str, times: &[(u32, f64)]) -> Self {
+        let RowKey { run_id, scene, builder, width, threads, regime, kernel } = key;
+        let list = |text: fn(&(u32, f64)) -> String| times.iter().map(text).collect::<Vec<_>>().join(" ");
+        let (rounds, ms) = (list(|time| time.0.to_string()), list(|time| time.1.to_string()));
+        Self { run_id, scene, builder, width, threads, regime, kernel, figure: figure.into(), rounds, ms }
+    }
+
+    fn key(self) -> RowKey {
+        let Self { run_id, scene, builder, width, threads, regime, kernel, .. } = self;
+        RowKey { run_id, scene, builder, width, threads, regime, kernel }
+    }
+
+    /// The times; `None` unless there is one positive time for each round.
+    fn times(&self) -> Option<ByRound> {
+        let rounds: Option<Vec<u32>> = self.rounds.split(' ').map(|round| round.parse().ok()).collect();
+        let positive = |ms: &f64| *ms > 0.0 && ms.is_finite();
+        let ms: Option<Vec<f64>> = self.ms.split(' ').map(|ms| ms.parse().ok().filter(positive)).collect();
+        let (rounds, ms) = (rounds?, ms?);
+        (rounds.len() == ms.len()).then(|| rounds.into_iter().zip(ms).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn key(scene: &str, kernel: &str) -> RowKey {
+        RowKey {
+            run_id: "r".into(),
+            scene: scene.into(),
+            builder: "phr-hq".into(),
+            width: 4,
+            threads: 2,
+            regime: "warm".into(),
+            kernel: kernel.into(),
+        }
+    }
+
+    #[test]
+    fn rounds_survive_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let build = vec![(0, 10.5), (2, 11.25)];
+        let builds = RowRounds { build: build.clone(), ..RowRounds::default() };
+        let traces = RowRounds { build, trace: vec![(0, 1.5)], frame: vec![(2, 0.125)] };
+        let rows = [(key("a, b", "none"), builds), (key("a, b", "phr"), traces)];
+        let borrowed: Vec<_> = rows.iter().map(|(key, times)| (key.clone(), times)).collect();
+        write(folder.path(), &borrowed).unwrap();
+        assert_eq!(read(&folder.path().join(ROUNDS)).unwrap(), rows);
+        write(folder.path(), &[]).unwrap();
+        assert!(!folder.path().join(ROUNDS).exists(), "an older file is not mistaken for this run's");
+        assert_eq!(read(&folder.path().join(ROUNDS)).unwrap(), []);
+    }
+
+    #[test]
+    fn other_content_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(ROUNDS);
+        let header = "run_id,scene,builder,width,threads,regime,kernel,figure,rounds,ms\n";
+        for line in [
+            "r,s,b,4,2,warm,none,build,0 1,10",
+            "r,s,b,4,2,warm,none,sah,0,1",
+            "r,s,b,4,2,warm,none,build,0,-1",
+        ] {
+            std::fs::write(&path, format!("{header}{line}\n")).unwrap();
+            let error = read(&path).unwrap_err().to_string();
+            assert!(error.contains("s b/4") && error.contains(ROUNDS), "{error}");
+        }
+    }
+
+    #[test]
+    fn pairs_are_of_the_same_round() {
+        assert_eq!(paired(&[(0, 1.0), (1, 2.0), (3, 4.0)], &[(3, 8.0), (0, 3.0)]), [[1.0, 3.0], [4.0, 8.0]]);
+        assert!(paired(&[(0, 1.0)], &[]).is_empty());
+    }
+}
