@@ -3,6 +3,7 @@
 
 use phr::bench::environment::{ENVIRONMENT, Environment, State};
 use phr::bench::files::read_json;
+use phr::bench::rounds::ROUNDS;
 use phr::bench::row::{self, ALL, FIRST, FRESH, REBUILD, ROWS, Row};
 use phr::bench::samples::{SAMPLES, Samples};
 use std::path::{Path, PathBuf};
@@ -92,7 +93,7 @@ fn a_run_writes_verified_rows_and_its_table() {
     let drawn = ["figure6", "figure6-own", "figure6-paper", "figure6-scenes"];
     let figures: Vec<String> =
         drawn.iter().flat_map(|name| [format!("{name}.png"), format!("{name}.svg")]).collect();
-    let mut expected = vec![ENVIRONMENT, ROWS, SAMPLES, "table1.md"];
+    let mut expected = vec![ENVIRONMENT, ROUNDS, ROWS, SAMPLES, "table1.md"];
     if cfg!(feature = "embree") {
         expected.extend(figures.iter().map(String::as_str));
     }
@@ -344,4 +345,27 @@ fn an_unknown_instruction_set_is_refused() {
         "{}",
         text(&output.stderr)
     );
+}
+
+#[test]
+fn two_programs_are_measured_by_turns() {
+    let (_place, folder) = workplace();
+    let this = env!("CARGO_BIN_EXE_phr");
+    let compare = |program: &str, more: &[&str]| {
+        let arguments = ["compare", "--against", program, "sheet.ply", "--builder", "lbvh", "--seconds", "1"];
+        phr(&folder, &[&arguments[..], more].concat())
+    };
+    let output = compare(this, &["--threads", "1"]);
+    let table = text(&output.stdout);
+    // What it decides depends on the machine.
+    assert!(matches!(output.status.code(), Some(0 | 1 | 3)), "{}", text(&output.stderr));
+    assert_eq!(table.lines().filter(|line| line.starts_with("| lbvh / 4 ")).count(), 2, "{table}");
+    assert!(table.contains("1 builders: ") && table.contains(" sessions of fresh processes"), "{table}");
+    for (program, more) in
+        [("/bin/true", &[][..]), ("/no/such/program", &[]), (this, &["--builder", "nobody"])]
+    {
+        let output = compare(program, more);
+        assert_eq!((output.status.code(), text(&output.stderr).lines().count()), (Some(2), 1), "{program}");
+    }
+    assert_eq!(phr(&folder, &["compare", "one"]).status.code(), Some(2));
 }

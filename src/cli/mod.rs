@@ -13,7 +13,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
     ablation, bench, build, compare, kernels, memory, plot, readme, reduce, render, scenes, table, targets,
-    verify,
+    turns, verify,
 };
 
 /// Progressive Hierarchical Refinement: BVH builders, measured beside Embree's with the same rays.
@@ -41,6 +41,8 @@ enum Verb {
     Reduce(reduce::Arguments),
     Readme(readme::Arguments),
     Memory(memory::Arguments),
+    #[command(hide = true)]
+    Turns(turns::Arguments),
 }
 
 /// Runs the command that the process was started with.
@@ -76,6 +78,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Kernels(arguments) => kernels::run(arguments),
         Verb::Readme(arguments) => readme::run(arguments),
         Verb::Memory(arguments) => memory::run(arguments),
+        Verb::Turns(arguments) => turns::run(arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

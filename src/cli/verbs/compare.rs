@@ -1,54 +1,112 @@
-//! `phr compare`: two runs, figure by figure.
+//! `phr compare`: two runs, figure by figure, or two programs by turns.
 
+use crate::bench::contender;
+use crate::bench::run::Progress;
+use crate::bench::turns::Turns;
 use crate::cli::failure::Failure;
+use crate::cli::options::{all_threads, cell, percent};
 use crate::cli::output::say;
+use crate::cli::progress::Bar;
+use crate::report::compare::by_turns::ByTurns;
 use crate::report::compare::{Outcome, Recorded, Verdict};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-/// Compare the times of results B with those of A; exit code 0 if none is slower, 1 if some are, 3 if undecided
+/// Compare the times of results B with those of A, or this program with another; exit code 0 if nothing is slower, 1 if
+/// something is, 3 if undecided
 ///
-/// Each verdict follows from the 95 % interval of the ratio of medians: by bootstrap over samples.json, widened
-/// where samples are few, or from median and deviation in rows.csv where there are no samples.
+/// Of results, each verdict follows from the 95 % interval of the ratio of medians: by bootstrap over samples.json, rounds
+/// paired where both runs have the same, widened where samples are few, or from median and deviation in rows.csv where
+/// there are no samples.
+///
+/// With --against, two builds of this program build the scenes by turns, this one as B; each verdict follows from the
+/// interval of the paired ratios. That finds smaller changes sooner.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Results before: a folder, or a rows.csv
-    a: PathBuf,
-    /// Results after
-    b: PathBuf,
-    /// Changes up to this count as the same
-    #[arg(long, default_value = "5%", value_name = "PERCENT", value_parser = percent)]
-    threshold: f64,
+    /// Results before and results after, each a folder or a rows.csv; with --against, scenes
+    #[arg(required = true, value_name = "RESULTS|SCENE")]
+    places: Vec<String>,
+    /// Another build of this program, measured beside this one as A
+    #[arg(long, value_name = "BINARY")]
+    against: Option<PathBuf>,
+    /// With --against: only this builder (repeatable) [default: ours in the tables]
+    #[arg(long = "builder", value_name = "NAME", requires = "against")]
+    builders: Vec<String>,
+    /// With --against: threads [default: all processors]
+    #[arg(long, value_name = "N", requires = "against")]
+    threads: Option<usize>,
+    /// With --against: sessions are added until every interval is within half the threshold, or this time is over
+    #[arg(long, default_value_t = 600, value_name = "N", requires = "against")]
+    seconds: u64,
+    /// Changes up to this count as the same [default: 5%; with --against 2%]
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    threshold: Option<f64>,
     /// Compare sums over views and kinds of rays only
-    #[arg(long)]
+    #[arg(long, conflicts_with = "against")]
     totals: bool,
     /// Show figures that are the same too
-    #[arg(long)]
+    #[arg(long, conflicts_with = "against")]
     all: bool,
-}
-
-/// "5%" as 0.05.
-fn percent(text: &str) -> Result<f64, String> {
-    let value = text.strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());
-    match value {
-        Some(value) if value >= 0.0 && value.is_finite() => Ok(0.01 * value),
-        _ => Err("give a percentage, as 5%".into()),
-    }
 }
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (a, b) = (Recorded::read(&arguments.a)?, Recorded::read(&arguments.b)?);
-    let outcome = Outcome::of(&a, &b, arguments.threshold, arguments.totals);
-    say(&outcome.document(arguments.threshold, arguments.all))?;
+    match (&arguments.against, &arguments.places[..]) {
+        (Some(before), _) => by_turns(arguments, before),
+        (None, [a, b]) => results(arguments, Path::new(a), Path::new(b)),
+        (None, _) => Err(Failure::Bad("give two results folders, or a program with --against".into())),
+    }
+}
+
+fn results(arguments: &Arguments, a: &Path, b: &Path) -> Result<(), Failure> {
+    let threshold = arguments.threshold.unwrap_or(0.05);
+    let outcome = Outcome::of(&Recorded::read(a)?, &Recorded::read(b)?, threshold, arguments.totals);
+    say(&outcome.document(threshold, arguments.all))?;
     if outcome.comparisons.is_empty() && outcome.failures.is_empty() {
-        let (a, b) = (arguments.a.display(), arguments.b.display());
+        let (a, b) = (a.display(), b.display());
         return Err(Failure::Bad(format!("{a}, {b}: no figure in common; give two runs of the same scenes")));
     }
-    let verdict = |what: &str| format!("{what}: {}", outcome.summary(arguments.threshold));
-    if outcome.count(Verdict::Slower) + outcome.failures.len() > 0 {
-        Err(Failure::Wrong(verdict("slower")))
-    } else if outcome.count(Verdict::Inconclusive) > 0 {
-        Err(Failure::Inconclusive(verdict("inconclusive")))
+    let count = |verdict| outcome.count(verdict);
+    let slower = count(Verdict::Slower) + outcome.failures.len();
+    verdict(slower, count(Verdict::Inconclusive), &outcome.summary(threshold))
+}
+
+fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
+    let threshold = arguments.threshold.unwrap_or(0.02);
+    let ours = contender::cells(true)
+        .into_iter()
+        .filter(|cell| crate::builders::NAMES.contains(&cell.builder.as_str()) && cell.width == 4);
+    let named = arguments.builders.iter().map(|name| cell(name, None));
+    let cells: Vec<_> = if named.len() == 0 { ours.collect() } else { named.collect::<Result<_, _>>()? };
+    let this = std::env::current_exe()?;
+    let turns = Turns {
+        programs: [before, &this],
+        scenes: &arguments.places,
+        cells: &cells,
+        threads: arguments.threads.unwrap_or_else(all_threads),
+        precision: 0.5 * threshold,
+        limit: Duration::from_secs(arguments.seconds),
+    };
+    let mut bar = Bar::new();
+    bar.begin(arguments.seconds);
+    let mut shown = 0;
+    let measured = turns.measure(&mut |doing, spent| {
+        bar.at(doing);
+        bar.advance(spent.as_secs().saturating_sub(shown));
+        shown = spent.as_secs();
+    });
+    bar.finish();
+    let judged = ByTurns::of(&measured?, &cells, &arguments.places, threshold);
+    say(&judged.document())?;
+    verdict(judged.count(Verdict::Slower), judged.count(Verdict::Inconclusive), &judged.summary())
+}
+
+/// The exit code's reason.
+fn verdict(slower: usize, undecided: usize, summary: &str) -> Result<(), Failure> {
+    if slower > 0 {
+        Err(Failure::Wrong(format!("slower: {summary}")))
+    } else if undecided > 0 {
+        Err(Failure::Inconclusive(format!("inconclusive: {summary}")))
     } else {
         Ok(())
     }

@@ -13,4 +13,5 @@ pub mod render;
 pub mod scenes;
 pub mod table;
 pub mod targets;
+pub mod turns;
 pub mod verify;
