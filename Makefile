@@ -9,6 +9,10 @@
 #                   of memory
 # make bench-kernel our kernels and Embree's, single rays and batches, over the same trees on the files SCENES and the
 #                   built-in scenes of 100,000 triangles and more, into results/kernel: half an hour on two cores
+# make bench-reference
+#                   every figure of README and RESULTS again: the runs of bench-builders into results/full, stopped and
+#                   resumed at will, reduced into results/reference and results/reference-ablation, tables, plots and pages
+#                   made from them; refuses to start on a busy machine
 # cargo bench --bench steps
 #                   the steps of a build one by one (codes, sort, auxiliary tree, sweeps by length of the cut,
 #                   refining, leaf blocks, wide nodes), each beside a memcpy of as many bytes: some minutes
@@ -29,6 +33,8 @@ ROUNDS ?= 3
 MIN_SECONDS ?= 60
 SIZE ?= 160
 TARGETS = results/targets
+FULL = results/full
+REFERENCE = results/reference
 # Builders that have targets, and sizes over which they grow.
 TARGETED = lbvh|phr-fast|phr-hq|phr-speed|phr-quality|phr-best|embree-[a-z-]+
 GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
@@ -44,7 +50,7 @@ PACKAGES = libembree-dev libclang-dev
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: bench bench-full bench-builders bench-kernel bench-paper embree-ndebug test packages
+.PHONY: bench bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -55,17 +61,26 @@ bench-full: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr bench --set builtin $(ARGS)
 
-# The short runs first: what is wrong shows early.
+# A run into the folder $(2); with RESUMED, continued where it was stopped, in a quiet hour, until intervals are narrow.
+define measured
+	./target/release/phr bench $(1) --out $(2) $(if $(RESUMED),$$(test -f $(2)/samples.json && echo --resume) --when-quiet --until 2%) $(ARGS)
+
+endef
+
+# The runs behind the targets into the folder $(1), and of extensions into $(1)-ablation; the short runs first: what is
+# wrong shows early.
+define runs
+$(call measured,$(GROWTH) --build-only --filter ' ($(GROWING)) 4 ' --rounds $(ROUNDS) --threads 2,$(1)/growth)
+$(call measured,--set builtin $(SCENES) --build-only --filter ' ($(TARGETED)) 4 ' \
+	--rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2 --one-thread,$(1)/threads)
+$(call measured,--set builtin $(SCENES) --size $(SIZE) --rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2,$(1))
+$(call measured,--set builtin $(SCENES) --size $(SIZE) $(addprefix --builder ,$(ABLATED)) \
+	--rounds $(ROUNDS) --threads 2,$(1)-ablation)
+endef
+
 bench-builders: packages
 	$(CARGO) build --release --bin phr
-	./target/release/phr bench $(GROWTH) --build-only --filter ' ($(GROWING)) 4 ' \
-		--rounds $(ROUNDS) --threads 2 --out $(TARGETS)/growth $(ARGS)
-	./target/release/phr bench --set builtin $(SCENES) --build-only --filter ' ($(TARGETED)) 4 ' \
-		--rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2 --one-thread --out $(TARGETS)/threads $(ARGS)
-	./target/release/phr bench --set builtin $(SCENES) --size $(SIZE) \
-		--rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2 --out $(TARGETS) $(ARGS)
-	./target/release/phr bench --set builtin $(SCENES) --size $(SIZE) $(addprefix --builder ,$(ABLATED)) \
-		--rounds $(ROUNDS) --threads 2 --out $(TARGETS)-ablation $(ARGS)
+	$(call runs,$(TARGETS))
 	./target/release/phr plot $(TARGETS)
 	./target/release/phr plot $(TARGETS)/growth
 	./target/release/phr targets $(TARGETS)
@@ -74,6 +89,20 @@ bench-kernel: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr kernels $(KERNEL_SCENES) $(SCENES) --least 100000 --size $(SIZE) --threads 1 --threads 2 \
 		--out results/kernel $(ARGS)
+
+# A new revision begins anew: it cannot continue the runs of another (remove results/full).
+bench-reference: RESUMED = yes
+bench-reference: packages
+	$(CARGO) build --release --bin phr
+	@echo "$(words $(SCENES)) scene files and the built-in scenes: each $(MIN_SECONDS) seconds twice and longer where they" \
+		"are large; with growth and extensions about two hours on two cores. Stop it with Ctrl-C, go on with the same command."
+	$(call runs,$(FULL))
+	./target/release/phr reduce $(FULL) $(REFERENCE)
+	./target/release/phr reduce $(FULL)-ablation $(REFERENCE)-ablation
+	./target/release/phr table $(REFERENCE) > $(REFERENCE)/table1.md
+	./target/release/phr plot $(REFERENCE)
+	./target/release/phr plot $(REFERENCE)/growth
+	./target/release/phr readme README.md RESULTS.md
 
 bench-paper: packages
 	$(CARGO) build --release --bin phr
