@@ -36,7 +36,7 @@ TARGETS = results/targets
 FULL = results/full
 REFERENCE = results/reference
 # Builders that have targets, and sizes over which they grow.
-TARGETED = lbvh|phr-fast|phr-hq|phr-speed|phr-quality|phr-best|embree-[a-z-]+
+TARGETED = lbvh|phr-fast|phr-hq|phr-turbo|phr-speed|phr-quality|phr-best|embree-[a-z-]+
 GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
 # PHR-Fast and PHR-HQ, and each with one extension (`phr ablation`).
 ABLATED = phr-fast $(addprefix phr-fast-,coarse clusters subtrees) phr-hq \

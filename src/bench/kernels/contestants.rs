@@ -1,8 +1,11 @@
 //! The trees of a scene, and all that traces them.
 
+#[cfg(feature = "graft")]
 use super::row::SINGLE;
 use crate::bench::cell::Cell;
-use crate::bench::contender::{self, EitherWidth};
+#[cfg(feature = "graft")]
+use crate::bench::contender;
+use crate::bench::contender::EitherWidth;
 use crate::builders;
 use crate::bvh::WideBvh;
 #[cfg(feature = "graft")]
