@@ -67,16 +67,9 @@ macro_rules! packets {
                     // not shared; lanes that are on hold valid rays.
                     unsafe { sys::$intersect(mask.0.as_ptr(), self.scene.raw(), &mut context, &mut packet) };
                     for (lane, hit) in hits.iter_mut().enumerate() {
-                        *hit = if packet.hit.geomID[lane] == sys::RTC_INVALID_GEOMETRY_ID {
-                            Hit::MISS
-                        } else {
-                            Hit {
-                                t: packet.ray.tfar[lane],
-                                u: packet.hit.u[lane],
-                                v: packet.hit.v[lane],
-                                prim: packet.hit.primID[lane],
-                            }
-                        };
+                        let (ray, found) = (&packet.ray, &packet.hit);
+                        let (u, v, prim) = (found.u[lane], found.v[lane], found.primID[lane]);
+                        *hit = query::found(found.geomID[lane], Hit { t: ray.tfar[lane], u, v, prim });
                     }
                 }
             }

@@ -14,6 +14,12 @@ use embree_sys as sys;
 /// Rays checked at a time: 8 KiB.
 const RUN: usize = 256;
 
+/// The hit that Embree wrote, or a miss if it found no geometry.
+#[inline(always)]
+pub(super) fn found(geometry: u32, hit: Hit) -> Hit {
+    if geometry == sys::RTC_INVALID_GEOMETRY_ID { Hit::MISS } else { hit }
+}
+
 impl Tracer for EmbreeScene<'_> {
     /// An invalid ray misses.
     fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
@@ -26,11 +32,8 @@ impl Tracer for EmbreeScene<'_> {
             // SAFETY: the scene is committed and live; context and query are whole, aligned by their types and
             // not shared; the ray is valid.
             unsafe { sys::rtcIntersect1(scene, &mut context, &mut query) };
-            if query.hit.geomID == sys::RTC_INVALID_GEOMETRY_ID {
-                Hit::MISS
-            } else {
-                Hit { t: query.ray.tfar, u: query.hit.u, v: query.hit.v, prim: query.hit.primID }
-            }
+            let hit = Hit { t: query.ray.tfar, u: query.hit.u, v: query.hit.v, prim: query.hit.primID };
+            found(query.hit.geomID, hit)
         };
         for (rays, hits) in rays.chunks(RUN).zip(hits.chunks_mut(RUN)) {
             if all_valid(rays) {

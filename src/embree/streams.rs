@@ -67,11 +67,10 @@ impl Tracer for Stream<'_, '_> {
                 sys::rtcIntersect1M(self.scene.raw(), &mut context, stream.as_mut_ptr(), count, stride);
             }
             for (hit, query) in hits.iter_mut().zip(&stream) {
-                *hit = if query.hit.geomID == sys::RTC_INVALID_GEOMETRY_ID {
-                    Hit::MISS
-                } else {
-                    Hit { t: query.ray.tfar, u: query.hit.u, v: query.hit.v, prim: query.hit.primID }
-                };
+                *hit = query::found(
+                    query.hit.geomID,
+                    Hit { t: query.ray.tfar, u: query.hit.u, v: query.hit.v, prim: query.hit.primID },
+                );
             }
         }
     }
@@ -136,16 +135,9 @@ impl Tracer for PacketStream<'_, '_> {
             }
             for (packet, hits) in stream.iter().zip(hits.chunks_mut(LANES)) {
                 for (lane, hit) in hits.iter_mut().enumerate() {
-                    *hit = if packet.hit.geomID[lane] == sys::RTC_INVALID_GEOMETRY_ID {
-                        Hit::MISS
-                    } else {
-                        Hit {
-                            t: packet.ray.tfar[lane],
-                            u: packet.hit.u[lane],
-                            v: packet.hit.v[lane],
-                            prim: packet.hit.primID[lane],
-                        }
-                    };
+                    let (ray, found) = (&packet.ray, &packet.hit);
+                    let (u, v, prim) = (found.u[lane], found.v[lane], found.primID[lane]);
+                    *hit = query::found(found.geomID[lane], Hit { t: ray.tfar[lane], u, v, prim });
                 }
             }
         }
