@@ -119,7 +119,7 @@ fn cells(builders: &[String], build_only: bool) -> Result<Vec<Cell>, PlanError> 
         }
     }
     let wanted = |cell: &Cell| match builders {
-        [] => !crate::builders::ABLATION.contains(&cell.builder.as_str()),
+        [] => !crate::builders::on_request().any(|name| name == cell.builder),
         _ => builders.contains(&cell.builder),
     };
     Ok(all.into_iter().filter(wanted).collect())

@@ -40,5 +40,5 @@ pub use lbvh::direct::Lbvh;
 pub use optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
 pub use phr::{Extensions, LocalThreshold, Phr, PhrConfig};
 pub use prims::presplit::PresplitConfig;
-pub use registry::{ABLATION, NAMES, by_name};
+pub use registry::{ABLATION, NAMES, WITHOUT, by_name, on_request};
 pub use wide::optimal::CollapseCosts;

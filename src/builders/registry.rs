@@ -1,4 +1,4 @@
-//! The builders by name: those of the paper, ours, and the paper's with one extension each.
+//! The builders by name: those of the paper, ours, the paper's with one extension each, and ours without one each.
 
 use super::aac::{Aac, AacConfig};
 use super::builder::Builder;
@@ -38,6 +38,7 @@ const BEST: OptimisedPhrConfig = OptimisedPhrConfig {
     optimise: OptimiseConfig::DEFAULT,
 };
 
+const TURBO: Extensions = PhrConfig::TURBO.extensions;
 const SPEED: Extensions = PhrConfig::SPEED.extensions;
 const QUALITY: Extensions = PhrConfig::QUALITY.extensions;
 const NONE: Extensions = Extensions::NONE;
@@ -108,15 +109,7 @@ const REGISTRY: &[(&str, Config)] = &[
 /// Builders of a table.
 const IN_TABLES: usize = 10;
 
-const ALL: [&str; REGISTRY.len()] = {
-    let mut names = [""; REGISTRY.len()];
-    let mut i = 0;
-    while i < names.len() {
-        names[i] = REGISTRY[i].0;
-        i += 1;
-    }
-    names
-};
+const ALL: [&str; REGISTRY.len()] = names(REGISTRY);
 
 /// Names of the builders of a table, in its order.
 pub const NAMES: &[&str] = ALL.split_at(IN_TABLES).0;
@@ -125,15 +118,79 @@ pub const NAMES: &[&str] = ALL.split_at(IN_TABLES).0;
 /// on request.
 pub const ABLATION: &[&str] = ALL.split_at(IN_TABLES).1;
 
+/// A preset without one field of its extensions, or of those of its auxiliary BVH, each a builder
+/// `PRESET-no-FIELD`.
+macro_rules! without {
+    ($preset:literal, $config:expr; $($extension:ident)*; $($of_auxiliary:ident)*) => {
+        &[
+            $((
+                concat!($preset, "-no-", stringify!($extension)),
+                Extensions { $extension: NONE.$extension, ..$config.extensions },
+            ),)*
+            $((
+                concat!($preset, "-no-", stringify!($of_auxiliary)),
+                Extensions {
+                    auxiliary: AuxiliaryConfig { $of_auxiliary: PAPER.$of_auxiliary, ..$config.extensions.auxiliary },
+                    ..$config.extensions
+                },
+            ),)*
+        ]
+    };
+}
+
+const TURBO_WITHOUT: &[(&str, Extensions)] = without!("phr-turbo", PhrConfig::TURBO;
+    cut_share local_threshold overlap_threshold; auxiliary_leaf calibration);
+const SPEED_WITHOUT: &[(&str, Extensions)] = without!("phr-speed", PhrConfig::SPEED;
+    cut_share local_threshold overlap_threshold spatial_bias clip_triangles subtree_sweep collapse;
+    auxiliary_leaf clusters calibration presplit);
+const QUALITY_WITHOUT: &[(&str, Extensions)] = without!("phr-quality", PhrConfig::QUALITY;
+    cut_share local_threshold overlap_threshold spatial_bias clip_triangles leaf_sweep subtree_sweep collapse;
+    clusters calibration presplit);
+
+/// Names of our presets without one extension each: what the rest of the preset does not make up for. They are run on
+/// request.
+pub const WITHOUT: [&[&str]; 3] =
+    [&names::<_, 5>(TURBO_WITHOUT), &names::<_, 11>(SPEED_WITHOUT), &names::<_, 11>(QUALITY_WITHOUT)];
+
+/// Names of the builders that are run on request alone: [`ABLATION`] and [`WITHOUT`].
+pub fn on_request() -> impl Iterator<Item = &'static str> {
+    ABLATION.iter().chain(WITHOUT.into_iter().flatten()).copied()
+}
+
+const fn names<T: Copy, const N: usize>(of: &[(&'static str, T)]) -> [&'static str; N] {
+    let mut names = [""; N];
+    let mut i = 0;
+    while i < N {
+        names[i] = of[i].0;
+        i += 1;
+    }
+    names
+}
+
+/// A preset without one extension.
+fn without(name: &str) -> Option<(&'static str, Config)> {
+    let presets = [
+        (TURBO_WITHOUT, PhrConfig::TURBO),
+        (SPEED_WITHOUT, PhrConfig::SPEED),
+        (QUALITY_WITHOUT, PhrConfig::QUALITY),
+    ];
+    presets.iter().find_map(|&(without, preset)| {
+        let &(name, extensions) = without.iter().find(|(known, _)| *known == name)?;
+        Some((name, Config::Phr(PhrConfig { extensions, ..preset })))
+    })
+}
+
 impl OptimisedPhrConfig {
     /// The configuration of `phr-best`.
     pub const DEFAULT: Self = BEST;
 }
 
-/// The builder of trees of nodes of up to `N` children, 4 or 8, called `name`, or `None`; names are those of [`NAMES`] and [`ABLATION`].
+/// The builder of trees of nodes of up to `N` children, 4 or 8, called `name`, or `None`; names are those of [`NAMES`],
+/// [`ABLATION`] and [`WITHOUT`].
 pub fn by_name<const N: usize>(name: &str) -> Option<Box<dyn Builder<N>>> {
-    let (name, config) = REGISTRY.iter().find(|(known, _)| *known == name)?;
-    Some(build(name, *config).expect("the registry's parameters are in range, as a test tells"))
+    let known = REGISTRY.iter().find(|(known, _)| *known == name).copied();
+    let (name, config) = known.or_else(|| without(name))?;
+    Some(build(name, config).expect("the registry's parameters are in range, as a test tells"))
 }
 
 fn build<const N: usize>(name: &'static str, config: Config) -> Result<Box<dyn Builder<N>>, ConfigError> {
@@ -152,8 +209,11 @@ mod tests {
 
     #[test]
     fn every_name_is_that_of_its_builder() {
-        for name in NAMES.iter().chain(ABLATION) {
+        for name in NAMES.iter().chain(ABLATION).chain(WITHOUT.into_iter().flatten()) {
             assert_eq!(by_name::<4>(name).map(|builder| builder.name()), Some(*name));
+        }
+        for (without, whole) in [(TURBO_WITHOUT, TURBO), (SPEED_WITHOUT, SPEED), (QUALITY_WITHOUT, QUALITY)] {
+            assert!(without.iter().all(|(_, extensions)| *extensions != whole));
         }
         assert_eq!((NAMES.len(), ABLATION.len()), (10, 17));
         assert!(by_name::<4>("phr").is_none());

@@ -26,7 +26,7 @@ pub struct Ours<const N: usize> {
 pub fn cells(kernels: &[Kernel]) -> impl Iterator<Item = Cell> {
     let cell = |name: &str, width| Cell { builder: name.into(), width, kernels: kernels.into() };
     let both = builders::NAMES.iter().flat_map(move |name| [4, 8].map(|width| cell(name, width)));
-    both.chain(builders::ABLATION.iter().map(move |name| cell(name, 4)))
+    both.chain(builders::on_request().map(move |name| cell(name, 4)))
 }
 
 impl<const N: usize> Ours<N>
