@@ -38,9 +38,13 @@ REFERENCE = results/reference
 # Builders that have targets, and sizes over which they grow.
 TARGETED = lbvh|phr-fast|phr-hq|phr-turbo|phr-speed|phr-quality|phr-best|embree-[a-z-]+
 GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
-# PHR-Fast and PHR-HQ, and each with one extension (`phr ablation`).
-ABLATED = phr-fast $(addprefix phr-fast-,coarse clusters subtrees) phr-hq \
-	$(addprefix phr-hq-,coarse cut own bias overlap subtrees sweep leaf-28 calibration collapse clip presplit optimised)
+# PHR-Fast with one extension each, and our presets without one each (`phr ablation`).
+ABLATED = phr-fast $(addprefix phr-fast-,bucket coarse clusters subtrees) \
+	phr-turbo $(addprefix phr-turbo-no-,auxiliary_leaf calibration cut_share local_threshold) \
+	phr-speed $(addprefix phr-speed-no-,auxiliary_leaf calibration clusters collapse cut_share local_threshold presplit \
+	spatial_bias subtree_sweep) \
+	phr-quality $(addprefix phr-quality-no-,calibration clip_triangles clusters collapse cut_share local_threshold presplit \
+	spatial_bias subtree_sweep)
 KERNEL_SCENES = rooms statue hair city pipes
 # Builders whose times with and without assertions in Embree are compared, and ours beside them: what noise looks like.
 ASSERTED = embree-morton embree-sah embree-fast-spatial lbvh
@@ -74,7 +78,7 @@ $(call measured,$(GROWTH) --build-only --filter ' ($(GROWING)) 4 ' --rounds $(RO
 $(call measured,--set builtin $(SCENES) --build-only --filter ' ($(TARGETED)) 4 ' \
 	--rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2 --one-thread,$(1)/threads)
 $(call measured,--set builtin $(SCENES) --size $(SIZE) --rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2,$(1))
-$(call measured,--set builtin $(SCENES) --size $(SIZE) $(addprefix --builder ,$(ABLATED)) \
+$(call measured,--set builtin $(SCENES) --size 64 $(addprefix --builder ,$(ABLATED)) --width 4 \
 	--rounds $(ROUNDS) --threads 2,$(1)-ablation)
 endef
 

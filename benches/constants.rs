@@ -66,7 +66,7 @@ const COSTS: [Constant; 3] = [
     ("collapse.max_leaf", &[8.0, 28.0], |c, v| costs(c).max_leaf = v as u32),
 ];
 
-const SPEED: [Constant; 14] = [
+const SPEED: [Constant; 13] = [
     ("spatial_threshold", &[5e-3, 2e-2], |c, v| c.phr.spatial_threshold = v),
     ("max_cut", &[1024.0, 4096.0], |c, v| {
         c.phr.max_cut = v as usize;
@@ -78,7 +78,6 @@ const SPEED: [Constant; 14] = [
     ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
     ("own_threshold.references", &[16384.0, 65536.0], |c, v| local(c).references = v as u32),
     ("own_threshold.area", &[1.0 / 512.0, 1.0 / 128.0], |c, v| local(c).area = v),
-    ("overlap_threshold", &[5e-4, 2e-3], |c, v| extensions(c).overlap_threshold = Some(v)),
     ("spatial_bias", &[1.0, 1.14], |c, v| extensions(c).spatial_bias = Some(v)),
     ("subtree_sweep", &[16.0, 64.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
     ("presplit.filled", &[0.075, 0.3], |c, v| presplit(c).filled = v),
@@ -86,7 +85,7 @@ const SPEED: [Constant; 14] = [
     ("presplit.max_extra", &[0.125, 0.5], |c, v| presplit(c).max_extra = v),
 ];
 
-const QUALITY: [Constant; 11] = [
+const QUALITY: [Constant; 9] = [
     ("delta", &[4.0, 6.0], |c, v| c.phr.delta = v),
     ("spatial_threshold", &[1.5e-4, 6e-4], |c, v| c.phr.spatial_threshold = v),
     ("cut_share", &[1.0 / 64.0, 1.0 / 16.0], |c, v| extensions(c).cut_share = Some(v)),
@@ -94,9 +93,7 @@ const QUALITY: [Constant; 11] = [
     ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
     ("own_threshold.references", &[32768.0, 131_072.0], |c, v| local(c).references = v as u32),
     ("own_threshold.area", &[1.0 / 512.0, 1.0 / 128.0], |c, v| local(c).area = v),
-    ("overlap_threshold", &[1.5e-5, 6e-5], |c, v| extensions(c).overlap_threshold = Some(v)),
     ("spatial_bias", &[1.0, 1.16], |c, v| extensions(c).spatial_bias = Some(v)),
-    ("leaf_sweep", &[8.0, 32.0], |c, v| extensions(c).leaf_sweep = Some(v as u32)),
     ("subtree_sweep", &[32.0, 128.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
 ];
 

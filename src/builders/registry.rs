@@ -38,6 +38,7 @@ const BEST: OptimisedPhrConfig = OptimisedPhrConfig {
     optimise: OptimiseConfig::DEFAULT,
 };
 
+#[cfg(test)]
 const TURBO: Extensions = PhrConfig::TURBO.extensions;
 const SPEED: Extensions = PhrConfig::SPEED.extensions;
 const QUALITY: Extensions = PhrConfig::QUALITY.extensions;
@@ -89,11 +90,9 @@ const REGISTRY: &[(&str, Config)] = &[
     ),
     ("phr-hq-own", hq(Extensions { local_threshold: QUALITY.local_threshold, ..NONE })),
     ("phr-hq-bias", hq(Extensions { spatial_bias: QUALITY.spatial_bias, ..NONE })),
-    ("phr-hq-overlap", hq(Extensions { overlap_threshold: Some(1e-4), ..NONE })),
     ("phr-hq-subtrees", hq(Extensions { subtree_sweep: Some(64), ..NONE })),
     ("phr-hq-clip", hq(Extensions { clip_triangles: true, ..NONE })),
     ("phr-hq-presplit", hq(auxiliary(AuxiliaryConfig { presplit: Some(PresplitConfig::NEEDLES), ..PAPER }))),
-    ("phr-hq-sweep", hq(Extensions { leaf_sweep: Some(16), ..NONE })),
     ("phr-hq-leaf-28", Config::Phr(PhrConfig { max_leaf: 28, ..PhrConfig::HQ })),
     (
         "phr-hq-calibration",
@@ -139,18 +138,18 @@ macro_rules! without {
 }
 
 const TURBO_WITHOUT: &[(&str, Extensions)] = without!("phr-turbo", PhrConfig::TURBO;
-    cut_share local_threshold overlap_threshold; auxiliary_leaf calibration);
+    cut_share local_threshold; auxiliary_leaf calibration);
 const SPEED_WITHOUT: &[(&str, Extensions)] = without!("phr-speed", PhrConfig::SPEED;
-    cut_share local_threshold overlap_threshold spatial_bias clip_triangles subtree_sweep collapse;
+    cut_share local_threshold spatial_bias subtree_sweep collapse;
     auxiliary_leaf clusters calibration presplit);
 const QUALITY_WITHOUT: &[(&str, Extensions)] = without!("phr-quality", PhrConfig::QUALITY;
-    cut_share local_threshold overlap_threshold spatial_bias clip_triangles leaf_sweep subtree_sweep collapse;
+    cut_share local_threshold spatial_bias clip_triangles subtree_sweep collapse;
     clusters calibration presplit);
 
 /// Names of our presets without one extension each: what the rest of the preset does not make up for. They are run on
 /// request.
 pub const WITHOUT: [&[&str]; 3] =
-    [&names::<_, 5>(TURBO_WITHOUT), &names::<_, 11>(SPEED_WITHOUT), &names::<_, 11>(QUALITY_WITHOUT)];
+    [&names::<_, 4>(TURBO_WITHOUT), &names::<_, 9>(SPEED_WITHOUT), &names::<_, 9>(QUALITY_WITHOUT)];
 
 /// Names of the builders that are run on request alone: [`ABLATION`] and [`WITHOUT`].
 pub fn on_request() -> impl Iterator<Item = &'static str> {
@@ -215,7 +214,7 @@ mod tests {
         for (without, whole) in [(TURBO_WITHOUT, TURBO), (SPEED_WITHOUT, SPEED), (QUALITY_WITHOUT, QUALITY)] {
             assert!(without.iter().all(|(_, extensions)| *extensions != whole));
         }
-        assert_eq!((NAMES.len(), ABLATION.len()), (10, 17));
+        assert_eq!((NAMES.len(), ABLATION.len()), (10, 15));
         assert!(by_name::<4>("phr").is_none());
     }
 }

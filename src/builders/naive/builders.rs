@@ -25,7 +25,6 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig, width: usize) -> Option<Wide> {
         width,
         config,
         spatial_above: scale * config.spatial_threshold,
-        overlap_above: config.extensions.overlap_threshold.map(|threshold| scale * threshold),
         // Parts that fit a cache.
         part: (mesh.len() / 256).clamp(512, 4096) as u32,
         refine: &|side, clip, depth| {
@@ -62,7 +61,6 @@ pub fn hunt(mesh: &Mesh, config: &HuntConfig, width: usize) -> Option<Wide> {
         width,
         config: &cuts,
         spatial_above: f32::INFINITY,
-        overlap_above: None,
         part: 0,
         refine: &|mut side, clip, _| {
             loop {

@@ -30,19 +30,12 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
         ("hq", PhrConfig::HQ),
         ("filled cut", PhrConfig { max_cut: 64, ..fast(Extensions { cut_share: Some(0.1), ..none }) }),
         ("auxiliary leaves", auxiliary(AuxiliaryConfig { auxiliary_leaf: Some(4), ..paper })),
-        ("leaf sweep", PhrConfig { max_leaf: 28, ..fast(Extensions { leaf_sweep: Some(16), ..none }) }),
+        ("large leaves", PhrConfig { max_leaf: 28, ..PhrConfig::FAST }),
         ("presplit", auxiliary(presplit)),
         ("bucket sort", auxiliary(AuxiliaryConfig { bucket_sort: true, ..paper })),
         ("clipped triangles", fast(Extensions { clip_triangles: true, ..none })),
         ("clusters", auxiliary(clusters)),
         ("subtree sweep", fast(Extensions { subtree_sweep: Some(256), ..none })),
-        (
-            "overlap",
-            PhrConfig {
-                spatial_threshold: 1e-4,
-                ..fast(Extensions { overlap_threshold: Some(1e-2), ..none })
-            },
-        ),
         ("calibration", auxiliary(AuxiliaryConfig { calibration: Some(0.3), ..clusters })),
         ("own threshold", PhrConfig { delta: 2.0, ..fast(Extensions { local_threshold, ..none }) }),
         (
@@ -71,9 +64,7 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
                         bucket_sort: true,
                         ..presplit
                     },
-                    overlap_threshold: Some(1e-6),
                     subtree_sweep: Some(50),
-                    leaf_sweep: Some(32),
                     clip_triangles: true,
                     spatial_bias: Some(1.1),
                     local_threshold,

@@ -23,7 +23,6 @@ pub struct Naive<'a> {
     pub width: usize,
     pub config: &'a PhrConfig,
     pub spatial_above: f32,
-    pub overlap_above: Option<f32>,
     pub part: u32,
     pub refine: &'a Refine<'a>,
 }
@@ -192,8 +191,7 @@ impl Naive<'_> {
             cut.members = lone.open(&cut.clip);
         }
         let is_lone_leaf = cut.members.len() == 1 && cut.members[0].is_leaf();
-        let is_small = cut.count() <= self.extensions().leaf_sweep.unwrap_or(0) || is_lone_leaf;
-        if !cut.is_near_leaves && (is_small || cut.depth >= CUT_DEPTH) {
+        if !cut.is_near_leaves && (is_lone_leaf || cut.depth >= CUT_DEPTH) {
             cut.members = cut.references();
             cut.is_near_leaves = true;
         }
@@ -209,7 +207,6 @@ impl Naive<'_> {
         let object = splits::object(&boxes, weight);
         let area = cut.bounds().half_area();
         if area > self.spatial_above
-            && self.may_overlap(object.as_ref(), &boxes)
             && let Some((cost, plane)) = splits::spatial(&boxes, weight)
             && cost < area * weight.of(boxes.len())
         {
@@ -227,16 +224,6 @@ impl Naive<'_> {
             }
         }
         object.map_or(Split::Halves, |object| Split::Object(object.is_left))
-    }
-
-    /// Whether the sides of an object split have enough in common for a spatial split to be tried.
-    fn may_overlap(&self, object: Option<&splits::Object>, boxes: &[Aabb]) -> bool {
-        let (Some(least), Some(object)) = (self.overlap_above, object) else { return true };
-        let side = |is_left: bool| -> Aabb {
-            let members = boxes.iter().zip(&object.is_left);
-            members.filter(|(_, left)| **left == is_left).map(|(bounds, _)| *bounds).collect()
-        };
-        side(true).intersection(side(false)).half_area() > least
     }
 
     /// What of a member's box is on both sides of a plane; of a single triangle perhaps the boxes of its parts.

@@ -40,16 +40,11 @@ pub struct Extensions {
     /// Large parts of the scene are opened by their own area too.
     #[serde(rename = "own_threshold")]
     pub local_threshold: Option<LocalThreshold>,
-    /// Spatial splits are tried only where the sides of the best object split overlap in a box whose area relative
-    /// to the scene's exceeds this (cf. Stich et al. 2009, 4.5).
-    pub overlap_threshold: Option<f32>,
     /// A spatial split is taken if it costs less than the best object split, as in the paper, or if its cost times the
     /// growth in references is less than this multiple of the object split's.
     pub spatial_bias: Option<f32>,
     /// Where a spatial split cuts a node of a single triangle, the triangle is clipped and not only its box.
     pub clip_triangles: bool,
-    /// Cuts of at most this many references are opened down to single ones, and their splits count the blocks of leaves.
-    pub leaf_sweep: Option<u32>,
     /// Cuts of at most this many references, whose boxes are too small for spatial splits, are split down to leaves
     /// in one go by sweeps over all of them.
     pub subtree_sweep: Option<u32>,
@@ -74,10 +69,8 @@ impl Extensions {
         auxiliary: AuxiliaryConfig::PAPER,
         cut_share: None,
         local_threshold: None,
-        overlap_threshold: None,
         spatial_bias: None,
         clip_triangles: false,
-        leaf_sweep: None,
         subtree_sweep: None,
         collapse: None,
     };
@@ -124,9 +117,7 @@ impl Extensions {
         auxiliary.check()?;
         check_option("cut_share", self.cut_share, 0.0..=1.0)?;
         check_option("own_threshold.area", local_threshold.map(|local| local.area), 0.0..=f32::MAX)?;
-        check_option("overlap_threshold", self.overlap_threshold, 0.0..=f32::MAX)?;
         check_option("spatial_bias", self.spatial_bias, 0.0..=16.0)?;
-        check_option("leaf_sweep", self.leaf_sweep, 0..=4096)?;
         check_option("subtree_sweep", self.subtree_sweep, 0..=SUBTREE_MOST as u32)?;
         collapse.map_or(Ok(()), |costs| costs.check())
     }

@@ -30,8 +30,6 @@ pub(crate) struct CutRecursion<'a, P> {
     pub isa: Isa,
     /// Spatial splits are tried in nodes of a larger half area.
     spatial_above: f32,
-    /// Spatial splits are tried where the sides of the object split overlap by a larger half area, if this is given.
-    pub overlap_above: Option<f32>,
 }
 
 impl<'a, P: CutPolicy> CutRecursion<'a, P> {
@@ -45,7 +43,6 @@ impl<'a, P: CutPolicy> CutRecursion<'a, P> {
             policy,
             isa,
             spatial_above: scale * config.spatial_threshold,
-            overlap_above: config.extensions.overlap_threshold.map(|threshold| scale * threshold),
         }
     }
 

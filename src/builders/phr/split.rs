@@ -89,7 +89,7 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
             cut = opened.finish(&cut);
         }
         let is_lone_leaf = cut.len == 1 && arena[cut.range().start].is_leaf();
-        let opens_all = self.is_near_leaves(&cut) || is_lone_leaf || cut.depth >= CUT_DEPTH;
+        let opens_all = is_lone_leaf || cut.depth >= CUT_DEPTH;
         if cut.level == CutLevel::Subtrees && opens_all {
             let mut opened = CutBuilder::new(arena);
             for i in cut.range() {
@@ -111,9 +111,7 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
         hint: PlaneHint<'_>,
         sweep: &mut SpatialSweep,
     ) -> Option<SpatialSplit> {
-        if !self.splits_in_space(cut)
-            || self.overlap_above.is_some_and(|least| object.overlap(nodes).half_area() <= least)
-        {
+        if !self.splits_in_space(cut) {
             return None;
         }
         let bias = self.config.extensions.spatial_bias.unwrap_or(1.0);

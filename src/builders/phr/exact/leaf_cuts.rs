@@ -20,7 +20,7 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
         cut.count == cut.len
             && !(may_repeat && self.config.extensions.collapse.is_some())
             && cut.level == CutLevel::Subtrees
-            && !self.extends_small_cuts()
+            && !self.sweeps_small_cuts()
             && (FEWEST..=SUBTREE_MOST).contains(&(cut.len as usize))
             && cut.depth < CUT_DEPTH
             && is_inside(cut.bounds, &cut.clip)

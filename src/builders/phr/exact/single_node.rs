@@ -58,7 +58,6 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
         }
         let node = arena[cut.range().start];
         let is_known = !node.is_leaf()
-            && !self.is_near_leaves(cut)
             && cut.depth < CUT_DEPTH
             && !self.splits_in_space(cut)
             && is_whole(&node, &cut.clip);
@@ -97,7 +96,7 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
         counts: &mut Counts,
     ) -> Option<Subtree> {
         let max_leaf = self.config.leaf_size();
-        if self.extends_small_cuts() || self.config.extensions.auxiliary.max_leaf() > BLOCK {
+        if self.sweeps_small_cuts() || self.config.extensions.auxiliary.max_leaf() > BLOCK {
             return None;
         }
         let leaves = Leaves::of(&self.order.refs, max_leaf);

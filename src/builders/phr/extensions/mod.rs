@@ -1,11 +1,11 @@
 //! Where [`super::config::Extensions`] change the tree, and the presets that use them.
 //!
 //! * [`presets`]: `phr-turbo`, `phr-speed` and `phr-quality`;
-//! * [`small_cuts`]: `leaf_sweep`, and `subtree_sweep`, which splits by [`crate::builders::split::sweep_sah`];
+//! * [`small_cuts`]: `subtree_sweep`, which splits by [`crate::builders::split::sweep_sah`];
 //! * [`collapse`]: the extension of that name.
 //!
 //! The rest is a line where the paper's rule stands: `cut_share` in [`super::pipeline`], `local_threshold` (in records `own_threshold`) in [`super::refine`],
-//! `overlap_threshold`, `spatial_bias` and `clip_triangles` in [`super::split`], those of the auxiliary BVH in
+//! `spatial_bias` and `clip_triangles` in [`super::split`], those of the auxiliary BVH in
 //! [`crate::builders::lbvh`].
 
 pub(crate) mod collapse;

@@ -8,7 +8,7 @@ use crate::builders::wide::optimal::CollapseCosts;
 impl PhrConfig {
     /// For the shortest build whose trees trace as Embree SAH's: PHR-Fast with shorter cuts that shrink more slowly, over
     /// an auxiliary BVH whose leaves are blocks. The initial cut has 2048 nodes in any scene, and large parts are opened by
-    /// their own area; spatial splits are tried only in the largest parts, where they overlap.
+    /// their own area; spatial splits are tried only in the largest parts.
     pub const TURBO: Self = Self {
         alpha: 0.45,
         delta: 5.0,
@@ -22,7 +22,6 @@ impl PhrConfig {
             // With `max_cut` 2048: always 2048 nodes.
             cut_share: Some(1.0 / 256.0),
             local_threshold: Some(LocalThreshold { references: 1 << 15, area: 1.0 / 256.0 }),
-            overlap_threshold: Some(3e-3),
             ..Extensions::NONE
         },
         ..Self::FAST
@@ -30,8 +29,8 @@ impl PhrConfig {
 
     /// For speed: PHR-Fast from an initial cut of 2048 nodes in any scene, over an auxiliary BVH whose leaves are
     /// blocks or small clusters. Subtrees near the leaves are swept in one go, parts that fit a cache are collapsed to the
-    /// cheapest wide tree, and spatial splits are tried only in large parts that overlap. Needles are presplit and
-    /// triangles clipped, which costs little and saves scenes of rods and pipes.
+    /// cheapest wide tree, and spatial splits are tried only in large parts. Needles are presplit, which saves scenes of
+    /// rods and pipes.
     pub const SPEED: Self = Self {
         spatial_threshold: 1e-2,
         extensions: Extensions {
@@ -45,10 +44,8 @@ impl PhrConfig {
             // With `max_cut` 2048: always 2048 nodes.
             cut_share: Some(1.0 / 256.0),
             local_threshold: Some(LocalThreshold { references: 1 << 15, area: 1.0 / 256.0 }),
-            overlap_threshold: Some(1e-3),
             spatial_bias: Some(1.07),
-            clip_triangles: true,
-            leaf_sweep: None,
+            clip_triangles: false,
             subtree_sweep: Some(32),
             collapse: Some(CollapseCosts::EMBREE),
         },
@@ -56,7 +53,7 @@ impl PhrConfig {
     };
 
     /// For quality: larger initial cuts, spatial splits tried in smaller parts, only the smallest clusters kept together
-    /// in the auxiliary BVH, which else has single triangles, all of which spatial splits can clip, and larger subtrees
+    /// in the auxiliary BVH, which else has single triangles, all of which spatial splits clip, and larger subtrees
     /// swept in one go. Equation 2 has little effect then: large parts are opened by their own area.
     pub const QUALITY: Self = Self {
         delta: 5.0,
@@ -70,9 +67,8 @@ impl PhrConfig {
             },
             cut_share: Some(1.0 / 32.0),
             local_threshold: Some(LocalThreshold { references: 1 << 16, area: 1.0 / 256.0 }),
-            overlap_threshold: Some(3e-5),
             spatial_bias: Some(1.08),
-            leaf_sweep: Some(16),
+            clip_triangles: true,
             subtree_sweep: Some(64),
             ..Self::SPEED.extensions
         },

@@ -1,4 +1,4 @@
-//! Small cuts: `leaf_sweep` opens them down to single references, `subtree_sweep` splits them down to leaves in one go.
+//! Small cuts: `subtree_sweep` splits them down to leaves in one go.
 
 use crate::builders::binary::node::Node;
 use crate::builders::phr::cut::Cut;
@@ -8,23 +8,16 @@ use crate::builders::phr::recursion::CutRecursion;
 use crate::bvh::limits::BLOCK;
 
 impl<P: CutPolicy> CutRecursion<'_, P> {
-    /// Whether a cut is opened down to single references.
-    #[inline]
-    pub(in crate::builders::phr) fn is_near_leaves(&self, cut: &Cut) -> bool {
-        cut.count <= self.config.extensions.leaf_sweep.unwrap_or(0)
-    }
-
     /// Whether a cut that is not split spatially is split down to its leaves in one go.
     #[inline]
     pub(in crate::builders::phr) fn is_small(&self, cut: &Cut) -> bool {
         cut.count <= self.config.extensions.subtree_sweep.unwrap_or(0)
     }
 
-    /// Whether either extension applies to any cut of more than a block.
+    /// Whether any cut of more than a block is.
     #[inline]
-    pub(in crate::builders::phr) fn extends_small_cuts(&self) -> bool {
-        let extensions = &self.config.extensions;
-        extensions.leaf_sweep.max(extensions.subtree_sweep).is_some_and(|most| most > BLOCK)
+    pub(in crate::builders::phr) fn sweeps_small_cuts(&self) -> bool {
+        self.config.extensions.subtree_sweep.is_some_and(|most| most > BLOCK)
     }
 
     /// Splits a small cut down to its leaves; `None` if clipping left nothing of it.

@@ -1,8 +1,6 @@
 //! An object split: the nodes of a cut are ordered along an axis, and the first of them go to the left.
 
 use crate::builders::binary::node::Node;
-use crate::geometry::Aabb;
-use glam::Vec3A;
 
 /// The best object split of a cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,20 +46,6 @@ impl ObjectSplit {
         let cost = a.bounds().half_area() + b.bounds().half_area();
         let last = usize::from(b.center2(0) < a.center2(0));
         if cost < limit { Self { cost, axis: 0, left: 1, last } } else { Self::NONE }
-    }
-
-    /// The common part of the boxes of both sides; all of space if there is no split.
-    pub fn overlap(&self, nodes: &[Node]) -> Aabb {
-        if self.left == 0 {
-            return Aabb::new(Vec3A::NEG_INFINITY, Vec3A::INFINITY);
-        }
-        let is_left = self.members(nodes);
-        let mut sides = [Aabb::EMPTY; 2];
-        for (i, node) in nodes.iter().enumerate() {
-            let side = &mut sides[usize::from(is_left(i, node))];
-            *side = side.union(node.bounds());
-        }
-        sides[0].intersection(sides[1])
     }
 
     /// Tells of every node of the cut, given with its position, whether it is on the left.
