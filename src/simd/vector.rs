@@ -31,26 +31,12 @@ pub(crate) trait Lanes: Copy {
     fn sub(self, a: Self::F, b: Self::F) -> Self::F;
     /// `a * b`.
     fn mul(self, a: Self::F, b: Self::F) -> Self::F;
-    /// `a / b`.
-    fn div(self, a: Self::F, b: Self::F) -> Self::F;
-    /// `a * b + c`, rounded once.
-    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
-    /// `a * b - c`, rounded once.
-    fn mul_sub(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
-    /// The bits of both.
-    fn both(self, a: Self::F, b: Self::F) -> Self::F;
-    /// The bits of one alone.
-    fn xor(self, a: Self::F, b: Self::F) -> Self::F;
-    /// The lesser; `b` if they are equal.
-    fn min(self, a: Self::F, b: Self::F) -> Self::F;
     /// The greater; `b` if they are equal.
     fn max(self, a: Self::F, b: Self::F) -> Self::F;
     /// The least of all lanes.
     fn least(self, x: Self::F) -> f32;
     /// A bit for each lane, the first the lowest.
     fn bits(self, m: Self::M) -> u32;
-    /// The lanes of the bits set, as [`Lanes::bits`] gives them.
-    fn mask(self, bits: u32) -> Self::M;
     /// `x` rounded down.
     fn floor(self, x: Self::F) -> Self::F;
     /// `a < b`.
@@ -103,11 +89,6 @@ mod x86 {
             }
 
             #[inline(always)]
-            fn mask(self, bits: u32) -> $mask {
-                bits as $mask
-            }
-
-            #[inline(always)]
             fn and(self, a: $mask, b: $mask) -> $mask {
                 a & b
             }
@@ -143,12 +124,6 @@ mod x86 {
                 add(a: __m256, b: __m256) -> __m256, _mm256_add_ps(a, b);
                 sub(a: __m256, b: __m256) -> __m256, _mm256_sub_ps(a, b);
                 mul(a: __m256, b: __m256) -> __m256, _mm256_mul_ps(a, b);
-                div(a: __m256, b: __m256) -> __m256, _mm256_div_ps(a, b);
-                mul_add(a: __m256, b: __m256, c: __m256) -> __m256, _mm256_fmadd_ps(a, b, c);
-                mul_sub(a: __m256, b: __m256, c: __m256) -> __m256, _mm256_fmsub_ps(a, b, c);
-                both(a: __m256, b: __m256) -> __m256, _mm256_and_ps(a, b);
-                xor(a: __m256, b: __m256) -> __m256, _mm256_xor_ps(a, b);
-                min(a: __m256, b: __m256) -> __m256, _mm256_min_ps(a, b);
                 max(a: __m256, b: __m256) -> __m256, _mm256_max_ps(a, b);
                 floor(x: __m256) -> __m256, _mm256_floor_ps(x);
                 least(x: __m256) -> f32, {
@@ -188,12 +163,6 @@ mod x86 {
             add(a: __m512, b: __m512) -> __m512, _mm512_add_ps(a, b);
             sub(a: __m512, b: __m512) -> __m512, _mm512_sub_ps(a, b);
             mul(a: __m512, b: __m512) -> __m512, _mm512_mul_ps(a, b);
-            div(a: __m512, b: __m512) -> __m512, _mm512_div_ps(a, b);
-            mul_add(a: __m512, b: __m512, c: __m512) -> __m512, _mm512_fmadd_ps(a, b, c);
-            mul_sub(a: __m512, b: __m512, c: __m512) -> __m512, _mm512_fmsub_ps(a, b, c);
-            both(a: __m512, b: __m512) -> __m512, _mm512_and_ps(a, b);
-            xor(a: __m512, b: __m512) -> __m512, _mm512_xor_ps(a, b);
-            min(a: __m512, b: __m512) -> __m512, _mm512_min_ps(a, b);
             max(a: __m512, b: __m512) -> __m512, _mm512_max_ps(a, b);
             least(x: __m512) -> f32, _mm512_reduce_min_ps(x);
             floor(x: __m512) -> __m512, _mm512_roundscale_ps::<_MM_FROUND_TO_NEG_INF>(x);
@@ -225,11 +194,6 @@ mod x86 {
         eight_lanes!(token, token);
         methods! {
             bits(m: __m256) -> u32, _mm256_movemask_ps(m) as u32;
-            mask(bits: u32) -> __m256, {
-                let each = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-                let own = _mm256_and_si256(_mm256_set1_epi32(bits as i32), each);
-                _mm256_castsi256_ps(_mm256_cmpeq_epi32(own, each))
-            };
             lt(a: __m256, b: __m256) -> __m256, _mm256_cmp_ps::<_CMP_LT_OQ>(a, b);
             le(a: __m256, b: __m256) -> __m256, _mm256_cmp_ps::<_CMP_LE_OQ>(a, b);
             and(a: __m256, b: __m256) -> __m256, _mm256_and_ps(a, b);

@@ -67,7 +67,7 @@ const UNSAFE_FILES: &[&str] = &[
     "builders/wide/treelet.rs",
     // Links and a stack without bounds checks.
     "trace/kernel/batch/interleave.rs",
-    "trace/kernel/batch/tracer.rs",
+    "trace/kernel/batch/stream.rs",
     "trace/kernel/sound_tree.rs",
     "trace/kernel/stack.rs",
     "trace/kernel/traverse.rs",

@@ -77,18 +77,6 @@ impl<'a, const N: usize, B> SoundTree<'a, N, B> {
         Self { root: link, ..self }
     }
 
-    /// All inner nodes.
-    #[inline(always)]
-    pub(super) fn nodes(self) -> &'a [WideNode<N>] {
-        self.nodes
-    }
-
-    /// All leaf blocks.
-    #[inline(always)]
-    pub(super) fn blocks(self) -> &'a [B] {
-        self.blocks
-    }
-
     /// Node `index`.
     ///
     /// # Safety

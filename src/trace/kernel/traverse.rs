@@ -89,7 +89,7 @@ const fn bytes_ahead<K: Kernel, const N: usize>() -> usize {
 }
 
 #[inline(always)]
-fn closest<K: Kernel, C: Counter, const N: usize>(
+pub(super) fn closest<K: Kernel, C: Counter, const N: usize>(
     kernel: K,
     tree: SoundTree<'_, N, K::Block>,
     tfar: f32,
@@ -194,7 +194,7 @@ fn closest<K: Kernel, C: Counter, const N: usize>(
 
 /// Without distances there is nothing to sort: the last child met comes first, the others wait.
 #[inline(always)]
-fn any<K: Kernel, C: Counter, const N: usize>(
+pub(super) fn any<K: Kernel, C: Counter, const N: usize>(
     kernel: K,
     tree: SoundTree<'_, N, K::Block>,
     tfar: f32,
