@@ -4,11 +4,11 @@
 use crate::bench::row::Row;
 use crate::bench::statistics::geometric_mean;
 use crate::report::figures::{
-    BASELINE, Figure, GRAFTED, NATIVE, PHR, SceneFigures, Tree, Under, scenes, tree_name, trees,
+    Figure, GRAFTED, NATIVE, PHR, SceneFigures, Tree, Under, scenes, tree_name, trees,
 };
 use crate::report::grid::Grid;
 use crate::report::targets::judge::{Judge, Verdict};
-use crate::report::targets::list::{Measure, TARGETS};
+use crate::report::targets::list::{Measure, targets};
 
 /// Times without assertions relative to those with them, of builds and under each kernel: geometric means over the scenes
 /// of both runs. Below, the targets of build times in `rows` that would be judged otherwise if Embree's time were
@@ -51,15 +51,15 @@ fn change(with: &[Row], without: &[Row], tree: Tree<'_>, figure: Figure, under: 
 fn claims(rows: &[Row], with: &[Row], without: &[Row]) -> String {
     let judge = Judge::new(rows);
     let mut grid = Grid::new(["builder", "build against", "target", "mean", "corrected", "", "corrected"]);
-    for target in TARGETS {
+    for target in targets() {
         let (Measure::Build(base), Some(limit)) = (target.measure, target.mean) else { continue };
-        let base = (base, BASELINE.1);
+        let base = (base, target.width);
         let Some(change) = change(with, without, base, Figure::Build, &Under::Own) else { continue };
         let Some(mean) = judge.judge(&target).mean else { continue };
         let (now, corrected) = (Verdict::of(mean <= limit), Verdict::of(mean / change <= limit));
         if now != corrected {
             grid.push(vec![
-                target.builder.into(),
+                format!("{} / {}", target.builder, target.width),
                 base.0.into(),
                 format!("≤ {limit:.2}"),
                 format!("{mean:.3}"),
@@ -114,7 +114,7 @@ mod tests {
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();
         assert_eq!(
             cells[1..8],
-            ["phr-hq", "embree-sah", "≤ 0.80", "0.780", "0.821", "met", "not met"],
+            ["phr-hq / 4", "embree-sah", "≤ 0.80", "0.780", "0.821", "met", "not met"],
             "{text}"
         );
         assert!(text.contains("| embree-sah | 0.950 |"), "{text}");

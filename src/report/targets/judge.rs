@@ -4,7 +4,7 @@ use super::list::{MORE_THAN, MORE_THAN_FOR_PEAK, Measure, Target};
 use crate::bench::rounds::paired;
 use crate::bench::row::Row;
 use crate::report::figures::interval::{Interval, Noise, Over, SceneRatio, of_worst};
-use crate::report::figures::{Figure, GRAFTED, PHR, Place, SceneFigures, Under, WIDTH, only, scenes};
+use crate::report::figures::{Figure, GRAFTED, PHR, Place, SceneFigures, Under, only, scenes};
 use crate::report::means::Ratios;
 use crate::scene::scalable_triangles;
 
@@ -155,7 +155,9 @@ impl Judge {
     /// Scenes that a measure is of.
     fn scenes(&self, measure: Measure) -> Vec<String> {
         match measure {
-            Measure::Peak => scenes(&only(&self.main, |row| row.triangles > MORE_THAN_FOR_PEAK)),
+            Measure::Peak | Measure::PeakTo(_) => {
+                scenes(&only(&self.main, |row| row.triangles > MORE_THAN_FOR_PEAK))
+            }
             Measure::Threads => {
                 let both = scenes(&self.one_thread);
                 scenes(&self.two_threads).into_iter().filter(|name| both.contains(name)).collect()
@@ -166,22 +168,24 @@ impl Judge {
 
     /// The measured value of the builder in `scene`, traces under `kernel`.
     fn value(&self, target: &Target, scene: &str, kernel: &str) -> Place<SceneRatio> {
-        let tree = (target.builder, WIDTH);
+        let tree = (target.builder, target.width);
         let main = SceneFigures::of(&self.main, scene);
         let under = Under::One(kernel.into());
         let ratio = |base, figure| {
             let own = main.figure(tree, figure, &under);
-            own.and_then(|_| main.noisy_ratio_to((base, WIDTH), tree, figure, &under))
+            own.and_then(|_| main.noisy_ratio_to((base, target.width), tree, figure, &under))
         };
+        let exact = |value| Some(SceneRatio { scene: scene.into(), value, noise: Noise::NONE });
         let per_triangle = |bytes: fn(&Row) -> Option<u64>| {
-            main.build(tree).and_then(|row| {
-                let value = bytes(row)? as f64 / row.triangles as f64;
-                Some(SceneRatio { scene: scene.into(), value, noise: Noise::NONE })
-            })
+            main.build(tree).and_then(|row| exact(bytes(row)? as f64 / row.triangles as f64))
         };
         match target.measure {
             Measure::Build(base) => ratio(base, Figure::Build),
             Measure::Trace(base) => ratio(base, Figure::Trace),
+            Measure::PeakTo(base) => main.build(tree).and_then(|row| {
+                let base = main.build((base, target.width)).value()?;
+                exact(row.peak_bytes? as f64 / base.peak_bytes? as f64)
+            }),
             Measure::Peak => per_triangle(|row| row.peak_bytes),
             Measure::Tree => per_triangle(|row| row.bytes),
             Measure::Threads => {

@@ -3,15 +3,17 @@
 /// A quantity measured for a builder in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// Warm build time relative to that of another builder.
+    /// Build time relative to that of another builder of the same width.
     Build(&'static str),
-    /// Time of all recorded rays relative to that over another builder's tree.
+    /// Time of all recorded rays relative to that over another builder's tree of the same width.
     Trace(&'static str),
+    /// Bytes held at the peak of the build, relative to those of another builder of the same width.
+    PeakTo(&'static str),
     /// Bytes held at the peak of the build, per triangle.
     Peak,
     /// Bytes of the finished tree, per triangle.
     Tree,
-    /// Warm build time with one thread relative to that with two.
+    /// Build time with one thread relative to that with two.
     Threads,
 }
 
@@ -20,6 +22,8 @@ pub enum Measure {
 pub struct Target {
     /// The builder.
     pub builder: &'static str,
+    /// Children per node of its trees.
+    pub width: u32,
     /// The measured quantity.
     pub measure: Measure,
     /// Limit of the mean over scenes.
@@ -33,53 +37,73 @@ pub const MORE_THAN: u64 = 100_000;
 /// Nor for the peak of memory, where the part that does not grow with the scene would count.
 pub const MORE_THAN_FOR_PEAK: u64 = 1_000_000;
 
-use Measure::{Build, Peak, Threads, Trace, Tree};
+use Measure::{Build, Peak, PeakTo, Threads, Trace, Tree};
 const MORTON: &str = "embree-morton";
 const SAH: &str = "embree-sah";
 const SPATIAL: &str = "embree-fast-spatial";
 
+/// A target of 4-wide trees.
+const fn target(builder: &'static str, measure: Measure, mean: Option<f64>, worst: Option<f64>) -> Target {
+    Target { builder, width: 4, measure, mean, worst }
+}
+
 const fn mean(builder: &'static str, measure: Measure, mean: f64) -> Target {
-    Target { builder, measure, mean: Some(mean), worst: None }
+    target(builder, measure, Some(mean), None)
 }
 
 const fn both(builder: &'static str, measure: Measure, mean: f64, worst: f64) -> Target {
-    Target { builder, measure, mean: Some(mean), worst: Some(worst) }
-}
-
-const fn worst(builder: &'static str, measure: Measure, worst: f64) -> Target {
-    Target { builder, measure, mean: None, worst: Some(worst) }
+    target(builder, measure, Some(mean), Some(worst))
 }
 
 const fn beside(builder: &'static str, measure: Measure) -> Target {
-    Target { builder, measure, mean: None, worst: None }
+    target(builder, measure, None, None)
 }
 
-/// All targets, in the order of the report.
-pub const TARGETS: [Target; 30] = [
-    mean("lbvh", Build(MORTON), 0.6),
-    mean("lbvh", Trace(MORTON), 1.10),
-    both("phr-fast", Build(SAH), 0.45, 0.7),
+/// Of the builders that are faithful to the paper, whose trees are 4-wide.
+const PAPER: [Target; 5] = [
+    mean("phr-fast", Build(SAH), 0.48),
     mean("phr-fast", Trace(SAH), 1.09),
     mean("phr-hq", Build(SAH), 0.8),
     mean("phr-hq", Build(SPATIAL), 0.33),
     mean("phr-hq", Trace(SAH), 0.97),
-    mean("phr-speed", Build(MORTON), 1.0),
-    both("phr-speed", Trace(SAH), 1.0, 1.05),
-    mean("phr-quality", Build(SAH), 0.8),
-    both("phr-quality", Trace(SPATIAL), 1.0, 1.05),
-    mean("phr-best", Build(SPATIAL), 0.6),
+];
+
+/// Of ours, at either width.
+const TIMES: [Target; 9] = [
+    both("lbvh", Build(MORTON), 0.6, 0.8),
+    both("phr-turbo", Build(MORTON), 1.0, 1.25),
+    both("phr-turbo", Trace(SAH), 0.95, 1.15),
+    both("phr-speed", Build(SAH), 0.4, 0.7),
+    both("phr-speed", Trace(SAH), 0.86, 1.0),
+    both("phr-quality", Build(SAH), 0.7, 1.0),
+    both("phr-quality", Trace(SPATIAL), 0.98, 1.05),
+    mean("phr-best", Build(SPATIAL), 0.5),
     both("phr-best", Trace(SPATIAL), 0.92, 1.0),
-    worst("phr-speed", Peak, 110.0),
+];
+
+/// Memory, at either width.
+const BYTES: [Target; 13] = [
+    mean("lbvh", PeakTo(MORTON), 0.8),
+    mean("phr-turbo", PeakTo(MORTON), 0.8),
+    mean("phr-speed", PeakTo(MORTON), 0.8),
+    mean("phr-quality", PeakTo(MORTON), 0.8),
+    mean("phr-best", PeakTo(MORTON), 0.8),
+    beside("phr-speed", Peak),
     beside(MORTON, Peak),
     beside(SAH, Peak),
     beside(SPATIAL, Peak),
-    worst("phr-speed", Tree, 64.0),
+    beside("phr-speed", Tree),
     beside(MORTON, Tree),
     beside(SAH, Tree),
     beside(SPATIAL, Tree),
+];
+
+/// A second thread, of 4-wide trees.
+const THREADS: [Target; 10] = [
     mean("lbvh", Threads, 1.85),
     mean("phr-fast", Threads, 1.85),
     mean("phr-hq", Threads, 1.85),
+    mean("phr-turbo", Threads, 1.85),
     mean("phr-speed", Threads, 1.85),
     mean("phr-quality", Threads, 1.85),
     mean("phr-best", Threads, 1.85),
@@ -87,6 +111,18 @@ pub const TARGETS: [Target; 30] = [
     beside(SAH, Threads),
     beside(SPATIAL, Threads),
 ];
+
+/// All targets, in the order of the report.
+pub fn targets() -> Vec<Target> {
+    let eight = |target: &Target| Target { width: 8, ..*target };
+    let mut all = PAPER.to_vec();
+    all.extend(TIMES);
+    all.extend(TIMES.iter().map(eight));
+    all.extend(BYTES);
+    all.extend(BYTES.iter().map(eight));
+    all.extend(THREADS);
+    all
+}
 
 /// Growth of the build time per triangle from the first to the last of [`GROWTH_SIZES`], at most.
 pub const GROWTH: f64 = 1.25;

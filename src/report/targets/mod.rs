@@ -10,7 +10,7 @@ use super::table::{remarks, rounds};
 use crate::bench::row::Row;
 use growth::growth;
 use judge::{Judge, Judged, is_at_least, is_of_bytes};
-use list::{Measure, TARGETS};
+use list::Measure;
 
 /// The targets and the growth of a run and its subfolders; `is_complete` is false where a part was stopped.
 pub fn document(rows: &[Row], is_complete: bool) -> String {
@@ -22,7 +22,7 @@ pub fn document(rows: &[Row], is_complete: bool) -> String {
 /// The targets alone.
 pub fn targets(rows: &[Row], is_complete: bool) -> String {
     let judge = Judge::new(rows);
-    let judged: Vec<Judged> = TARGETS.iter().map(|target| judge.judge(target)).collect();
+    let judged: Vec<Judged> = list::targets().iter().map(|target| judge.judge(target)).collect();
     let mut text = String::new();
     for of_section in judged.chunk_by(|a, b| section(a.target.measure) == section(b.target.measure)) {
         text +=
@@ -34,7 +34,7 @@ pub fn targets(rows: &[Row], is_complete: bool) -> String {
     text + LEGEND + &measured(rows) + &remarks(rows)
 }
 
-const LEGEND: &str = "All trees 4-wide; scenes of more than 100 k triangles (peak of memory: 1 M). build: medians of \
+const LEGEND: &str = "Trees of the same width on both sides; scenes of more than 100 k triangles (peak of memory: 1 M). build: medians of \
     builds on warm threads in fresh memory, both sides with equal threads. trace: all recorded rays of all views under embree-grafted, and beside \
     it under phr. mean: geometric of ratios, arithmetic of bytes. 95 %: interval of the mean over scenes and rounds. noise: half its \
     interval over rounds alone. A target is met if the whole interval of the mean, and where it has a limit that of the \
@@ -43,7 +43,7 @@ const LEGEND: &str = "All trees 4-wide; scenes of more than 100 k triangles (pea
 fn section(measure: Measure) -> &'static str {
     match measure {
         Measure::Build(_) | Measure::Trace(_) => "Build and trace time",
-        Measure::Peak | Measure::Tree => "Memory, bytes per triangle",
+        Measure::Peak | Measure::PeakTo(_) | Measure::Tree => "Memory, bytes per triangle",
         Measure::Threads => "Build time, one thread against two",
     }
 }
@@ -51,6 +51,7 @@ fn section(measure: Measure) -> &'static str {
 fn grid(lines: &[Judged]) -> Grid {
     let header = [
         "builder",
+        "width",
         "figure",
         "against",
         "target",
@@ -80,6 +81,7 @@ fn grid(lines: &[Judged]) -> Grid {
         };
         grid.push(vec![
             target.builder.into(),
+            target.width.to_string(),
             figure.into(),
             against.into(),
             limit(target.mean),
@@ -101,6 +103,7 @@ fn names(measure: Measure) -> (&'static str, &'static str) {
     match measure {
         Measure::Build(base) => ("build", base),
         Measure::Trace(base) => ("trace", base),
+        Measure::PeakTo(base) => ("peak of the build", base),
         Measure::Peak => ("peak of the build", ""),
         Measure::Tree => ("finished tree", ""),
         Measure::Threads => ("1 thread / 2 threads", ""),
