@@ -7,8 +7,9 @@
 #                   SCENES and the built-in scenes with two threads, their builds with one thread beside two, their
 #                   growth over scenes of 1 to 32 million triangles, and single extensions: an hour on two cores, 16 GiB
 #                   of memory
-# make bench-kernel our kernels and Embree's, single rays and batches, over the same trees on the files SCENES and the
-#                   built-in scenes of 100,000 triangles and more, into results/kernel: half an hour on two cores
+# make bench-kernel our kernels and Embree's, single rays and batches, over the same trees, and single rays over trees of
+#                   our presets, on the files SCENES and the built-in scenes of 100,000 triangles and more, into
+#                   results/kernel: half an hour on two cores
 # make bench-reference
 #                   every figure of README and RESULTS again: the runs of bench-builders into results/full, stopped and
 #                   resumed at will, reduced into results/reference and results/reference-ablation, tables, plots and pages
@@ -22,6 +23,9 @@
 #                   either library by turns, into results/ndebug-full: an hour on two cores
 # make test         everything that is checked before a change is taken: formatting, lints, the library
 #                   without any feature, the harness without Embree, all tests and the documentation's examples
+#
+# make sanitize     the tests of our kernels and of the library's queries under AddressSanitizer and under valgrind, and
+#                   the portable kernel's under Miri where the nightly toolchain has it: half an hour on two cores
 #
 # Debian packages that are missing are installed, as root or by sudo. ARGS go to `phr bench`.
 
@@ -51,10 +55,12 @@ ASSERTED = embree-morton embree-sah embree-fast-spatial lbvh
 NDEBUG = $(CURDIR)/target/embree-ndebug
 GROWTH = $(foreach size,1 2 4 8 16 32,scalable-$(size)M)
 PACKAGES = libembree-dev libclang-dev
+HOST = $(shell rustc -vV | sed -n 's/^host: //p')
+KERNEL_TESTS = --test trace_agreement --test trace_batches --test trace_watertight --test query
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: bench bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
+.PHONY: sanitize bench bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -138,6 +144,18 @@ else
 	$(CARGO) test --workspace
 endif
 	@echo "tested: format, lints, the library alone, the harness without Embree, all tests, the documentation's examples"
+
+# Rust's stable compiler has the sanitizer, but not the switch for it.
+sanitize: PACKAGES = valgrind
+sanitize: packages
+	RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address $(CARGO) test -p phr --no-default-features --target $(HOST) \
+		--target-dir target/sanitized $(KERNEL_TESTS)
+	CARGO_TARGET_$(shell echo $(HOST) | tr a-z- A-Z_)_RUNNER="valgrind --quiet --error-exitcode=1" \
+		$(CARGO) test -p phr --no-default-features --target $(HOST) --target-dir target/valgrind $(KERNEL_TESTS)
+	if $(CARGO) +nightly miri --version; then \
+		PHR_ISA=scalar MIRIFLAGS=-Zmiri-disable-isolation $(CARGO) +nightly miri test -p phr --no-default-features \
+			--test query; \
+	else echo "Miri is not installed: rustup component add miri --toolchain nightly"; fi
 
 packages:
 	@command -v $(CARGO) >/dev/null || { echo "no cargo: install Rust 1.89 or later, see https://rustup.rs"; exit 1; }

@@ -6,7 +6,7 @@ use glam::Vec3;
 use phr::geometry::{Hit, Mesh, Ray};
 use phr::random::SplitMix64;
 use phr::trace::verify::{compare_any, compare_closest, witness};
-use phr::trace::{BvhTracer, Isa, WatertightTracer};
+use phr::trace::{BatchTracer, BvhTracer, Isa, WatertightTracer};
 use trace_support::*;
 
 /// Holds the answers of every instruction set, width and kernel to those of the scalar one over four children. At most
@@ -29,6 +29,8 @@ fn agree(what: &str, mesh: &Mesh, rays: &[Ray], edge: usize) {
     for isa in Isa::available() {
         check(format!("{isa}, width 4"), &BvhTracer::with_isa(&four, isa));
         check(format!("{isa}, width 8"), &BvhTracer::with_isa(&eight, isa));
+        check(format!("{isa}, batches, width 4"), &BatchTracer::with_isa(&four, isa));
+        check(format!("{isa}, batches, width 8"), &BatchTracer::with_isa(&eight, isa));
         check(format!("{isa}, watertight"), &WatertightTracer::with_isa(&eight, mesh, isa));
     }
 }

@@ -83,6 +83,12 @@ impl Config {
         let (lanes, builder) = (self.width.lanes(), self.builder.option());
         format!("threads={},tri_accel=bvh{lanes}.triangle4,tri_builder={builder}", self.threads)
     }
+
+    /// For leaves that hold whole triangles, which Embree's watertight kernels want. Embree knows no names of builders for
+    /// them at width 8; without one it takes that of the scene's build quality, SAH.
+    pub(super) fn robust_string(&self) -> String {
+        format!("threads={},tri_accel=bvh{}.triangle4v", self.threads, self.width.lanes())
+    }
 }
 
 #[cfg(test)]

@@ -55,6 +55,15 @@ impl Device {
         Self::from_string(config.device_string())
     }
 
+    /// A device for [`Prepared::robust`](super::scene::Prepared::robust) scenes, whose leaves hold whole triangles: of the
+    /// width of `config`, built by SAH.
+    ///
+    /// # Errors
+    /// [`EmbreeError::Device`].
+    pub fn robust(config: &Config) -> Result<Self, EmbreeError> {
+        Self::from_string(config.robust_string())
+    }
+
     /// A device that builds with `config` and takes kernels for no more than the instruction set `isa`, as Embree
     /// writes it (`avx2`).
     ///

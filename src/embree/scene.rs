@@ -80,6 +80,13 @@ impl<'a> Prepared<'a> {
         self
     }
 
+    /// Asks for watertight kernels; for devices made by [`Device::robust`].
+    pub fn robust(self) -> Self {
+        // SAFETY: the scene is live and owned here alone.
+        unsafe { sys::rtcSetSceneFlags(self.handle.0, sys::RTC_SCENE_FLAG_ROBUST) };
+        self
+    }
+
     /// Builds the tree: `rtcCommitScene` and a look at the error code, nothing else.
     ///
     /// # Errors

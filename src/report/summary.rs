@@ -1,16 +1,16 @@
 //! The short table of the first page: a few trees relative to Embree SAH.
 
-use super::figures::{BASELINE, Figure, Under, scenes, tree_name, trees};
+use super::figures::{BASELINE, Figure, Tree, Under, scenes, tree_name, trees};
 use super::grid::Grid;
 use super::means::Ratios;
 use crate::bench::row::Row;
 
-/// Geometric means of build time, trace time and SAH cost of the trees of `builders`, of every width that `rows` have,
-/// and the scene whose trace time is worst. With rows of `withheld` scenes, their means and worst scenes stand beside
-/// these.
+/// Geometric means of build time, trace time and SAH cost of the trees of `builders`, of every width that `rows` have or
+/// of the one named (`phr-speed/8`), and the scene whose trace time is worst. With rows of `withheld` scenes, their means
+/// and worst scenes stand beside these, where they have the tree.
 ///
 /// # Errors
-/// One line, if a builder has no such figure in `rows`, or not in `withheld`.
+/// One line, if a builder has no such figure in `rows`.
 pub fn summary(
     rows: &[Row],
     withheld: Option<&[Row]>,
@@ -26,7 +26,8 @@ pub fn summary(
     header.extend(["worst trace", "in", "SAH cost"]);
     let mut grid = Grid::new(header);
     for builder in builders {
-        let of_builder = trees(rows).into_iter().filter(|tree| tree.0 == *builder);
+        let is_named = |tree: &Tree<'_>| tree.0 == *builder || format!("{}/{}", tree.0, tree.1) == *builder;
+        let of_builder = trees(rows).into_iter().filter(is_named);
         let lines: Option<Vec<Vec<String>>> = of_builder
             .map(|tree| {
                 let ratios = |rows, figure| Ratios::of(rows, tree, figure, under);
@@ -38,9 +39,8 @@ pub fn summary(
                 };
                 let mut cells = vec![tree_name(tree)];
                 for figure in [Figure::Build, Figure::Trace] {
-                    for rows in &runs {
-                        cells.push(mean(rows, figure)?);
-                    }
+                    cells.push(mean(rows, figure)?);
+                    cells.extend(withheld.map(|rows| mean(rows, figure).unwrap_or_else(|| "-".into())));
                 }
                 let traces = Ratios(runs.iter().flat_map(|rows| ratios(rows, Figure::Trace).0).collect());
                 let worst = traces.worst().filter(|_| !is_base);
@@ -57,7 +57,11 @@ pub fn summary(
     }
     let threads = rows.first().map_or(0, |row| row.threads);
     let withheld = withheld.map_or_else(String::new, |rows| {
-        format!(" (withheld: {}, which nobody who tuned has seen, on another machine)", scenes(rows).len())
+        let revision = rows.first().map_or("", |row| &row.git_rev);
+        let scenes = scenes(rows).len();
+        format!(
+            " (withheld: {scenes}, which nobody who tuned has seen, on another machine, revision {revision})"
+        )
     });
     Ok(format!(
         "{}\nRelative to Embree SAH, 4-wide: geometric means over {} scenes{withheld}, {threads} threads; in brackets 95 % \

@@ -12,7 +12,7 @@ use crate::bvh::WideBvh;
 use crate::embree::{Config, Device, EmbreeBuilder, EmbreeScene, Width, native};
 use crate::geometry::{Mesh, Tracer};
 use crate::simd::Isa;
-use crate::trace::{BatchTracer, BvhTracer, kernel_isa};
+use crate::trace::{BatchTracer, BvhTracer, WatertightTracer, kernel_isa};
 use rayon::ThreadPool;
 
 /// The trees of a scene.
@@ -21,11 +21,20 @@ pub struct Trees<'a>(Vec<Tree<'a>>);
 /// One of them.
 struct Tree<'a> {
     cell: Cell,
+    mesh: &'a Mesh,
     tree: EitherWidth,
+    /// Whether all kernels trace it, or those of single rays alone.
+    by_all: bool,
     #[cfg(feature = "graft")]
-    scene: Option<EmbreeScene<'a>>,
-    #[cfg(not(feature = "graft"))]
-    scene: std::marker::PhantomData<&'a Mesh>,
+    scenes: Option<Scenes<'a>>,
+}
+
+/// Embree's scenes of a tree.
+#[cfg(feature = "graft")]
+struct Scenes<'a> {
+    fast: EmbreeScene<'a>,
+    /// That of the SAH builder with watertight kernels, which want other leaves.
+    robust: Option<EmbreeScene<'a>>,
 }
 
 /// A kernel over one of the trees.
@@ -43,12 +52,17 @@ pub struct Contestant<'t> {
 }
 
 impl<'a> Trees<'a> {
-    /// Builds the trees of `cells` over `mesh`.
+    /// Builds the trees of `cells` over `mesh`. All kernels trace those of the first builder, single rays the others.
     ///
     /// # Errors
     /// What a builder cannot do, in one line.
     pub fn build(mesh: &'a Mesh, cells: &[Cell], pool: &ThreadPool) -> Result<Self, String> {
-        cells.iter().map(|cell| Tree::build(mesh, cell, pool)).collect::<Result<_, _>>().map(Self)
+        let by_all = |cell: &Cell| cells.first().is_some_and(|first| first.builder == cell.builder);
+        cells
+            .iter()
+            .map(|cell| Tree::build(mesh, cell, by_all(cell), pool))
+            .collect::<Result<_, _>>()
+            .map(Self)
     }
 
     /// All kernels over all trees, the first of them the reference.
@@ -63,26 +77,39 @@ impl<'a> Trees<'a> {
 }
 
 impl<'a> Tree<'a> {
-    fn build(mesh: &'a Mesh, cell: &Cell, pool: &ThreadPool) -> Result<Self, String> {
+    fn build(mesh: &'a Mesh, cell: &Cell, by_all: bool, pool: &ThreadPool) -> Result<Self, String> {
         let ours = match cell.width {
             8 => built::<8>(mesh, &cell.builder, pool).map(EitherWidth::Eight),
             _ => built::<4>(mesh, &cell.builder, pool).map(EitherWidth::Four),
         };
         if let Some(tree) = ours {
-            return Ok(Self { cell: cell.clone(), tree, scene: Default::default() });
+            return Ok(Self {
+                cell: cell.clone(),
+                mesh,
+                tree,
+                by_all,
+                #[cfg(feature = "graft")]
+                scenes: None,
+            });
         }
         #[cfg(feature = "graft")]
         if let Some(builder) = EmbreeBuilder::by_name(&cell.builder) {
             let width = if cell.width == 8 { Width::Eight } else { Width::Four };
             let config = Config { builder, width, threads: pool.current_num_threads() };
-            let commit = || Device::new(&config)?.prepare(mesh)?.commit();
-            let scene = commit().map_err(|error| error.to_string())?;
+            let fast = || Device::new(&config)?.prepare(mesh)?.commit();
+            let fast = fast().map_err(|error| error.to_string())?;
             let tree = match width {
-                Width::Four => native::read4(&scene).map(EitherWidth::Four),
-                Width::Eight => native::read8(&scene).map(EitherWidth::Eight),
+                Width::Four => native::read4(&fast).map(EitherWidth::Four),
+                Width::Eight => native::read8(&fast).map(EitherWidth::Eight),
             };
             let tree = tree.map_err(|unavailable| unavailable.why)?;
-            return Ok(Self { cell: cell.clone(), tree, scene: Some(scene) });
+            let robust = || Device::robust(&config)?.prepare(mesh)?.robust().commit();
+            let robust = (by_all && builder == EmbreeBuilder::Sah)
+                .then(robust)
+                .transpose()
+                .map_err(|error| error.to_string())?;
+            let scenes = Some(Scenes { fast, robust });
+            return Ok(Self { cell: cell.clone(), mesh, tree, by_all, scenes });
         }
         Err(format!("no builder is called {}", cell.builder))
     }
@@ -106,9 +133,12 @@ impl<'a> Tree<'a> {
         ) -> Option<(&'static str, Box<dyn Tracer + 't>)> {
             Some((name, Box::new(tracer?)))
         }
-        let Some(scene) = &self.scene else { return Vec::new() };
+        let Some(Scenes { fast: scene, robust }) = &self.scenes else { return Vec::new() };
         let [isa, _] = contender::embree_isas();
         let single: (&str, Box<dyn Tracer>) = (SINGLE, Box::new(Borrowed(scene)));
+        if !self.by_all {
+            return vec![self.contestant(SINGLE, &isa, single.1)];
+        }
         let grouped = [
             some("embree-packets-8", scene.packets::<8>(false)),
             some("embree-packets-8-coherent", scene.packets::<8>(true)),
@@ -118,6 +148,7 @@ impl<'a> Tree<'a> {
             some("embree-stream-coherent", scene.stream(true)),
             some("embree-packet-stream", scene.packet_stream(false)),
             some("embree-packet-stream-coherent", scene.packet_stream(true)),
+            some("embree-robust", robust.as_ref().map(Borrowed)),
         ];
         let all = [single].into_iter().chain(grouped.into_iter().flatten());
         all.map(|(name, tracer)| self.contestant(name, &isa, tracer)).collect()
@@ -130,9 +161,19 @@ impl<'a> Tree<'a> {
 
     /// Our kernels.
     fn ours<'t, const N: usize>(&'t self, tree: &'t WideBvh<N>) -> Vec<Contestant<'t>> {
+        let best = Isa::best();
+        let single = self.contestant("phr", kernel_isa().name(), Box::new(BvhTracer::new(tree)));
+        if !self.by_all {
+            return vec![single];
+        }
+        let batch = BatchTracer::new(tree);
+        let watertight = WatertightTracer::new(tree, self.mesh);
+        let portable = BvhTracer::with_isa(tree, Isa::Scalar);
         vec![
-            self.contestant("phr", kernel_isa().name(), Box::new(BvhTracer::new(tree))),
-            self.contestant("phr-batch", Isa::best().name(), Box::new(BatchTracer::new(tree))),
+            single,
+            self.contestant("phr-batch", best.name(), Box::new(batch)),
+            self.contestant("phr-watertight", best.name(), Box::new(watertight)),
+            self.contestant("phr-portable", Isa::Scalar.name(), Box::new(portable)),
         ]
     }
 }

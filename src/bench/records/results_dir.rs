@@ -5,6 +5,7 @@ use super::environment::{ENVIRONMENT, Environment, State};
 use super::files::{RecordsError, read_json, write_json};
 use super::row::{self, ROWS, Row};
 use crate::bench::error::ReduceError;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// The environment of the results in `folder`; `None` where there is none, as beside a lone CSV.
@@ -48,7 +49,8 @@ pub fn read_all(paths: &[PathBuf]) -> Result<(Vec<Row>, bool), RecordsError> {
 }
 
 /// Reduces the results in `from` and its subfolders to the rows that sum over views and kinds of rays, and writes
-/// them to `to` with the environment as it is. Returns the folders written.
+/// them to `to` with the environment as it is; the parameters of a builder stand in its first row alone. Returns the
+/// folders written.
 ///
 /// # Errors
 /// Those of [`ReduceError`].
@@ -58,7 +60,13 @@ pub fn reduce(from: &Path, to: &Path) -> Result<Vec<PathBuf>, ReduceError> {
     }
     let mut reduced = Vec::new();
     for part in parts(from) {
-        let rows: Vec<Row> = row::read(&part)?.into_iter().filter(Row::is_total).collect();
+        let mut rows: Vec<Row> = row::read(&part)?.into_iter().filter(Row::is_total).collect();
+        let mut told = HashSet::new();
+        for row in &mut rows {
+            if !told.insert((row.builder.clone(), row.width, row.builder_config.clone())) {
+                row.builder_config.clear();
+            }
+        }
         reduced.push((part, rows));
     }
     let mut written = Vec::new();

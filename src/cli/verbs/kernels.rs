@@ -1,4 +1,5 @@
-//! `phr kernels`: single rays, packets, streams and batches over the same trees, side by side.
+//! `phr kernels`: single rays, packets, streams and batches over the same trees, side by side, and single rays over trees
+//! of other builders.
 
 use crate::bench::kernels::row::{self, KERNELS};
 use crate::bench::kernels::{KernelSettings, measure};
@@ -10,13 +11,17 @@ use crate::report::kernels::{scene_table, summary};
 use crate::trace::PathSettings;
 use std::path::PathBuf;
 
+/// Builders of the trees unless others are named.
+const BUILDERS: [&str; 5] = ["embree-sah", "embree-fast-spatial", "phr-speed", "phr-quality", "phr-best"];
+
 /// Trace the same rays by all kernels of Embree's and ours, over the same trees and by turns, into DIR/kernels.csv
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene files or names of generated scenes
     #[arg(required = true)]
     scenes: Vec<String>,
-    /// Builder (repeatable), the first Embree's [default: embree-sah]
+    /// Builder (repeatable); all kernels trace the trees of the first, Embree's, single rays those of the others [default:
+    /// embree-sah, embree-fast-spatial, phr-speed, phr-quality, phr-best]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
     /// Children per node (repeatable) [default: 4 and 8]
@@ -75,8 +80,11 @@ fn settings(arguments: &Arguments) -> Result<KernelSettings, Failure> {
     let or =
         |given: &[u32], default: &[u32]| if given.is_empty() { default.to_vec() } else { given.to_vec() };
     let widths = or(&arguments.widths, &[4, 8]);
-    let builders =
-        if arguments.builders.is_empty() { vec!["embree-sah".into()] } else { arguments.builders.clone() };
+    let builders = if arguments.builders.is_empty() {
+        BUILDERS.map(String::from).into()
+    } else {
+        arguments.builders.clone()
+    };
     let mut cells = Vec::new();
     for builder in &builders {
         let of_builder = cells.len();

@@ -1,46 +1,12 @@
 //! Tables of kernels: each scene in full, and the targets over scenes.
 
+mod targets;
+
 use super::grid::{Grid, short};
-use crate::bench::kernels::row::{KernelRow, SINGLE};
+use crate::bench::kernels::row::KernelRow;
 use crate::bench::statistics::geometric_mean;
 use crate::random::SplitMix64;
-
-/// Our single rays and our batches.
-const OURS: &str = "phr";
-const BATCH: &str = "phr-batch";
-
-/// A target: one of our kernels against Embree's.
-struct Target {
-    what: &'static str,
-    kernel: &'static str,
-    /// Against Embree's single rays, or against the fastest of its kernels.
-    against_fastest: bool,
-    kind: &'static str,
-    width: u32,
-    /// The speed aimed at, in the geometric mean over scenes.
-    at_least: f64,
-}
-
-const fn single(what: &'static str, kind: &'static str, width: u32, at_least: f64) -> Target {
-    Target { what, kernel: OURS, against_fastest: false, kind, width, at_least }
-}
-
-const fn batch(what: &'static str, kind: &'static str, width: u32, at_least: f64) -> Target {
-    Target { what, kernel: BATCH, against_fastest: true, kind, width, at_least }
-}
-
-const TARGETS: [Target; 10] = [
-    single("closest hit of bounce rays", "bounce", 8, 1.2),
-    single("any hit of shadow rays", "shadow", 8, 1.15),
-    single("closest hit of bounce rays", "bounce", 4, 1.15),
-    single("any hit of shadow rays", "shadow", 4, 1.1),
-    batch("batches of camera rays", "primary", 8, 1.0),
-    batch("batches of bounce rays", "bounce", 8, 1.25),
-    batch("batches of shadow rays", "shadow", 8, 1.25),
-    batch("batches of camera rays", "primary", 4, 1.0),
-    batch("batches of bounce rays", "bounce", 4, 1.25),
-    batch("batches of shadow rays", "shadow", 4, 1.25),
-];
+use targets::{TARGETS, ratios};
 
 /// The figures of one scene: million rays per second, and relative to Embree's single rays over the same tree.
 pub fn scene_table(rows: &[KernelRow], scene: &str) -> String {
@@ -78,7 +44,8 @@ pub fn summary(rows: &[KernelRow]) -> String {
     threads.sort_unstable();
     threads.dedup();
     let header = [
-        "what", "width", "threads", "against", "at least", "mean", "95 %", "worst", "in", "scenes", "verdict",
+        "tree", "what", "width", "threads", "against", "at least", "mean", "95 %", "limit", "worst", "in",
+        "scenes", "verdict",
     ];
     let mut grid = Grid::new(header);
     for target in &TARGETS {
@@ -87,29 +54,21 @@ pub fn summary(rows: &[KernelRow]) -> String {
             let values: Vec<f64> = ratios.iter().map(|ratio| ratio.1).collect();
             let Some(mean) = geometric_mean(&values) else { continue };
             let (low, high) = interval(&values);
-            let worst = ratios.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-            let verdict = match target.at_least {
-                bar if low >= bar => "met",
-                bar if high < bar => "not met",
-                _ => "undecided",
-            };
-            let against = match (target.against_fastest, target.kind) {
-                (true, _) => "Embree's fastest",
-                (false, "shadow") => "rtcOccluded1",
-                (false, _) => "rtcIntersect1",
-            };
+            let Some(worst) = ratios.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
             grid.push(vec![
+                target.ours.0.into(),
                 target.what.into(),
-                target.width.to_string(),
+                target.width.map_or_else(String::new, |width| width.to_string()),
                 threads.to_string(),
-                against.into(),
+                target.against(),
                 format!("{:.2}", target.at_least),
                 format!("{mean:.2}"),
                 format!("{low:.2} to {high:.2}"),
-                worst.map_or_else(String::new, |worst| format!("{:.2}", worst.1)),
-                worst.map_or_else(String::new, |worst| worst.0.to_owned()),
+                target.worst.map_or_else(String::new, |limit| format!("{limit:.2}")),
+                format!("{:.2}", worst.1),
+                worst.0.to_owned(),
                 values.len().to_string(),
-                verdict.into(),
+                target.verdict((low, high), worst.1).into(),
             ]);
         }
     }
@@ -144,23 +103,6 @@ pub fn page(rows: &[KernelRow]) -> String {
     format!("{}\n<details><summary>Every scene</summary>\n\n{legend}\n\n{each}</details>\n", summary(rows))
 }
 
-/// Our speed relative to Embree's by scene, over the tree of Embree's SAH builder.
-fn ratios<'r>(rows: &'r [KernelRow], target: &Target, threads: u32) -> Vec<(&'r str, f64)> {
-    let all: Vec<&KernelRow> = rows
-        .iter()
-        .filter(|row| row.builder == "embree-sah" && row.width == target.width)
-        .filter(|row| row.ray_kind == target.kind && row.threads == threads)
-        .collect();
-    let ours = all.iter().filter(|row| row.kernel == target.kernel);
-    let ratio = |ours: &&&'r KernelRow| {
-        let theirs = all.iter().filter(|row| row.scene == ours.scene && row.kernel.starts_with("embree-"));
-        let theirs = theirs.filter(|row| target.against_fastest || row.kernel == SINGLE);
-        let fastest = theirs.map(|row| row.mrays_s).max_by(f64::total_cmp)?;
-        Some((ours.scene.as_str(), ours.mrays_s / fastest))
-    };
-    ours.collect::<Vec<_>>().iter().filter_map(ratio).collect()
-}
-
 /// The middle 95 % of geometric means over scenes drawn again; seeded, so that the table is always the same.
 fn interval(values: &[f64]) -> (f64, f64) {
     const DRAWS: usize = 2000;
@@ -176,7 +118,9 @@ fn interval(values: &[f64]) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
+    use super::targets::{BATCH, OURS};
     use super::*;
+    use crate::bench::kernels::row::SINGLE;
 
     fn row(scene: &str, kernel: &str, mrays_s: f64) -> KernelRow {
         let text = |text: &str| text.to_owned();
@@ -187,6 +131,7 @@ mod tests {
             threads: 1,
             kernel: text(kernel),
             ray_kind: text("shadow"),
+            rays: 1000,
             mrays_s,
             ratio: Some(mrays_s / 2.0),
             verified: true,
@@ -210,9 +155,31 @@ mod tests {
             .collect();
         let summary = summary(&rows);
         let line = |what: &str| summary.lines().find(|line| line.contains(what)).unwrap().replace(' ', "");
-        assert!(line("batches of shadow rays").contains("|1.25|1.50|1.50to1.50|1.50|a|2|met|"), "{summary}");
-        assert!(line("any hit of shadow").contains("|1.15|1.25|1.25to1.25|1.25|a|2|met|"), "{summary}");
+        assert!(line("batches of shadow rays").contains("|1.25|1.50|1.50to1.50||1.50|a|2|met|"), "{summary}");
+        assert!(line("any hit of shadow").contains("|1.15|1.25|1.25to1.25|1.00|1.25|a|2|met|"), "{summary}");
         assert!(!summary.contains("bounce") && summary.contains("all hits verified"), "{summary}");
+    }
+
+    #[test]
+    fn presets_are_judged_at_their_best_width_over_all_rays() {
+        let of = |builder: &str, width, kind: &str, kernel: &str, speed| KernelRow {
+            builder: builder.into(),
+            width,
+            ray_kind: kind.into(),
+            ..row("a", kernel, speed)
+        };
+        // As many rays of either kind: 2 / (1 / 2 + 1 / 6) = 3 against 2 / (1 / 1 + 1 / 3) = 1.5.
+        let rows = [
+            of("embree-sah", 8, "bounce", SINGLE, 1.0),
+            of("embree-sah", 8, "shadow", SINGLE, 3.0),
+            of("phr-speed", 4, "bounce", OURS, 1.0),
+            of("phr-speed", 4, "shadow", OURS, 1.0),
+            of("phr-speed", 8, "bounce", OURS, 2.0),
+            of("phr-speed", 8, "shadow", OURS, 6.0),
+        ];
+        let summary = summary(&rows);
+        let line = summary.lines().find(|line| line.contains("phr-speed")).unwrap().replace(' ', "");
+        assert!(line.contains("|embree-sah/8|1.15|2.00|2.00to2.00||2.00|a|1|met|"), "{summary}");
     }
 
     #[test]

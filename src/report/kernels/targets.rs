@@ -1,0 +1,155 @@
+//! What our kernels are to reach, and what they reach in every scene.
+
+use crate::bench::kernels::row::{KernelRow, SINGLE};
+
+/// Our single rays and our batches.
+pub(super) const OURS: &str = "phr";
+pub(super) const BATCH: &str = "phr-batch";
+/// Embree's kernels for watertight scenes, which its other kernels are not compared with.
+const ROBUST: &str = "embree-robust";
+/// Whose trees all kernels trace.
+const SAH: &str = "embree-sah";
+/// Rays of all kinds together.
+const ALL: &str = "all";
+
+/// A target: a speed of ours against one of another.
+pub(super) struct Target {
+    /// What the figure is of.
+    pub what: &'static str,
+    /// The builder and the kernel.
+    pub ours: (&'static str, &'static str),
+    /// Children per node, or the width at which we are fastest.
+    pub width: Option<u32>,
+    /// Kind of rays, or [`ALL`].
+    pub kind: &'static str,
+    /// The other.
+    pub against: Against,
+    /// The speed aimed at, in the geometric mean over scenes and in the worst scene.
+    pub at_least: f64,
+    /// See `at_least`.
+    pub worst: Option<f64>,
+}
+
+/// What a speed is compared with: over the same tree but for the last.
+#[derive(Clone, Copy)]
+pub(super) enum Against {
+    /// Embree's single rays.
+    Single,
+    /// The fastest of Embree's kernels.
+    Fastest,
+    /// Another kernel.
+    Kernel(&'static str),
+    /// Embree's single rays over the 8-wide tree of that builder of Embree's, which its users get.
+    Tree(&'static str),
+}
+
+const fn single(what: &'static str, kind: &'static str, width: u32, at_least: f64) -> Target {
+    let (ours, width, worst) = ((SAH, OURS), Some(width), Some(1.0));
+    Target { what, ours, width, kind, against: Against::Single, at_least, worst }
+}
+
+const fn batch(what: &'static str, kind: &'static str, width: u32, at_least: f64) -> Target {
+    let (ours, width) = ((SAH, BATCH), Some(width));
+    Target { what, ours, width, kind, against: Against::Fastest, at_least, worst: None }
+}
+
+const fn kernel(
+    what: &'static str,
+    ours: &'static str,
+    width: u32,
+    against: &'static str,
+    at_least: f64,
+) -> Target {
+    let (ours, width, against) = ((SAH, ours), Some(width), Against::Kernel(against));
+    Target { what, ours, width, kind: ALL, against, at_least, worst: None }
+}
+
+const fn preset(builder: &'static str, against: &'static str, at_least: f64) -> Target {
+    let (ours, against) = ((builder, OURS), Against::Tree(against));
+    Target { what: "all rays, best width", ours, width: None, kind: ALL, against, at_least, worst: None }
+}
+
+/// All of them, in the order of the report.
+pub(super) const TARGETS: [Target; 17] = [
+    single("closest hit of bounce rays", "bounce", 8, 1.2),
+    single("any hit of shadow rays", "shadow", 8, 1.15),
+    single("closest hit of bounce rays", "bounce", 4, 1.15),
+    single("any hit of shadow rays", "shadow", 4, 1.1),
+    preset("phr-speed", SAH, 1.15),
+    preset("phr-quality", "embree-fast-spatial", 1.08),
+    preset("phr-best", "embree-fast-spatial", 1.18),
+    batch("batches of camera rays", "primary", 8, 1.0),
+    batch("batches of bounce rays", "bounce", 8, 1.25),
+    batch("batches of shadow rays", "shadow", 8, 1.25),
+    batch("batches of camera rays", "primary", 4, 1.0),
+    batch("batches of bounce rays", "bounce", 4, 1.25),
+    batch("batches of shadow rays", "shadow", 4, 1.25),
+    kernel("all rays, watertight", "phr-watertight", 8, ROBUST, 1.0),
+    kernel("all rays, watertight", "phr-watertight", 4, ROBUST, 1.0),
+    kernel("all rays, portable", "phr-portable", 8, OURS, 0.35),
+    kernel("all rays, portable", "phr-portable", 4, OURS, 0.35),
+];
+
+impl Target {
+    /// Whose tree and kernel the speed is compared with, as a cell.
+    pub fn against(&self) -> String {
+        match (self.against, self.kind) {
+            (Against::Single, "shadow") => "rtcOccluded1".into(),
+            (Against::Single, _) => "rtcIntersect1".into(),
+            (Against::Fastest, _) => "Embree's fastest".into(),
+            (Against::Kernel(kernel), _) => kernel.into(),
+            (Against::Tree(builder), _) => format!("{builder} / 8"),
+        }
+    }
+
+    /// The verdict on a mean in an interval and the worst of all scenes.
+    pub fn verdict(&self, (low, high): (f64, f64), worst: f64) -> &'static str {
+        if high < self.at_least || self.worst.is_some_and(|limit| worst < limit) {
+            "not met"
+        } else if low >= self.at_least {
+            "met"
+        } else {
+            "undecided"
+        }
+    }
+}
+
+/// Our speed relative to the other by scene.
+pub(super) fn ratios<'r>(rows: &'r [KernelRow], target: &Target, threads: u32) -> Vec<(&'r str, f64)> {
+    let mut scenes: Vec<&str> = rows.iter().map(|row| row.scene.as_str()).collect();
+    scenes.dedup();
+    let ratio = |scene: &'r str| {
+        let of_scene: Vec<&KernelRow> =
+            rows.iter().filter(|row| row.scene == scene && row.threads == threads).collect();
+        let speed = |builder, kernel, width| speed(&of_scene, builder, kernel, width, target.kind);
+        let (builder, kernel) = target.ours;
+        let widths = target.width.map_or(vec![4, 8], |width| vec![width]);
+        let ours = |width: &u32| {
+            let theirs = match target.against {
+                Against::Single => speed(builder, SINGLE, *width),
+                Against::Kernel(kernel) => speed(builder, kernel, *width),
+                Against::Tree(builder) => speed(builder, SINGLE, 8),
+                Against::Fastest => {
+                    let all = of_scene.iter().map(|row| row.kernel.as_str());
+                    let all = all.filter(|kernel| kernel.starts_with("embree-") && *kernel != ROBUST);
+                    all.filter_map(|kernel| speed(builder, kernel, *width)).max_by(f64::total_cmp)
+                }
+            };
+            Some(speed(builder, kernel, *width)? / theirs?)
+        };
+        Some((scene, widths.iter().filter_map(ours).max_by(f64::total_cmp)?))
+    };
+    scenes.into_iter().filter_map(ratio).collect()
+}
+
+/// Million rays of a kind per second, or of all kinds together.
+fn speed(rows: &[&KernelRow], builder: &str, kernel: &str, width: u32, kind: &str) -> Option<f64> {
+    let same = |row: &&&KernelRow| {
+        (row.builder.as_str(), row.kernel.as_str(), row.width) == (builder, kernel, width)
+            && (kind == ALL || row.ray_kind == kind)
+    };
+    let (rays, seconds) = rows.iter().filter(same).fold((0.0, 0.0), |(rays, seconds), row| {
+        (rays + row.rays as f64, seconds + row.rays as f64 / row.mrays_s)
+    });
+    (rays > 0.0).then(|| rays / seconds)
+}
