@@ -1,7 +1,8 @@
 //! The trees of a scene, and all that traces them.
 
+use super::row::WATERTIGHT;
 #[cfg(feature = "graft")]
-use super::row::SINGLE;
+use super::row::{ROBUST, SINGLE};
 use crate::bench::cell::Cell;
 #[cfg(feature = "graft")]
 use crate::bench::contender;
@@ -148,7 +149,7 @@ impl<'a> Tree<'a> {
             some("embree-stream-coherent", scene.stream(true)),
             some("embree-packet-stream", scene.packet_stream(false)),
             some("embree-packet-stream-coherent", scene.packet_stream(true)),
-            some("embree-robust", robust.as_ref().map(Borrowed)),
+            some(ROBUST, robust.as_ref().map(Borrowed)),
         ];
         let all = [single].into_iter().chain(grouped.into_iter().flatten());
         all.map(|(name, tracer)| self.contestant(name, &isa, tracer)).collect()
@@ -172,7 +173,7 @@ impl<'a> Tree<'a> {
         vec![
             single,
             self.contestant("phr-batch", best.name(), Box::new(batch)),
-            self.contestant("phr-watertight", best.name(), Box::new(watertight)),
+            self.contestant(WATERTIGHT, best.name(), Box::new(watertight)),
             self.contestant("phr-portable", Isa::Scalar.name(), Box::new(portable)),
         ]
     }

@@ -11,6 +11,10 @@ pub const SCHEMA: u32 = 1;
 pub const KERNELS: &str = "kernels.csv";
 /// The kernel that the others are compared with.
 pub const SINGLE: &str = "embree-single";
+/// Embree's watertight kernel.
+pub const ROBUST: &str = "embree-robust";
+/// Ours.
+pub const WATERTIGHT: &str = "phr-watertight";
 
 /// One line of `kernels.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

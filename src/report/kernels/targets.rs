@@ -1,12 +1,10 @@
 //! What our kernels are to reach, and what they reach in every scene.
 
-use crate::bench::kernels::row::{KernelRow, SINGLE};
+use crate::bench::kernels::row::{KernelRow, ROBUST, SINGLE, WATERTIGHT};
 
 /// Our single rays and our batches.
 pub(super) const OURS: &str = "phr";
 pub(super) const BATCH: &str = "phr-batch";
-/// Embree's kernels for watertight scenes, which its other kernels are not compared with.
-const ROBUST: &str = "embree-robust";
 /// Whose trees all kernels trace.
 const SAH: &str = "embree-sah";
 /// Rays of all kinds together.
@@ -84,8 +82,8 @@ pub(super) const TARGETS: [Target; 17] = [
     batch("batches of camera rays", "primary", 4, 1.0),
     batch("batches of bounce rays", "bounce", 4, 1.25),
     batch("batches of shadow rays", "shadow", 4, 1.25),
-    kernel("all rays, watertight", "phr-watertight", 8, ROBUST, 1.0),
-    kernel("all rays, watertight", "phr-watertight", 4, ROBUST, 1.0),
+    kernel("all rays, watertight", WATERTIGHT, 8, ROBUST, 1.0),
+    kernel("all rays, watertight", WATERTIGHT, 4, ROBUST, 1.0),
     kernel("all rays, portable", "phr-portable", 8, OURS, 0.35),
     kernel("all rays, portable", "phr-portable", 4, OURS, 0.35),
 ];
