@@ -179,7 +179,7 @@ mod tests {
         ];
         let summary = summary(&rows);
         let line = summary.lines().find(|line| line.contains("phr-speed")).unwrap().replace(' ', "");
-        assert!(line.contains("|embree-sah/8|1.15|2.00|2.00to2.00||2.00|a|1|met|"), "{summary}");
+        assert!(line.contains("|embree-sah/8|1.15|2.00|2.00to2.00|2.00|a|1|met|"), "{summary}");
     }
 
     #[test]
