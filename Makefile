@@ -25,7 +25,7 @@
 #                   without any feature, the harness without Embree, all tests and the documentation's examples
 #
 # make sanitize     the tests of our kernels and of the library's queries under AddressSanitizer and under valgrind, and
-#                   the portable kernel's under Miri where the nightly toolchain has it: half an hour on two cores
+#                   the portable kernel's under Miri where the nightly toolchain has it
 #
 # Debian packages that are missing are installed, as root or by sudo. ARGS go to `phr bench`.
 
@@ -105,7 +105,7 @@ bench-reference: RESUMED = yes
 bench-reference: packages
 	$(CARGO) build --release --bin phr
 	@echo "$(words $(SCENES)) scene files and the built-in scenes: each $(MIN_SECONDS) seconds twice and longer where they" \
-		"are large; with growth and extensions about two hours on two cores. Stop it with Ctrl-C, go on with the same command."
+		"are large, up to five minutes each; with growth and extensions two to five hours on two cores. Stop it with Ctrl-C, go on with the same command."
 	$(call runs,$(FULL))
 	./target/release/phr reduce $(FULL) $(REFERENCE)
 	./target/release/phr reduce $(FULL)-ablation $(REFERENCE)-ablation
