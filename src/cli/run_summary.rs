@@ -122,32 +122,10 @@ fn advice(rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::row::{ALL, WARM};
 
     fn row(scene: &str, builder: &str, build: f64, trace: f64) -> Row {
         let kernel = if builder.starts_with("embree-") { "embree-native" } else { "phr" };
-        Row {
-            scene: scene.into(),
-            builder: builder.into(),
-            width: 4,
-            threads: 2,
-            regime: WARM.into(),
-            rounds: 3,
-            build_ms_median: Some(build),
-            build_ms_mad: Some(0.0),
-            build_ms_min: Some(build),
-            build_ms_max: Some(build),
-            sah: Some(10.0),
-            view: ALL.into(),
-            ray_kind: ALL.into(),
-            kernel: kernel.into(),
-            trace_ms_median: Some(trace),
-            trace_ms_mad: Some(0.0),
-            trace_ms_min: Some(trace),
-            trace_ms_max: Some(trace),
-            verified: Some(true),
-            ..Row::default()
-        }
+        Row { scene: scene.into(), sah: Some(10.0), ..Row::by_hand(builder, 4, kernel, build, trace) }
     }
 
     fn rows() -> Vec<Row> {

@@ -100,35 +100,16 @@ pub fn remarks(rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::row::{ALL, SCHEMA, WARM};
     use crate::report::figures::{NATIVE, PHR, trees};
 
     fn row(scene: &str, builder: &str, width: u32, kernel: &str, build: f64, trace: f64) -> Row {
         Row {
-            schema: SCHEMA,
             scene: scene.into(),
             triangles: 1_234_567,
-            builder: builder.into(),
-            width,
-            regime: WARM.into(),
-            rounds: 3,
-            threads: 2,
-            build_ms_median: Some(build),
-            build_ms_mad: Some(0.0),
-            build_ms_min: Some(build),
-            build_ms_max: Some(build),
             sah: Some(build),
-            view: ALL.into(),
-            ray_kind: ALL.into(),
-            kernel: kernel.into(),
             rays: Some(1000),
-            trace_ms_median: Some(trace),
-            trace_ms_mad: Some(0.0),
-            trace_ms_min: Some(trace),
-            trace_ms_max: Some(trace),
             mrays_s: Some(1.0 / trace),
-            verified: Some(true),
-            ..Row::default()
+            ..Row::by_hand(builder, width, kernel, build, trace)
         }
     }
 

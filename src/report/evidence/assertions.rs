@@ -78,31 +78,9 @@ fn claims(rows: &[Row], with: &[Row], without: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::row::{ALL, WARM};
 
     fn row(builder: &str, build: f64) -> Row {
-        Row {
-            scene: "a".into(),
-            triangles: 200_000,
-            builder: builder.into(),
-            width: 4,
-            regime: WARM.into(),
-            rounds: 3,
-            threads: 2,
-            build_ms_median: Some(build),
-            build_ms_mad: Some(0.0),
-            build_ms_min: Some(build),
-            build_ms_max: Some(build),
-            view: ALL.into(),
-            ray_kind: ALL.into(),
-            kernel: GRAFTED.into(),
-            trace_ms_median: Some(1.0),
-            trace_ms_mad: Some(0.0),
-            trace_ms_min: Some(1.0),
-            trace_ms_max: Some(1.0),
-            verified: Some(true),
-            ..Row::default()
-        }
+        Row { triangles: 200_000, ..Row::by_hand(builder, 4, GRAFTED, build, 1.0) }
     }
 
     #[test]

@@ -56,39 +56,14 @@ fn is_on_front(rows: &[Row], scene: &str, tree: Tree<'_>, under: &Under, same_wi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::row::{ALL, WARM};
     use crate::report::figures::{NATIVE, PHR};
-
-    fn row(builder: &str, width: u32, kernel: &str, build: f64, trace: f64) -> Row {
-        Row {
-            scene: "a".into(),
-            builder: builder.into(),
-            width,
-            regime: WARM.into(),
-            rounds: 3,
-            threads: 2,
-            build_ms_median: Some(build),
-            build_ms_mad: Some(0.0),
-            build_ms_min: Some(build),
-            build_ms_max: Some(build),
-            view: ALL.into(),
-            ray_kind: ALL.into(),
-            kernel: kernel.into(),
-            trace_ms_median: Some(trace),
-            trace_ms_mad: Some(0.0),
-            trace_ms_min: Some(trace),
-            trace_ms_max: Some(trace),
-            verified: Some(true),
-            ..Row::default()
-        }
-    }
 
     #[test]
     fn a_tree_is_judged_within_its_width_and_over_both() {
         let rows = [
-            row("embree-sah", 4, NATIVE, 10.0, 10.0),
-            row("embree-sah", 8, NATIVE, 11.0, 6.0),
-            row("phr-hq", 4, PHR, 9.0, 7.0),
+            Row::by_hand("embree-sah", 4, NATIVE, 10.0, 10.0),
+            Row::by_hand("embree-sah", 8, NATIVE, 11.0, 6.0),
+            Row::by_hand("phr-hq", 4, PHR, 9.0, 7.0),
         ];
         let text = fronts(&[("open", &rows)]);
         let cells = |name: &str| {

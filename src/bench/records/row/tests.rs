@@ -1,5 +1,33 @@
 use super::*;
 
+impl Row {
+    /// A verified row of scene `a` for tests of reports: three rounds of two threads without spread.
+    pub(crate) fn by_hand(builder: &str, width: u32, kernel: &str, build: f64, trace: f64) -> Self {
+        Self {
+            schema: SCHEMA,
+            scene: "a".into(),
+            builder: builder.into(),
+            width,
+            regime: WARM.into(),
+            rounds: 3,
+            threads: 2,
+            build_ms_median: Some(build),
+            build_ms_mad: Some(0.0),
+            build_ms_min: Some(build),
+            build_ms_max: Some(build),
+            view: ALL.into(),
+            ray_kind: ALL.into(),
+            kernel: kernel.into(),
+            trace_ms_median: Some(trace),
+            trace_ms_mad: Some(0.0),
+            trace_ms_min: Some(trace),
+            trace_ms_max: Some(trace),
+            verified: Some(true),
+            ..Self::default()
+        }
+    }
+}
+
 fn row() -> Row {
     Row {
         schema: SCHEMA,
