@@ -137,6 +137,31 @@ fn hits_are_those_of_brute_force() {
     }
 }
 
+/// From close above a level floor: its distance along a ray is a quotient of two small numbers, not a mean of far corners.
+#[test]
+fn distances_of_grazing_rays_are_right() {
+    let mesh = mesh(
+        vec![[-9.0, -7.0, 0.25], [11.0, -8.0, 0.25], [10.0, 9.0, 0.25], [-8.0, 10.0, 0.25]],
+        vec![[0, 1, 2], [0, 2, 3]],
+    );
+    let mut random = SplitMix64::new(9);
+    let rays: Vec<Ray> = (0..20_000)
+        .map(|i| {
+            let mut point = |z: f32| Vec3::new(6.0 * random.unit() - 3.0, 6.0 * random.unit() - 3.0, z);
+            let org = point(0.25 + 10f32.powi(-(i % 4) - 1));
+            Ray { org, tnear: 0.0, dir: point(0.25) - org, tfar: f32::INFINITY }
+        })
+        .collect();
+    let tree = median_tree::<8>(&mesh, 4);
+    for isa in Isa::available() {
+        let hits = closest(&WatertightTracer::with_isa(&tree, &mesh, isa), &rays);
+        for (hit, ray) in hits.iter().zip(&rays) {
+            let exact = (0.25 - f64::from(ray.org.z)) / f64::from(ray.dir.z);
+            assert!((f64::from(hit.t) / exact - 1.0).abs() < 1e-6, "{isa}: {ray:?} {hit:?}, not {exact}");
+        }
+    }
+}
+
 #[test]
 fn intervals_and_coordinates_are_those_of_the_fast_kernel() {
     let mesh = one_triangle();

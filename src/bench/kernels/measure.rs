@@ -1,7 +1,7 @@
 //! The rounds: every kernel traces all rays of a kind once per round, in an order that turns from round to round.
 
 use super::contestants::{Contestant, Trees};
-use super::row::{KernelRow, SCHEMA, SINGLE, WATERTIGHT};
+use super::row::{KernelRow, SCHEMA, SINGLE};
 use crate::bench::cell::Cell;
 use crate::bench::environment::moment::utc_now;
 use crate::bench::environment::{Machine, Program};
@@ -16,10 +16,6 @@ use std::time::Instant;
 
 /// Rays that a thread hands to a kernel at once.
 const CHUNK: usize = 1 << 14;
-
-/// One ray of so many may differ between our watertight kernel and the reference, whose tests round otherwise: where a ray
-/// grazes a triangle, distances differ by more than they are held to.
-const GRAZING: usize = 1000;
 
 /// What is measured.
 #[derive(Clone, Debug)]
@@ -67,9 +63,7 @@ pub fn measure(scene: &Scene, settings: &KernelSettings) -> Result<Vec<KernelRow
             let (times, answers) = pool.install(|| rounds(&contestants, kind, rays, settings.rounds));
             let verified = |index: usize| {
                 let tracers = [&*reference.tracer, &*contestants[index].tracer];
-                let verdict = answers[index].compare(&scene.mesh, rays, &answers[0], tracers);
-                let grazing = if contestants[index].kernel == WATERTIGHT { rays.len() / GRAZING } else { 0 };
-                verdict.is_ok() || verdict.mismatched <= grazing
+                answers[index].compare(&scene.mesh, rays, &answers[0], tracers).is_ok()
             };
             for (index, contestant) in contestants.iter().enumerate() {
                 let same_tree = |other: &Contestant<'_>| {

@@ -13,7 +13,7 @@ use crate::simd::Isa;
 
 /// Traces rays through a tree so that none slips through an edge or a vertex that triangles share, as with Embree's
 /// `RTC_SCENE_FLAG_ROBUST`: the interval and the order among equal distances are those of
-/// [`BvhTracer`](super::BvhTracer), the distances of the same hits differ from its by rounding.
+/// [`BvhTracer`](super::BvhTracer); distances differ from its by rounding, as both are those of the triangles' planes.
 ///
 /// It holds the corners of the leaves' triangles besides the tree's own blocks, 160 bytes for each. Sound for meshes
 /// and origins within 1e12 of the scene's origin and for triangles of 1e-12 and larger.

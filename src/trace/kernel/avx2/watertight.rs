@@ -90,15 +90,48 @@ impl WatertightAvx2 {
         let minus = _mm_set1_ps(-0.0);
         let (sign, den) = (_mm_and_ps(sum, minus), _mm_andnot_ps(minus, sum));
         let (u, v, w) = (_mm_xor_ps(u, sign), _mm_xor_ps(v, sign), _mm_xor_ps(w, sign));
-        let t = _mm_fmadd_ps(u, a[2], _mm_fmadd_ps(v, b[2], _mm_mul_ps(w, c[2])));
-        let t = _mm_mul_ps(t, all(shear[2]));
         let zero = _mm_setzero_ps();
         let inside =
             _mm_and_ps(_mm_cmpge_ps(_mm_min_ps(u, _mm_min_ps(v, w)), zero), _mm_cmpneq_ps(den, zero));
-        let beyond = _mm_cmplt_ps(_mm_mul_ps(den, all(tnear)), t);
-        let before = _mm_cmple_ps(t, _mm_mul_ps(den, all(tfar)));
-        let valid = _mm_and_ps(inside, _mm_and_ps(beyond, before));
-        (_mm_movemask_ps(valid) != 0).then_some(Crossing { t, u: v, v: w, den, valid })
+        if _mm_movemask_ps(inside) == 0 {
+            return None;
+        }
+        let t = self.distance(block, [a[2], b[2], c[2]]);
+        let within = _mm_and_ps(_mm_cmplt_ps(all(tnear), t), _mm_cmple_ps(t, all(tfar)));
+        let valid = _mm_and_ps(inside, within);
+        let (u, v, den) = (_mm_div_ps(v, den), _mm_div_ps(w, den), all(1.0));
+        (_mm_movemask_ps(valid) != 0).then_some(Crossing { t, u, v, den, valid })
+    }
+
+    /// Of the triangles' planes along the ray, and never beside their corners, whose `z` are those relative to the
+    /// origin: a plane that contains the ray up to rounding is hit, too.
+    #[inline]
+    #[target_feature(enable = "avx2,fma")]
+    fn distance(&self, block: &CornerBlock, z: [__m128; 3]) -> __m128 {
+        let (axes, Frame { org, shear, .. }) = (self.frame.axes(), self.frame);
+        let all = |x: f32| _mm_set1_ps(x);
+        let at = |corner: usize, axis: usize| {
+            // SAFETY: axes are below 3; four floats lie there.
+            unsafe { _mm_loadu_ps(block.corners[corner].get_unchecked(axes[axis]).as_ptr()) }
+        };
+        let edge = |corner: usize| {
+            let along = |axis: usize| _mm_sub_ps(at(corner, axis), at(0, axis));
+            [along(0), along(1), along(2)]
+        };
+        let (p, q) = (edge(1), edge(2));
+        let minor = |i: usize, j: usize| _mm_fmsub_ps(p[i], q[j], _mm_mul_ps(p[j], q[i]));
+        let normal = [minor(1, 2), minor(2, 0), minor(0, 1)];
+        let (x, y) = (_mm_sub_ps(at(0, 0), all(org[0])), _mm_sub_ps(at(0, 1), all(org[1])));
+        let dot = |x: __m128, y: __m128, z: __m128| {
+            _mm_fmadd_ps(normal[0], x, _mm_fmadd_ps(normal[1], y, _mm_mul_ps(normal[2], z)))
+        };
+        let height = dot(x, y, z[0]);
+        let approach = dot(all(shear[0]), all(shear[1]), all(1.0));
+        // Minimum and maximum return their second operand where the quotient is none.
+        let near = _mm_min_ps(z[0], _mm_min_ps(z[1], z[2]));
+        let far = _mm_max_ps(z[0], _mm_max_ps(z[1], z[2]));
+        let quotient = _mm_div_ps(height, approach);
+        _mm_mul_ps(_mm_min_ps(_mm_max_ps(quotient, near), far), all(shear[2]))
     }
 }
 

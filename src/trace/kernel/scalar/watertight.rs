@@ -65,16 +65,31 @@ impl WatertightScalar {
             let sum = (u + v) + w;
             let sign = 1f32.copysign(sum);
             let (u, v, w, den) = (u * sign, v * sign, w * sign, sum.abs());
-            let t = (u * a[2] + (v * b[2] + w * c[2])) * frame.shear[2];
-            out.valid[lane] = (u >= 0.0)
-                & (v >= 0.0)
-                & (w >= 0.0)
-                & (den != 0.0)
-                & (den * frame.tnear < t)
-                & (t <= den * tfar);
-            (out.t[lane], out.u[lane], out.v[lane], out.den[lane]) = (t, v, w, den);
+            if (u >= 0.0) & (v >= 0.0) & (w >= 0.0) & (den != 0.0) {
+                let t = self.distance(block, lane, [a[2], b[2], c[2]]);
+                out.valid[lane] = (frame.tnear < t) & (t <= tfar);
+                (out.t[lane], out.u[lane], out.v[lane], out.den[lane]) = (t, v / den, w / den, 1.0);
+            }
         }
         out
+    }
+
+    /// Of the plane of the triangle in `lane` along the ray, and never beside its corners, whose `z` are those
+    /// relative to the origin: a plane that contains the ray up to rounding is hit, too.
+    #[inline(always)]
+    fn distance(&self, block: &CornerBlock, lane: usize, z: [f32; 3]) -> f32 {
+        let Frame { org, shear, .. } = self.0;
+        let at = |corner: usize, axis: usize| block.corners[corner][self.0.axes()[axis]][lane];
+        let edge = |corner: usize| [0, 1, 2].map(|axis| at(corner, axis) - at(0, axis));
+        let (p, q) = (edge(1), edge(2));
+        let normal = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
+        let [x, y] = [0, 1].map(|axis| at(0, axis) - org[axis]);
+        let height = normal[0] * x + (normal[1] * y + normal[2] * z[0]);
+        let approach = normal[0] * shear[0] + (normal[1] * shear[1] + normal[2]);
+        // `f32::max` and `min` return the bound where the quotient is none.
+        let near = z[0].min(z[1]).min(z[2]);
+        let far = z[0].max(z[1]).max(z[2]);
+        (height / approach).max(near).min(far) * shear[2]
     }
 }
 
