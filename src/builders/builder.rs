@@ -2,6 +2,7 @@
 
 use crate::bvh::WideBvh;
 use crate::geometry::Mesh;
+use crate::parallel::timeline;
 use std::time::{Duration, Instant};
 
 /// A named part of a build and how long it took on the wall clock.
@@ -79,6 +80,7 @@ impl Stopwatch {
     pub fn lap(&mut self, name: &'static str) {
         let now = Instant::now();
         self.phases.push(Phase { name, duration: now - self.last });
+        timeline::phase(name);
         self.last = now;
     }
 }

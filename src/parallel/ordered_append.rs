@@ -11,6 +11,7 @@
 #![allow(unsafe_code)]
 
 use super::disjoint::DisjointSlice;
+use super::timeline;
 use crate::memory::pool::Pool;
 use std::collections::VecDeque;
 use std::mem::MaybeUninit;
@@ -89,14 +90,14 @@ pub(crate) fn append<C: Chunk, R: Send>(
             let task = next.fetch_add(1, Ordering::Relaxed);
             if task < tasks {
                 let mut chunk = pool.take();
-                let result = make(task, &mut chunk);
+                let result = timeline::task(|| make(task, &mut chunk));
                 chain.finish(task, result, chunk.lengths());
                 waiting.push_back((task, chunk));
             }
             while let Some(&(first, _)) = waiting.front() {
                 if let Some(offset) = chain.offset(first) {
                     let (_, chunk) = waiting.pop_front().expect("there is a front");
-                    write(chunk, offset);
+                    timeline::task(|| write(chunk, offset));
                 } else if failed.load(Ordering::Relaxed) {
                     return;
                 } else if task < tasks && waiting.len() < PATIENCE {
@@ -110,7 +111,8 @@ pub(crate) fn append<C: Chunk, R: Send>(
             }
         }
     };
-    rayon::scope(|scope| (0..rayon::current_num_threads().min(tasks)).for_each(|_| scope.spawn(|_| work())));
+    let threads = rayon::current_num_threads().min(tasks);
+    timeline::fork(|| rayon::scope(|scope| (0..threads).for_each(|_| scope.spawn(|_| work()))));
 
     let Links { tasks, end, .. } = chain.0.into_inner().expect("no task panics");
     let mut left_over = left_over.into_inner().expect("no task panics");

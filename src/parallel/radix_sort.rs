@@ -7,6 +7,7 @@
 #![allow(unsafe_code)]
 
 use super::disjoint::DisjointSlice;
+use super::timeline;
 use rayon::prelude::*;
 
 const DIGIT_BITS: u32 = 11;
@@ -24,7 +25,7 @@ pub(crate) fn sort(keys: &mut [u64], sorted: &mut [u64]) {
         sorted.sort_by_key(|&key| key >> 32);
         return;
     }
-    let chunk = keys.len().div_ceil(rayon::current_num_threads()).max(SMALL);
+    let chunk = keys.len().div_ceil(timeline::workers()).max(SMALL);
     let (mut from, mut to) = (keys, sorted);
     // An odd number of passes ends in `sorted`.
     for pass in 0..PASSES {
@@ -40,7 +41,7 @@ pub(crate) const BUCKET_BITS: u32 = 12;
 /// `sorted`, which is as long.
 pub(crate) fn bucket_sort(keys: &[u64], sorted: &mut [u64]) {
     assert_eq!(keys.len(), sorted.len());
-    let chunk = keys.len().div_ceil(rayon::current_num_threads()).max(SMALL);
+    let chunk = keys.len().div_ceil(timeline::workers()).max(SMALL);
     scatter::<{ 1 << BUCKET_BITS }>(keys, sorted, chunk, u64::BITS - BUCKET_BITS);
 }
 
@@ -51,14 +52,11 @@ fn digit<const BUCKETS: usize>(key: u64, shift: u32) -> usize {
 
 /// One pass: moves `from` to `to`, ordered by the digit at `shift`.
 fn scatter<const BUCKETS: usize>(from: &[u64], to: &mut [u64], chunk: usize, shift: u32) {
-    let mut offsets: Vec<[u32; BUCKETS]> = from
-        .par_chunks(chunk)
-        .map(|keys| {
-            let mut counts = [0u32; BUCKETS];
-            keys.iter().for_each(|&key| counts[digit::<BUCKETS>(key, shift)] += 1);
-            counts
-        })
-        .collect();
+    let mut offsets: Vec<[u32; BUCKETS]> = super::map(from.par_chunks(chunk), |keys| {
+        let mut counts = [0u32; BUCKETS];
+        keys.iter().for_each(|&key| counts[digit::<BUCKETS>(key, shift)] += 1);
+        counts
+    });
     let mut next = 0;
     for bucket in 0..BUCKETS {
         for counts in &mut offsets {
@@ -66,7 +64,7 @@ fn scatter<const BUCKETS: usize>(from: &[u64], to: &mut [u64], chunk: usize, shi
         }
     }
     let to = DisjointSlice::new(to);
-    from.par_chunks(chunk).zip(offsets).for_each(|(keys, mut offsets)| {
+    super::for_each(from.par_chunks(chunk).zip(offsets), |(keys, mut offsets)| {
         for &key in keys {
             let place = &mut offsets[digit::<BUCKETS>(key, shift)];
             // SAFETY: the offsets are an exclusive prefix sum of the counts of exactly these keys, over all

@@ -1,6 +1,5 @@
 //! The upper part of a recursion, divided in parallel down to tasks that one thread each completes.
 
-use rayon::prelude::*;
 use std::sync::Mutex;
 
 /// A tree over tasks of type `T`.
@@ -27,9 +26,7 @@ impl<T: Send> TaskTree<T> {
     pub fn grow(root: T, divide: &(impl Fn(T) -> Division<T> + Sync)) -> Self {
         match divide(root) {
             Division::Task(task) => Self::Task(task),
-            Division::Parts(parts) => {
-                Self::Node(parts.into_par_iter().map(|part| Self::grow(part, divide)).collect())
-            }
+            Division::Parts(parts) => Self::Node(super::map(parts, |part| Self::grow(part, divide))),
         }
     }
 

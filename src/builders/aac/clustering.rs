@@ -6,6 +6,7 @@ use crate::builders::lbvh::key::{MortonKey, reference};
 use crate::builders::lbvh::partition::partition;
 use crate::builders::lbvh::prefetch;
 use crate::builders::prims::refs::PrimRefs;
+use crate::parallel;
 
 /// Runs shorter than this are clustered by one thread, from triangles that fit its cache.
 const SERIAL: usize = 1 << 12;
@@ -62,7 +63,7 @@ impl Clustering<'_> {
         let (mut below, mut other) = (depth, Forest::default());
         let split = partition(keys, &self.refs, &mut below);
         let ([left, right], [left_pairs, right_pairs]) = halves(keys, pairs, split);
-        rayon::join(
+        parallel::join(
             || self.build(left, first, below, left_pairs, forest),
             || self.build(right, first + split, below, right_pairs, &mut other),
         );

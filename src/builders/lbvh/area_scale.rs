@@ -5,6 +5,7 @@
 use super::key::{MortonKey, reference};
 use crate::builders::prims::refs::PrimRefs;
 use crate::geometry::Aabb;
+use crate::parallel;
 use rayon::prelude::*;
 
 /// References of a part of a scene.
@@ -39,7 +40,7 @@ impl AreaScale {
             let some = keys[first..first + PART].iter().step_by(STEP);
             some.map(|&key| refs.bounds(reference(key))).collect::<Aabb>().half_area()
         };
-        let mut measured: Vec<f32> = (0..count).into_par_iter().with_min_len(16).map(area).collect();
+        let mut measured: Vec<f32> = parallel::map((0..count).into_par_iter().with_min_len(16), area);
         measured.sort_by(f32::total_cmp);
         let median = measured.get(count / 2).copied().unwrap_or(f32::INFINITY);
         Self { scale: whole.scene.min(median * parts), ..whole }

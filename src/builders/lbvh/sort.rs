@@ -9,8 +9,8 @@ use crate::builders::prims::presplit::{Presplit, PresplitConfig};
 use crate::builders::prims::refs::{GRAIN, PrimInfo, PrimRefs};
 use crate::geometry::{Aabb, Mesh};
 use crate::memory::huge_pages;
+use crate::parallel;
 use crate::parallel::radix_sort::{self, BUCKET_BITS};
-use rayon::prelude::*;
 use std::mem::MaybeUninit;
 
 /// What of the codes references are sorted by.
@@ -91,7 +91,7 @@ impl MortonOrder {
             (of_pieces, piece) = (others, piece + pieces);
         }
         assert!(of_pieces.is_empty());
-        tasks.into_par_iter().for_each(|(first, of_triangles, of_pieces, pieces)| {
+        parallel::for_each(tasks, |(first, of_triangles, of_pieces, pieces)| {
             let prims = first as u32..(first + of_triangles.len()) as u32;
             let mut triangles = prims.clone().zip(&mut *of_triangles);
             encoder.codes(prims.map(|prim| mesh.bounds_of(prim).center2()), |code| {

@@ -1,6 +1,7 @@
 //! Which nodes may look for better places: those that promise most and have not looked in vain.
 
 use super::tree::{ROOT, Tree};
+use crate::parallel;
 use rayon::prelude::*;
 
 /// Pairs per task.
@@ -22,39 +23,32 @@ impl Candidates {
     /// Finds the `wanted` nodes of `tree` of the highest promise among those not `tried`.
     pub fn find(&mut self, tree: &Tree, tried: &[bool], wanted: usize) {
         self.promises.resize(tree.pairs.len(), [0; 2]);
-        let histogram = self
-            .promises
-            .par_chunks_mut(CHUNK)
-            .enumerate()
-            .map(|(chunk, promises)| {
+        let histograms =
+            parallel::map(self.promises.par_chunks_mut(CHUNK).enumerate(), |(chunk, promises)| {
                 let mut histogram = vec![0u32; BUCKETS];
                 for (pair, promises) in (chunk * CHUNK..).zip(promises) {
                     *promises = tree.promises(pair, tried);
                     promises.iter().for_each(|&bucket| histogram[bucket as usize] += 1);
                 }
                 histogram
-            })
-            .reduce(
-                || vec![0; BUCKETS],
-                |mut a, b| {
-                    a.iter_mut().zip(&b).for_each(|(a, b)| *a += b);
-                    a
-                },
-            );
+            });
+        let mut histogram = vec![0; BUCKETS];
+        for one in &histograms {
+            histogram.iter_mut().zip(one).for_each(|(all, count)| *all += count);
+        }
         // Buckets above `last` are taken whole, of this one the first.
         let (mut last, mut above) = (BUCKETS - 1, 0);
         while last > 1 && above + (histogram[last] as usize) < wanted {
             above += histogram[last] as usize;
             last -= 1;
         }
-        let found: Vec<Vec<u32>> = (self.promises.par_chunks(CHUNK).enumerate())
-            .map(|(chunk, promises)| {
+        let found: Vec<Vec<u32>> =
+            parallel::map(self.promises.par_chunks(CHUNK).enumerate(), |(chunk, promises)| {
                 let indices = (2 * CHUNK * chunk) as u32..;
                 let found =
                     indices.zip(promises.iter().flatten()).filter(|(_, bucket)| **bucket as usize >= last);
                 found.map(|(index, _)| index).collect()
-            })
-            .collect();
+            });
         let mut room = wanted.saturating_sub(above);
         self.nodes.clear();
         for index in found.into_iter().flatten() {

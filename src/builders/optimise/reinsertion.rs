@@ -8,6 +8,7 @@ use super::candidates::Candidates;
 use super::tree::{Node, Pair, ROOT, Tree};
 use crate::bvh::MAX_DEPTH;
 use crate::geometry::Aabb;
+use crate::parallel;
 use rayon::prelude::*;
 
 /// Searches per task.
@@ -50,7 +51,8 @@ impl Reinsertion {
         self.candidates.find(tree, &self.tried, wanted);
         let nodes = &self.candidates.nodes;
         self.moves.resize(nodes.len(), Move::default());
-        self.moves.par_chunks_mut(CHUNK).zip(nodes.par_chunks(CHUNK)).for_each(|(moves, nodes)| {
+        let chunks = self.moves.par_chunks_mut(CHUNK).zip(nodes.par_chunks(CHUNK));
+        parallel::for_each(chunks, |(moves, nodes)| {
             let mut stack = Vec::new();
             for (to, &node) in moves.iter_mut().zip(nodes) {
                 *to = tree.search(node, &mut stack);

@@ -7,6 +7,7 @@
 
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
+use crate::parallel;
 use rayon::prelude::*;
 
 /// Nodes opened by one task.
@@ -69,12 +70,11 @@ struct Opened {
 impl Opened {
     /// Opens nodes, and nodes below them, as long as `is_opened` says so of their half areas.
     fn of(tree: &BinaryTree, cut: &[Node], is_opened: impl Fn(f32) -> bool + Sync) -> Self {
-        let chunks = cut.par_chunks(CHUNK).map(|chunk| {
+        let chunks = parallel::map(cut.par_chunks(CHUNK), |chunk| {
             let mut opened = Self::default();
             opened.open(tree, chunk, &is_opened);
             opened
         });
-        let chunks: Vec<Self> = chunks.collect();
         Self {
             nodes: chunks.iter().flat_map(|chunk| &chunk.nodes).copied().collect(),
             areas: chunks.iter().flat_map(|chunk| &chunk.areas).copied().collect(),

@@ -10,6 +10,7 @@ use crate::builders::prims::needle::{Needle, Splitter};
 use crate::builders::prims::refs::{Fragment, GRAIN, PrimInfo};
 use crate::geometry::{Aabb, Mesh};
 use crate::memory::pool::Pool;
+use crate::parallel;
 use crate::parallel::ordered_append::{self, Chunk, Offset};
 use rayon::prelude::*;
 
@@ -57,19 +58,15 @@ impl Presplit {
     pub fn split(&mut self, mesh: &Mesh, scene: Aabb, config: &PresplitConfig) {
         self.clear();
         let min_area = scene.half_area() * config.min_area;
-        let needles: Vec<Vec<Needle>> = mesh
-            .triangles()
-            .par_chunks(GRAIN)
-            .enumerate()
-            .map(|(chunk, triangles)| {
-                let numbered = (chunk as u32 * GRAIN as u32..).zip(triangles);
-                numbered
-                    .filter_map(|(prim, triangle)| {
-                        Needle::of(mesh.corners_of(triangle), prim, min_area, config.filled)
-                    })
-                    .collect()
-            })
-            .collect();
+        let chunks = mesh.triangles().par_chunks(GRAIN).enumerate();
+        let needles: Vec<Vec<Needle>> = parallel::map(chunks, |(chunk, triangles)| {
+            let numbered = (chunk as u32 * GRAIN as u32..).zip(triangles);
+            numbered
+                .filter_map(|(prim, triangle)| {
+                    Needle::of(mesh.corners_of(triangle), prim, min_area, config.filled)
+                })
+                .collect()
+        });
         let count = needles.iter().map(|needles| needles.len() as u64).sum::<u64>();
         let pieces = needles.iter().flatten().map(Needle::most_pieces).sum::<u64>();
         if pieces - count > (mesh.len() as f64 * f64::from(config.max_extra)) as u64 {

@@ -2,6 +2,7 @@
 //! whole box, or several times by the boxes of its parts where it was split before.
 
 use crate::geometry::{Aabb, Mesh};
+use crate::parallel;
 use rayon::prelude::*;
 
 /// References per task of a parallel pass over all of them.
@@ -64,18 +65,16 @@ impl PrimInfo {
 
     /// Of all triangles of `mesh`.
     pub fn of(mesh: &Mesh) -> Self {
-        mesh.triangles()
-            .par_chunks(GRAIN)
-            .map(|triangles| {
-                let (mut bounds, mut centers) = (Aabb::EMPTY, Aabb::EMPTY);
-                for triangle in triangles {
-                    let b = Aabb::of_triangle(mesh.corners_of(triangle));
-                    bounds = bounds.union(b);
-                    centers = centers.grow(b.center2());
-                }
-                Self { bounds, centers }
-            })
-            .reduce(|| Self::EMPTY, Self::union)
+        let parts = parallel::map(mesh.triangles().par_chunks(GRAIN), |triangles| {
+            let (mut bounds, mut centers) = (Aabb::EMPTY, Aabb::EMPTY);
+            for triangle in triangles {
+                let b = Aabb::of_triangle(mesh.corners_of(triangle));
+                bounds = bounds.union(b);
+                centers = centers.grow(b.center2());
+            }
+            Self { bounds, centers }
+        });
+        parts.into_iter().fold(Self::EMPTY, Self::union)
     }
 
     /// Bounds of both.

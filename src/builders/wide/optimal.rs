@@ -2,8 +2,8 @@
 //! 2017): which subtrees become leaves, and how the children of each wide node are distributed over the subtrees below.
 
 use crate::bvh::limits::{BLOCK, MAX_WIDTH};
+use crate::parallel::join;
 use arrayvec::ArrayVec;
-use rayon::join;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// What a wide tree costs, per area.
