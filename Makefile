@@ -10,6 +10,9 @@
 # make bench-kernel our kernels and Embree's, single rays and batches, over the same trees, and single rays over trees of
 #                   our presets, on the files SCENES and the built-in scenes of 100,000 triangles and more, into
 #                   results/kernel: half an hour on two cores
+# make bench-scaling
+#                   the tasks of our builders on the files SCENES and the built-in scenes, timed one by one and scheduled on
+#                   up to 64 workers, into results/scaling: half an hour
 # make bench-reference
 #                   every figure of README and RESULTS again: the runs of bench-builders into results/full, stopped and
 #                   resumed at will, reduced into results/reference and results/reference-ablation, tables, plots and pages
@@ -60,7 +63,7 @@ KERNEL_TESTS = --test trace_agreement --test trace_batches --test trace_watertig
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: sanitize bench bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
+.PHONY: sanitize bench bench-scaling bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -99,6 +102,10 @@ bench-kernel: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr kernels $(KERNEL_SCENES) $(SCENES) --least 100000 --size $(SIZE) --threads 1 --threads 2 \
 		--out results/kernel $(ARGS)
+
+bench-scaling: packages
+	$(CARGO) build --release --bin phr
+	./target/release/phr scaling $(KERNEL_SCENES) $(SCENES) --out results/scaling $(ARGS)
 
 # A new revision begins anew: it cannot continue the runs of another (remove results/full).
 bench-reference: RESUMED = yes

@@ -2,8 +2,8 @@
 
 #![cfg(feature = "harness")]
 
-use phr::bench::kernels;
 use phr::bench::row::{self, ALL, NO_KERNEL, ROWS, Row, SCHEMA, WARM};
+use phr::bench::{kernels, scaling};
 use phr::report::figures::Under;
 use phr::report::plot::{self, raster};
 use phr::report::{readme, table};
@@ -375,12 +375,15 @@ fn every_column_and_marker_is_described() {
     let kernels = folder.path().join(kernels::row::KERNELS);
     kernels::row::write(&kernels, &[kernels::row::KernelRow::default()]).unwrap();
     let kernels = std::fs::read_to_string(kernels).unwrap();
-    for column in [text, kernels].iter().flat_map(|text| text.lines().next().unwrap().split(',')) {
+    let scaling = folder.path().join(scaling::row::SCALING);
+    scaling::row::write(&scaling, &[scaling::row::ScalingRow::default()]).unwrap();
+    let scaling = std::fs::read_to_string(scaling).unwrap();
+    for column in [text, kernels, scaling].iter().flat_map(|text| text.lines().next().unwrap().split(',')) {
         assert!(described.contains(&format!("`{column}`")), "{column}");
     }
     let markers = [
         "table", "table1", "means", "scenes", "run", "value", "summary", "targets", "growth", "ablation",
-        "kernels",
+        "kernels", "scaling",
     ];
     for marker in markers {
         assert!(described.contains(&format!("| `{marker}: ")), "{marker}");

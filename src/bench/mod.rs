@@ -1,7 +1,7 @@
 //! The benchmark driver. A [`plan`] lists scenes and [`cell`]s; a [`run`] visits each cell in interleaved rounds;
 //! a [`visit`] has a [`contender`] build its tree and times it under each kernel; the [`recorder`] keeps
 //! [`samples`], [`rows`] and [`environment`] on disk. [`kernels`] times kernels alone,
-//! [`turns`] two programs beside each other.
+//! [`turns`] two programs beside each other, [`scaling`] the tasks of a build.
 
 pub mod cell;
 pub mod contender;
@@ -15,12 +15,13 @@ pub mod precision;
 pub mod rays;
 pub mod records;
 pub mod run;
+pub mod scaling;
 pub mod settings;
 pub mod turns;
 pub mod visit;
 
 pub use contender::pools;
 pub use records::{
-    build_times, environment, environment::moment, files, recorder, results_dir, rounds, row, rows, samples,
-    statistics, tree_facts, visit_times, warnings,
+    build_times, environment, environment::moment, files, recorder, results_dir, rounds, row, rows,
+    samples, statistics, tree_facts, visit_times, warnings,
 };

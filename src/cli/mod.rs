@@ -12,8 +12,8 @@ use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
-    ablation, bench, build, compare, kernels, memory, plot, readme, reduce, render, scenes, table, targets,
-    turns, verify,
+    ablation, bench, build, compare, kernels, memory, plot, readme, reduce, render, scaling, scenes,
+    table, targets, turns, verify,
 };
 
 /// Progressive Hierarchical Refinement: BVH builders, measured beside Embree's with the same rays.
@@ -38,6 +38,7 @@ enum Verb {
     Ablation(ablation::Arguments),
     Compare(compare::Arguments),
     Kernels(kernels::Arguments),
+    Scaling(scaling::Arguments),
     Reduce(reduce::Arguments),
     Readme(readme::Arguments),
     Memory(memory::Arguments),
@@ -76,6 +77,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Reduce(arguments) => reduce::run(arguments),
         Verb::Compare(arguments) => compare::run(arguments),
         Verb::Kernels(arguments) => kernels::run(arguments),
+        Verb::Scaling(arguments) => scaling::run(arguments),
         Verb::Readme(arguments) => readme::run(arguments),
         Verb::Memory(arguments) => memory::run(arguments),
         Verb::Turns(arguments) => turns::run(arguments),

@@ -3,7 +3,7 @@
 //! * [`figures`] looks up the figures of a scene and tree, [`means`] averages them over scenes,
 //!   [`interval`](figures::interval) tells how sure they are, [`paper`] has the paper's own; [`grid`] lays out a table;
 //! * [`table`] is the document of a run: [`table1`] in the paper's arrangement, means, [`details`] of every scene;
-//! * [`summary`], [`evidence`], [`targets`], [`ablation`] and [`kernels`] are tables of their own, [`compare`] judges one
+//! * [`summary`], [`evidence`], [`targets`], [`ablation`], [`kernels`] and [`scaling`] are tables of their own, [`compare`] judges one
 //!   run against another, [`by_turns`](compare::by_turns) one program;
 //! * [`readme`] keeps the tables within Markdown pages up to date; [`plot`] draws.
 
@@ -18,6 +18,7 @@ pub mod means;
 pub mod paper;
 pub mod plot;
 pub mod readme;
+pub mod scaling;
 pub mod summary;
 pub mod table;
 pub mod table1;

@@ -6,7 +6,7 @@ use crate::bench::cell::Cell;
 use crate::bench::environment::moment::utc_now;
 use crate::bench::environment::{Machine, Program};
 use crate::bench::rays::Answers;
-use crate::bench::statistics::{Ratio, Summary};
+use crate::bench::statistics::{Ratio, Summary, figures};
 use crate::geometry::{Ray, Tracer};
 use crate::scene::Scene;
 use crate::trace::{PathSettings, RayBatches, RayKind, record};
@@ -80,10 +80,10 @@ pub fn measure(scene: &Scene, settings: &KernelSettings) -> Result<Vec<KernelRow
                     ray_kind: kind.name().into(),
                     rays: rays.len() as u64,
                     threads: threads as u32,
-                    mrays_s: digits(rays.len() as f64 / summary.median / 1e6),
-                    ratio: ratio.map(|ratio| digits(ratio.value)),
-                    ratio_low: ratio.map(|ratio| digits(ratio.low)),
-                    ratio_high: ratio.map(|ratio| digits(ratio.high)),
+                    mrays_s: figures(rays.len() as f64 / summary.median / 1e6),
+                    ratio: ratio.map(|ratio| figures(ratio.value)),
+                    ratio_low: ratio.map(|ratio| figures(ratio.low)),
+                    ratio_high: ratio.map(|ratio| figures(ratio.high)),
                     verified: verified(index),
                     ..about.clone()
                 });
@@ -148,9 +148,4 @@ fn fill(answers: &mut Answers, tracer: &dyn Tracer, rays: &[Ray]) {
 fn ratio(single: &[f64], times: &[f64]) -> Option<Ratio> {
     let (a, b) = (Summary::of(single)?, Summary::of(times)?);
     Some(Ratio::cautious((&a, single), (&b, times), 1))
-}
-
-/// Four significant digits.
-fn digits(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
 }

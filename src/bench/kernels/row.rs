@@ -1,7 +1,7 @@
 //! The records of kernels: `kernels.csv`, one row per scene x builder x width x kernel x ray kind x threads.
 //! `results/README.md` describes the columns for readers of the file.
 
-use crate::bench::files::{RecordsError, write_whole};
+use crate::bench::files::{self, RecordsError};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -64,11 +64,7 @@ pub struct KernelRow {
 /// # Errors
 /// An unwritable place.
 pub fn write(path: &Path, rows: &[KernelRow]) -> Result<(), RecordsError> {
-    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source };
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(malformed)?;
-    let bytes = writer.into_inner().map_err(|error| malformed(csv::Error::from(error.into_error())))?;
-    write_whole(path, &bytes)
+    files::write_csv(path, rows)
 }
 
 /// Reads the rows of a results folder or of a file.
@@ -76,19 +72,7 @@ pub fn write(path: &Path, rows: &[KernelRow]) -> Result<(), RecordsError> {
 /// # Errors
 /// No such file, other columns, no rows.
 pub fn read(results: &Path) -> Result<Vec<KernelRow>, RecordsError> {
-    let path = if results.is_dir() { results.join(KERNELS) } else { results.to_owned() };
-    let io = |source| RecordsError::Io { path: path.clone(), source, remedy: "run `phr kernels` first" };
-    let bytes = std::fs::read(&path).map_err(io)?;
-    let malformed = |source| RecordsError::Malformed { path: path.clone(), source };
-    let rows: Vec<KernelRow> =
-        csv::Reader::from_reader(&bytes[..]).deserialize().collect::<Result<_, _>>().map_err(malformed)?;
-    if rows.is_empty() {
-        return Err(RecordsError::Empty { path });
-    }
-    match rows.iter().find(|row| row.schema != SCHEMA) {
-        Some(row) => Err(RecordsError::Schema { path, found: row.schema, expected: SCHEMA }),
-        None => Ok(rows),
-    }
+    files::read_csv(results, KERNELS, (|row: &KernelRow| row.schema, SCHEMA), "run `phr kernels` first")
 }
 
 #[cfg(test)]

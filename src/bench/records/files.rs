@@ -75,6 +75,44 @@ pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), RecordsErr
     write_whole(path, &bytes)
 }
 
+/// Writes `rows` as CSV to the file `path`, whole or not at all.
+///
+/// # Errors
+/// An unwritable place.
+pub fn write_csv<T: Serialize>(path: &Path, rows: &[T]) -> Result<(), RecordsError> {
+    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(malformed)?;
+    let bytes = writer.into_inner().map_err(|error| malformed(csv::Error::from(error.into_error())))?;
+    write_whole(path, &bytes)
+}
+
+/// Reads the rows of a CSV file, or of the file `name` in a folder; `schema` tells a row's, which is to be `expected`,
+/// and `remedy` how to come by the file.
+///
+/// # Errors
+/// No such file, other columns, no rows.
+pub fn read_csv<T: for<'a> Deserialize<'a>>(
+    results: &Path,
+    name: &str,
+    (schema, expected): (impl Fn(&T) -> u32, u32),
+    remedy: &'static str,
+) -> Result<Vec<T>, RecordsError> {
+    let path = if results.is_dir() { results.join(name) } else { results.to_owned() };
+    let bytes =
+        std::fs::read(&path).map_err(|source| RecordsError::Io { path: path.clone(), source, remedy })?;
+    let malformed = |source| RecordsError::Malformed { path: path.clone(), source };
+    let rows: Vec<T> =
+        csv::Reader::from_reader(&bytes[..]).deserialize().collect::<Result<_, _>>().map_err(malformed)?;
+    if rows.is_empty() {
+        return Err(RecordsError::Empty { path });
+    }
+    match rows.iter().map(schema).find(|&found| found != expected) {
+        Some(found) => Err(RecordsError::Schema { path, found, expected }),
+        None => Ok(rows),
+    }
+}
+
 /// Writes a file beside `path` and renames it: at any time, also after a kill, `path` is the old file or the new
 /// one, whole.
 ///

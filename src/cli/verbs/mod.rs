@@ -10,6 +10,7 @@ pub mod plot;
 pub mod readme;
 pub mod reduce;
 pub mod render;
+pub mod scaling;
 pub mod scenes;
 pub mod table;
 pub mod targets;

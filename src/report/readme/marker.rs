@@ -2,9 +2,9 @@
 
 use super::error::ReadmeError;
 use crate::bench::environment::{Environment, State};
-use crate::bench::kernels;
 use crate::bench::results_dir;
 use crate::bench::row::{self, Row};
+use crate::bench::{kernels, scaling};
 use crate::report::ablation::Ablation;
 use crate::report::evidence::assertions::assertions;
 use crate::report::evidence::constants::constants;
@@ -16,11 +16,11 @@ use crate::report::means::{Ratios, means};
 use crate::report::summary::summary;
 use crate::report::table::{document_under, heading, remarks};
 use crate::report::table1::table1;
-use crate::report::{details, targets};
+use crate::report::{self, details, targets};
 use std::path::Path;
 
 /// The kinds of markers, each with the words that follow; `...` stands for more of the last.
-pub(super) const KINDS: [(&str, &str); 16] = [
+pub(super) const KINDS: [(&str, &str); 17] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
@@ -37,10 +37,11 @@ pub(super) const KINDS: [(&str, &str); 16] = [
     ("growth", "RESULTS"),
     ("ablation", "RESULTS BASE BUILDER..."),
     ("kernels", "RESULTS"),
+    ("scaling", "RESULTS"),
 ];
 /// Kinds with fixed kernels, which take no `--kernel`.
-const OF_FIXED_KERNELS: [&str; 8] =
-    ["targets", "bars", "growth", "ablation", "fronts", "constants", "assertions", "kernels"];
+const OF_FIXED_KERNELS: [&str; 9] =
+    ["targets", "bars", "growth", "ablation", "fronts", "constants", "assertions", "kernels", "scaling"];
 /// The kind that takes `--withheld RESULTS`.
 const OF_WITHHELD: &str = "summary";
 
@@ -109,6 +110,11 @@ impl<'a> Marker<'a> {
                 let rows = kernels::row::read(&folder.join(self.words[0]));
                 let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
                 Ok(page(&rows))
+            }
+            "scaling" => {
+                let rows = scaling::row::read(&folder.join(self.words[0]));
+                let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
+                Ok(report::scaling::page(&rows))
             }
             "constants" => constants(&folder.join(self.words[0])).map_err(|reason| self.wrong(reason)),
             _ => self.of_one_run(folder),
