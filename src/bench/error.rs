@@ -46,6 +46,16 @@ pub enum PlanError {
     /// The filter and the width match nothing.
     #[error("{0}: matches no \"scene builder width kernel\"; see `phr bench --list`")]
     NothingLeft(String),
+    /// More shards than scenes.
+    #[error(
+        "--shard: {shard} shards of {most} scenes, some without any; scenes are not divided, give {most} or fewer"
+    )]
+    EmptyShard {
+        /// Shards.
+        shard: usize,
+        /// Scenes.
+        most: usize,
+    },
     /// `--scenes` does not name a folder.
     #[error("{}: not a folder; --scenes takes the folder that holds the paper's scene files", .0.display())]
     NotAFolder(PathBuf),

@@ -17,11 +17,12 @@ pub mod records;
 pub mod run;
 pub mod scaling;
 pub mod settings;
+pub mod shard;
 pub mod turns;
 pub mod visit;
 
 pub use contender::pools;
 pub use records::{
-    build_times, environment, environment::moment, files, recorder, results_dir, rounds, row, rows,
+    build_times, environment, environment::moment, files, merge, recorder, results_dir, rounds, row, rows,
     samples, statistics, tree_facts, visit_times, warnings,
 };

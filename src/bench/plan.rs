@@ -6,6 +6,7 @@ use super::contender;
 use super::error::PlanError;
 use super::planned_scene::{PlannedScene, Source};
 use super::settings::Settings;
+use super::shard::Shard;
 use crate::scene::{self, SceneError};
 use regex::Regex;
 use serde::{Deserialize, Serialize};
@@ -36,6 +37,8 @@ pub struct Request {
     pub width: Option<u32>,
     /// Only what matches "scene builder width kernel".
     pub filter: Option<Regex>,
+    /// Only this part of the scenes.
+    pub shard: Option<Shard>,
     /// The settings.
     pub settings: Settings,
 }
@@ -45,6 +48,10 @@ pub struct Request {
 pub struct Plan {
     /// The scenes, in order, with their cells.
     pub scenes: Vec<(PlannedScene, Vec<Cell>)>,
+    /// Which part of the run this is; all of it if none.
+    pub shard: Option<Shard>,
+    /// Names of the scenes of all shards.
+    pub all_scenes: Vec<String>,
     /// The settings.
     pub settings: Settings,
 }
@@ -72,7 +79,12 @@ impl Plan {
         }
         let mut cells = cells(&request.builders, request.settings.build_only)?;
         cells.retain(|cell| request.width.is_none_or(|width| cell.width == width));
-        let mut plan = Self { scenes: Vec::new(), settings: request.settings.clone() };
+        let mut plan = Self {
+            scenes: Vec::new(),
+            shard: request.shard,
+            all_scenes: Vec::new(),
+            settings: request.settings.clone(),
+        };
         for scene in scenes {
             let left: Vec<Cell> = cells
                 .iter()
@@ -87,6 +99,15 @@ impl Plan {
             let width = request.width.map(|width| format!("--width {width}"));
             let options: Vec<String> = filter.into_iter().chain(width).collect();
             return Err(PlanError::NothingLeft(options.join(" ")));
+        }
+        plan.all_scenes = plan.scenes.iter().map(|(scene, _)| scene.name.clone()).collect();
+        if let Some(shard) = plan.shard {
+            let (scenes, most) = (std::mem::take(&mut plan.scenes), plan.all_scenes.len());
+            let numbered = scenes.into_iter().enumerate();
+            plan.scenes = numbered.filter(|&(index, _)| shard.has(index)).map(|(_, scene)| scene).collect();
+            if plan.scenes.is_empty() {
+                return Err(PlanError::EmptyShard { shard: shard.of, most });
+            }
         }
         Ok(plan)
     }
@@ -158,6 +179,7 @@ mod tests {
             builders: Vec::new(),
             width: None,
             filter: filter.map(|filter| Regex::new(filter).unwrap()),
+            shard: None,
             settings: Settings::least(),
         }
     }

@@ -143,7 +143,7 @@ impl Run<'_> {
         let index = recorder.scene(planned, scene, cells, rays.len(), invalid)?;
         let mut bench = Bench::new(SceneTraces::new(scene, &rays, reference, settings, pools, self.stop));
         let start = Instant::now();
-        let scenes = self.plan.scenes.len();
+        let scenes = self.plan.all_scenes.len();
         for round in 0.. {
             let width = || widest(&recorder.samples.scenes[index]);
             if !settings.wants(round, start.elapsed(), scenes, width) {

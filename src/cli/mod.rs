@@ -12,7 +12,7 @@ use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
-    ablation, bench, build, compare, kernels, memory, plot, readme, reduce, render, scaling, scenes,
+    ablation, bench, build, compare, kernels, memory, merge, plot, readme, reduce, render, scaling, scenes,
     table, targets, turns, verify,
 };
 
@@ -40,6 +40,7 @@ enum Verb {
     Kernels(kernels::Arguments),
     Scaling(scaling::Arguments),
     Reduce(reduce::Arguments),
+    Merge(merge::Arguments),
     Readme(readme::Arguments),
     Memory(memory::Arguments),
     #[command(hide = true)]
@@ -75,6 +76,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Targets(arguments) => targets::run(arguments),
         Verb::Ablation(arguments) => ablation::run(arguments),
         Verb::Reduce(arguments) => reduce::run(arguments),
+        Verb::Merge(arguments) => merge::run(arguments),
         Verb::Compare(arguments) => compare::run(arguments),
         Verb::Kernels(arguments) => kernels::run(arguments),
         Verb::Scaling(arguments) => scaling::run(arguments),

@@ -5,6 +5,7 @@ pub mod build_times;
 pub mod environment;
 pub mod files;
 pub mod kernel_rows;
+pub mod merge;
 pub mod recorder;
 pub mod results_dir;
 pub mod rounds;

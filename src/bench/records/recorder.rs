@@ -63,10 +63,14 @@ impl<'a> Recorder<'a> {
             source,
             remedy: "give a writable folder with --out",
         })?;
-        let recorded_plan = serde_json::json!({
+        let mut recorded_plan = serde_json::json!({
             "settings": settings,
             "scenes": plan.scenes.iter().map(|(scene, _)| &scene.name).collect::<Vec<_>>(),
         });
+        if let Some(shard) = plan.shard {
+            recorded_plan["shard"] = shard.to_string().into();
+            recorded_plan["all_scenes"] = plan.all_scenes.clone().into();
+        }
         let machine = Machine::this(options.host);
         let mut environment = Environment {
             schema: SCHEMA,

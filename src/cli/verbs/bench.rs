@@ -2,12 +2,14 @@
 
 use super::plot::draw;
 use crate::bench::files::write_whole;
+use crate::bench::merge::SHARDS;
 use crate::bench::moment::Moment;
 use crate::bench::plan::{Plan, Request, Set};
 use crate::bench::recorder::RecordOptions;
 use crate::bench::row::Row;
 use crate::bench::run::Run;
 use crate::bench::settings::Settings;
+use crate::bench::shard::Shard;
 use crate::cli::failure::Failure;
 use crate::cli::options::{all_threads, percent};
 use crate::cli::output::say;
@@ -80,6 +82,9 @@ pub struct Arguments {
     /// Time whole path-traced frames too
     #[arg(long)]
     frames: bool,
+    /// Only the K-th of N parts of the scenes, into shards/K-of-N below the folder of the results; see `phr merge`
+    #[arg(long, value_name = "K/N")]
+    shard: Option<Shard>,
     /// Folder of the results [default: results/NAME]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -153,6 +158,7 @@ impl Arguments {
             builders: self.builders.clone(),
             width: self.width,
             filter: self.filter.as_ref().map(regex).transpose()?,
+            shard: self.shard,
             settings,
         })
     }
@@ -161,12 +167,19 @@ impl Arguments {
         let name = || match self.set() {
             Some(Set::Builtin) if self.scenes.is_empty() => "builtin".to_owned(),
             Some(Set::Paper) if self.scenes.is_empty() => "paper-scenes".to_owned(),
-            _ => match &plan.scenes[..] {
-                [(scene, _)] => scene.name.clone(),
+            _ => match &plan.all_scenes[..] {
+                [scene] => scene.clone(),
                 _ => "scenes".to_owned(),
             },
         };
-        self.out.clone().unwrap_or_else(|| Path::new("results").join(self.name.clone().unwrap_or_else(name)))
+        let folder = self
+            .out
+            .clone()
+            .unwrap_or_else(|| Path::new("results").join(self.name.clone().unwrap_or_else(name)));
+        match self.shard {
+            Some(shard) => folder.join(SHARDS).join(shard.to_string()),
+            None => folder,
+        }
     }
 }
 

@@ -6,6 +6,7 @@ pub mod build;
 pub mod compare;
 pub mod kernels;
 pub mod memory;
+pub mod merge;
 pub mod plot;
 pub mod readme;
 pub mod reduce;

@@ -55,6 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         folder: None,
         builders: arguments.builders.clone(),
         width: None,
+        shard: None,
         filter: None,
         settings,
     };

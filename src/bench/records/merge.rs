@@ -1,0 +1,165 @@
+//! The shards of a run, merged: the rows and rounds that one machine would have written, scenes in the order of the run.
+//! Shards of unlike machines are merged apart: their times are not averaged.
+
+use super::environment::{ENVIRONMENT, Environment, Machine, State};
+use super::files::{RecordsError, write_json};
+use super::results_dir;
+use super::row::{self, Row};
+use std::path::{Path, PathBuf};
+
+/// The folder of shards in that of a run. Two levels above their rows, which no reader of subfolders takes for its own.
+pub const SHARDS: &str = "shards";
+/// The folder of machines, where they are unlike.
+pub const MACHINES: &str = "machines";
+
+/// Why shards could not be merged.
+#[derive(Debug, thiserror::Error)]
+pub enum MergeError {
+    /// The records cannot be read or written.
+    #[error(transparent)]
+    Records(#[from] RecordsError),
+    /// There are none.
+    #[error("{}: no shards; run `phr bench --shard K/N --out {}` for each K first", .0.display(), .0.display())]
+    None(PathBuf),
+    /// A shard has not ended.
+    #[error("{}: not finished; run its command again with --resume", .0.display())]
+    Unfinished(PathBuf),
+    /// Shards of different runs.
+    #[error("{} has another {what} than {}; measure one of them again", .0.display(), .1.display(), what = .2)]
+    Unlike(PathBuf, PathBuf, &'static str),
+    /// Nobody has measured a scene of the run.
+    #[error("{}: no shard has {scene}; run the missing one", .folder.display())]
+    Missing {
+        /// The run's folder.
+        folder: PathBuf,
+        /// The scene.
+        scene: String,
+    },
+    /// Two shards have a scene.
+    #[error("both {} and {} have {scene}; remove one of them", .0.display(), .1.display(), scene = .2)]
+    Twice(PathBuf, PathBuf, String),
+}
+
+/// A shard on disk.
+struct Part {
+    folder: PathBuf,
+    environment: Environment,
+    rows: Vec<Row>,
+}
+
+impl Part {
+    fn read(folder: PathBuf) -> Result<Self, MergeError> {
+        let environment = results_dir::environment(&folder)?;
+        match environment {
+            Some(environment) if environment.state == State::Complete => {
+                let rows = row::read(&folder)?;
+                Ok(Self { folder, environment, rows })
+            }
+            _ => Err(MergeError::Unfinished(folder)),
+        }
+    }
+
+    fn has(&self, scene: &str) -> bool {
+        self.rows.iter().any(|row| row.scene == scene)
+    }
+
+    /// Names of all scenes of the run.
+    fn scenes(&self) -> Vec<String> {
+        let names = self.environment.plan["all_scenes"].as_array();
+        names.into_iter().flatten().filter_map(|name| name.as_str().map(str::to_owned)).collect()
+    }
+}
+
+/// Merges the shards below the folder of a run into the folder itself; where their machines are unlike, into a folder of
+/// `machines` for each. Returns the folders written. The shards stay as they are.
+///
+/// # Errors
+/// [`MergeError`]: a shard is missing, not finished, or of another run.
+pub fn merge(folder: &Path) -> Result<Vec<PathBuf>, MergeError> {
+    let parts: Result<Vec<Part>, MergeError> = shards(folder).into_iter().map(Part::read).collect();
+    let parts = parts?;
+    let Some(first) = parts.first() else { return Err(MergeError::None(folder.to_owned())) };
+    parts.iter().try_for_each(|part| same_run(first, part))?;
+    let scenes = first.scenes();
+    for scene in &scenes {
+        let mut having = parts.iter().filter(|part| part.has(scene));
+        match (having.next(), having.next()) {
+            (None, _) => return Err(MergeError::Missing { folder: folder.to_owned(), scene: scene.clone() }),
+            (Some(a), Some(b)) => {
+                return Err(MergeError::Twice(a.folder.clone(), b.folder.clone(), scene.clone()));
+            }
+            _ => {}
+        }
+    }
+    let mut machines: Vec<Vec<&Part>> = Vec::new();
+    for part in &parts {
+        match machines.iter_mut().find(|group| are_alike(&group[0].environment, &part.environment)) {
+            Some(group) => group.push(part),
+            None => machines.push(vec![part]),
+        }
+    }
+    let place = |index: usize| match machines.len() {
+        1 => folder.to_owned(),
+        _ => folder.join(MACHINES).join((index + 1).to_string()),
+    };
+    let groups = machines.iter().enumerate();
+    groups.map(|(index, group)| write(group, &scenes, &place(index)).map_err(MergeError::from)).collect()
+}
+
+/// The folders of shards, by name.
+fn shards(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder.join(SHARDS)).into_iter().flatten().filter_map(Result::ok);
+    let mut shards: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
+    shards.sort();
+    shards
+}
+
+fn same_run(first: &Part, part: &Part) -> Result<(), MergeError> {
+    let (a, b) = (&first.environment, &part.environment);
+    let unlike = |what| Err(MergeError::Unlike(part.folder.clone(), first.folder.clone(), what));
+    if a.program != b.program {
+        return unlike("program");
+    }
+    if a.library.embree != b.library.embree {
+        return unlike("Embree");
+    }
+    if a.plan["settings"] != b.plan["settings"] || first.scenes() != part.scenes() {
+        return unlike("plan");
+    }
+    Ok(())
+}
+
+/// Whether times of both may be averaged.
+fn are_alike(a: &Environment, b: &Environment) -> bool {
+    let traits = |machine: &Machine| (machine.cpu.clone(), machine.processors, machine.cpu_features.clone());
+    traits(&a.machine) == traits(&b.machine) && a.isa == b.isa && a.library == b.library
+}
+
+/// Writes the rows of some shards in the order of `scenes`, and their environment.
+fn write(parts: &[&Part], scenes: &[String], folder: &Path) -> Result<PathBuf, RecordsError> {
+    let of_scene = |scene: &String| {
+        let rows = parts.iter().flat_map(|part| &part.rows).filter(|row| row.scene == *scene);
+        rows.cloned().collect::<Vec<_>>()
+    };
+    let rows: Vec<Row> = scenes.iter().flat_map(of_scene).collect();
+    std::fs::create_dir_all(folder).map_err(|source| RecordsError::Io {
+        path: folder.to_owned(),
+        source,
+        remedy: "give a writable folder",
+    })?;
+    let mut environment = parts[0].environment.clone();
+    let all = |of: fn(&Environment) -> Vec<serde_json::Value>| {
+        parts.iter().flat_map(|part| of(&part.environment)).collect::<Vec<_>>()
+    };
+    environment.plan["scenes"] = all(|one| one.plan["scenes"].as_array().cloned().unwrap_or_default()).into();
+    environment.plan["shards"] = all(|one| vec![one.plan["shard"].clone()]).into();
+    if let Some(plan) = environment.plan.as_object_mut() {
+        plan.remove("shard");
+    }
+    environment.before = parts.iter().flat_map(|part| part.environment.before.clone()).collect();
+    environment.after = parts.last().and_then(|part| part.environment.after.clone());
+    environment.notes = parts.iter().flat_map(|part| part.environment.notes.clone()).collect();
+    row::write_all(folder, &rows)?;
+    write_json(&folder.join(ENVIRONMENT), &environment)?;
+    Ok(folder.to_owned())
+}
