@@ -57,10 +57,17 @@ fn scatter<const BUCKETS: usize>(from: &[u64], to: &mut [u64], chunk: usize, shi
         keys.iter().for_each(|&key| counts[digit::<BUCKETS>(key, shift)] += 1);
         counts
     });
+    // Chunk by chunk, not bucket by bucket: rows of memory, and many chunks cost little.
+    let mut starts = [0u32; BUCKETS];
+    for counts in &offsets {
+        starts.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
+    }
     let mut next = 0;
-    for bucket in 0..BUCKETS {
-        for counts in &mut offsets {
-            next += std::mem::replace(&mut counts[bucket], next);
+    starts.iter_mut().for_each(|start| next += std::mem::replace(start, next));
+    for counts in &mut offsets {
+        for (start, count) in starts.iter_mut().zip(counts) {
+            let end = *start + *count;
+            *count = std::mem::replace(start, end);
         }
     }
     let to = DisjointSlice::new(to);
