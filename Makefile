@@ -29,6 +29,8 @@
 #
 # make sanitize     the tests of our kernels and of the library's queries under AddressSanitizer and under valgrind, and
 #                   the portable kernel's under Miri where the nightly toolchain has it
+# make test-slurm   a run spread over a Slurm cluster of this one machine (cluster/submit), a task of it killed and
+#                   requeued, merged and compared with the same run in one; as root, some minutes
 #
 # Debian packages that are missing are installed, as root or by sudo. ARGS go to `phr bench`.
 
@@ -63,7 +65,7 @@ KERNEL_TESTS = --test trace_agreement --test trace_batches --test trace_watertig
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: sanitize bench bench-scaling bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
+.PHONY: test-slurm sanitize bench bench-scaling bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -163,6 +165,10 @@ sanitize: packages
 		PHR_ISA=scalar MIRIFLAGS=-Zmiri-disable-isolation $(CARGO) +nightly miri test -p phr --no-default-features \
 			--test query; \
 	else echo "Miri is not installed: rustup component add miri --toolchain nightly"; fi
+
+test-slurm: packages
+	$(CARGO) build --release --bin phr
+	sh .ci/test-slurm
 
 packages:
 	@command -v $(CARGO) >/dev/null || { echo "no cargo: install Rust 1.89 or later, see https://rustup.rs"; exit 1; }
