@@ -1,9 +1,10 @@
-//! The benchmark driver. A [`plan`] lists scenes and [`cell`]s; a [`run`] visits each cell in interleaved rounds;
+//! The benchmark driver. A [`plan`] lists scenes and [`cell`]s of the builders [`chosen`]; a [`run`] visits each cell in interleaved rounds;
 //! a [`visit`] has a [`contender`] build its tree and times it under each kernel; the [`recorder`] keeps
 //! [`samples`], [`rows`] and [`environment`] on disk. [`kernels`] times kernels alone,
 //! [`turns`] two programs beside each other, [`scaling`] the tasks of a build.
 
 pub mod cell;
+pub mod chosen;
 pub mod contender;
 pub mod cpu_time;
 pub mod error;

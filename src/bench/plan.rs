@@ -2,7 +2,7 @@
 //! Everything that can be wrong with a request is found here, before anything is timed or written.
 
 use super::cell::{Cell, Kernel};
-use super::contender;
+use super::chosen::Chosen;
 use super::error::PlanError;
 use super::planned_scene::{PlannedScene, Source};
 use super::settings::Settings;
@@ -31,8 +31,8 @@ pub struct Request {
     pub set: Option<Set>,
     /// Folder with the paper's own scene files.
     pub folder: Option<PathBuf>,
-    /// Builders by name; all if empty.
-    pub builders: Vec<String>,
+    /// The builders.
+    pub builders: Chosen,
     /// Children per node of the trees; any if not given.
     pub width: Option<u32>,
     /// Only what matches "scene builder width kernel".
@@ -77,7 +77,7 @@ impl Plan {
                 return Err(PlanError::SameName(scene.name.clone()));
             }
         }
-        let mut cells = cells(&request.builders, request.settings.build_only)?;
+        let mut cells = request.builders.cells(request.settings.build_only)?;
         cells.retain(|cell| request.width.is_none_or(|width| cell.width == width));
         let mut plan = Self {
             scenes: Vec::new(),
@@ -129,23 +129,6 @@ impl Plan {
     }
 }
 
-/// The cells of the builders asked for, in the table's order.
-fn cells(builders: &[String], build_only: bool) -> Result<Vec<Cell>, PlanError> {
-    let all = contender::cells(build_only);
-    for name in builders {
-        if !all.iter().any(|cell| cell.builder == *name) {
-            let mut known: Vec<&str> = all.iter().map(|cell| cell.builder.as_str()).collect();
-            known.dedup();
-            return Err(PlanError::NoSuchBuilder { name: name.clone(), known: known.join(", ") });
-        }
-    }
-    let wanted = |cell: &Cell| match builders {
-        [] => !crate::builders::on_request().any(|name| name == cell.builder),
-        _ => builders.contains(&cell.builder),
-    };
-    Ok(all.into_iter().filter(wanted).collect())
-}
-
 /// The cell with the kernels that pass the filter, or `None` if none does.
 fn filtered(cell: &Cell, scene: &str, filter: Option<&Regex>) -> Option<Cell> {
     let Some(filter) = filter else { return Some(cell.clone()) };
@@ -176,7 +159,7 @@ mod tests {
             scenes: scenes.iter().map(ToString::to_string).collect(),
             set: None,
             folder: None,
-            builders: Vec::new(),
+            builders: Chosen::default(),
             width: None,
             filter: filter.map(|filter| Regex::new(filter).unwrap()),
             shard: None,

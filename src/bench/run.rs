@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn each_round_has_an_order_of_its_own_that_repeats() {
-        let cell = |width| Cell { builder: "b".into(), width, kernels: Vec::new() };
+        let cell = |width| Cell::new("b", width, &[]);
         let cells: Vec<Cell> = (0..12).map(cell).collect();
         let order = |scene: &str, round| {
             super::order(&cells, scene, 1, round).iter().map(|cell| cell.width).collect::<Vec<_>>()

@@ -11,9 +11,10 @@ use super::phr::{Extensions, LocalThreshold, Phr, PhrConfig};
 use super::prims::presplit::PresplitConfig;
 use super::wide::optimal::CollapseCosts;
 
-/// The configuration of a builder.
-#[derive(Clone, Copy)]
-enum Config {
+/// The configuration of a builder; as JSON its fields alone.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+#[serde(untagged)]
+pub(super) enum Config {
     Lbvh,
     Aac(AacConfig),
     Hunt(HuntConfig),
@@ -184,15 +185,19 @@ impl OptimisedPhrConfig {
     pub const DEFAULT: Self = BEST;
 }
 
-/// The builder of trees of nodes of up to `N` children, 4 or 8, called `name`, or `None`; names are those of [`NAMES`],
-/// [`ABLATION`] and [`WITHOUT`].
-pub fn by_name<const N: usize>(name: &str) -> Option<Box<dyn Builder<N>>> {
-    let known = REGISTRY.iter().find(|(known, _)| *known == name).copied();
-    let (name, config) = known.or_else(|| without(name))?;
-    Some(build(name, config).expect("the registry's parameters are in range, as a test tells"))
+/// The configuration of the builder called `name`, one of [`NAMES`], [`ABLATION`] and [`WITHOUT`].
+pub(super) fn config(name: &str) -> Option<(&'static str, Config)> {
+    REGISTRY.iter().find(|(known, _)| *known == name).copied().or_else(|| without(name))
 }
 
-fn build<const N: usize>(name: &'static str, config: Config) -> Result<Box<dyn Builder<N>>, ConfigError> {
+/// The builder of a configuration.
+///
+/// # Errors
+/// A parameter out of range.
+pub(super) fn build<const N: usize>(
+    name: &'static str,
+    config: Config,
+) -> Result<Box<dyn Builder<N>>, ConfigError> {
     Ok(match config {
         Config::Lbvh => Box::<Lbvh<N>>::default(),
         Config::Aac(config) => Box::new(Aac::new(config)?),
@@ -205,11 +210,12 @@ fn build<const N: usize>(name: &'static str, config: Config) -> Result<Box<dyn B
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::builders::by_name;
 
     #[test]
     fn every_name_is_that_of_its_builder() {
         for name in NAMES.iter().chain(ABLATION).chain(WITHOUT.into_iter().flatten()) {
-            assert_eq!(by_name::<4>(name).map(|builder| builder.name()), Some(*name));
+            assert_eq!(by_name::<4>(name).map(|builder| builder.name().to_owned()), Some((*name).to_owned()));
         }
         for (without, whole) in [(TURBO_WITHOUT, TURBO), (SPEED_WITHOUT, SPEED), (QUALITY_WITHOUT, QUALITY)] {
             assert!(without.iter().all(|(_, extensions)| *extensions != whole));

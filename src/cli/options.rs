@@ -2,8 +2,9 @@
 
 use super::failure::Failure;
 use crate::bench::cell::Cell;
-use crate::bench::contender;
+use crate::bench::chosen::Chosen;
 use crate::bench::pools::Pools;
+use std::path::Path;
 
 /// Processors of this machine: the default of `--threads`.
 pub fn all_threads() -> usize {
@@ -28,20 +29,9 @@ pub fn pools(threads: usize) -> Result<Pools, Failure> {
 /// # Errors
 /// No such builder, or none of that width.
 pub fn cell(builder: &str, width: Option<u32>) -> Result<Cell, Failure> {
-    let cells = contender::cells(false);
-    let of_builder: Vec<&Cell> = cells.iter().filter(|cell| cell.builder == builder).collect();
-    if of_builder.is_empty() {
-        let mut known: Vec<&str> = cells.iter().map(|cell| cell.builder.as_str()).collect();
-        known.dedup();
-        return Err(Failure::Bad(format!("no builder is called {builder}; there are {}", known.join(", "))));
-    }
-    let found = of_builder.iter().find(|cell| width.is_none_or(|width| cell.width == width));
-    let no_width = || {
-        let widths: Vec<String> = of_builder.iter().map(|cell| cell.width.to_string()).collect();
-        let width = width.unwrap_or_default();
-        Failure::Bad(format!("--width {width}: {builder} builds trees of width {}", widths.join(" and ")))
-    };
-    found.map(|&cell| cell.clone()).ok_or_else(no_width)
+    let none: [&Path; 0] = [];
+    let cells = Chosen::new(&[builder.to_owned()], &[], &none)?.single_cells(width)?;
+    Ok(cells.into_iter().next().unwrap_or_else(|| unreachable!("each builder has a cell")))
 }
 
 /// Reads "5%" as 0.05.

@@ -33,6 +33,7 @@ const ORDER: &[&str] = &[
     "builders::aac",
     "builders::optimise",
     "builders::registry",
+    "builders::recipe",
     "builders::steps",
     "embree",
     "trace",

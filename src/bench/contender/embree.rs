@@ -23,11 +23,9 @@ pub const REFERENCE_KERNEL: Kernel = Kernel::EmbreeNative;
 
 /// Embree's builders in both widths.
 pub fn cells() -> Vec<Cell> {
-    let cell = |builder: EmbreeBuilder, width: Width| Cell {
-        builder: builder.name().into(),
-        width: width.lanes() as u32,
-        kernels: if cfg!(feature = "graft") { Kernel::ALL.into() } else { vec![Kernel::EmbreeNative] },
-    };
+    let kernels: &[Kernel] = if cfg!(feature = "graft") { &Kernel::ALL } else { &[Kernel::EmbreeNative] };
+    let cell =
+        |builder: EmbreeBuilder, width: Width| Cell::new(builder.name(), width.lanes() as u32, kernels);
     EmbreeBuilder::ALL.iter().flat_map(|&builder| Width::ALL.map(|width| cell(builder, width))).collect()
 }
 

@@ -23,6 +23,7 @@ pub use tree_under_kernel::TreeUnderKernel;
 pub use without_embree::{Embree, REFERENCE_KERNEL, library, reference};
 
 use super::cell::{Cell, place};
+use crate::builders::Recipe;
 use crate::geometry::Mesh;
 use crate::simd::Isa;
 use crate::trace;
@@ -46,7 +47,7 @@ impl Contender {
     /// # Errors
     /// No such builder, in one line.
     pub fn of(cell: &Cell) -> Result<Self, String> {
-        let name = &cell.builder;
+        let name = cell.made_by();
         let ours = match cell.width {
             4 => Ours::by_name(name).map(Self::Four),
             8 => Ours::by_name(name).map(Self::Eight),
@@ -89,6 +90,14 @@ pub fn cells(build_only: bool) -> Vec<Cell> {
         cells.iter_mut().for_each(|cell| cell.kernels.clear());
     }
     cells
+}
+
+/// The cells of a builder of ours made by `recipe`, called `name`, in both widths.
+pub fn cells_of(name: &str, recipe: &Recipe, build_only: bool) -> [Cell; 2] {
+    let kernels = if build_only { Vec::new() } else { embree::kernels_of_ours() };
+    let made_by = recipe.name();
+    let recipe = (name != made_by).then_some(made_by);
+    [4, 8].map(|width| Cell { recipe: recipe.clone(), ..Cell::new(name, width, &kernels) })
 }
 
 /// The instruction sets in use, for the records: of kernels and builders, ours and Embree's (null without it).

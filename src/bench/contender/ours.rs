@@ -24,7 +24,7 @@ pub struct Ours<const N: usize> {
 /// The cells of all our builders, traced by `kernels`: those of a table in both widths, those that show single
 /// extensions in the paper's.
 pub fn cells(kernels: &[Kernel]) -> impl Iterator<Item = Cell> {
-    let cell = |name: &str, width| Cell { builder: name.into(), width, kernels: kernels.into() };
+    let cell = |name: &str, width| Cell::new(name, width, kernels);
     let both = builders::NAMES.iter().flat_map(move |name| [4, 8].map(|width| cell(name, width)));
     both.chain(builders::on_request().map(move |name| cell(name, 4)))
 }

@@ -168,7 +168,7 @@ mod tests {
             timings: timings.clone(),
             cpu_time: CpuTime::default(),
         };
-        let cell = Cell { builder: "phr-hq".into(), width: 4, kernels: vec![Kernel::Phr] };
+        let cell = Cell::new("phr-hq", 4, &[Kernel::Phr]);
         let cells = vec![CellSamples {
             cell,
             facts: TreeFacts { sah: Some(12.0), ..TreeFacts::default() },

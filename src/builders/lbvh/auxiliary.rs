@@ -21,7 +21,7 @@ use crate::parallel::ordered_append;
 
 /// Which subtrees of the auxiliary BVH are leaves beside those of few references: near the leaves nothing is lost
 /// by opening them all at once, where they are small.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Clusters {
     /// Most references of a cluster.
     pub most: u32,
@@ -30,7 +30,7 @@ pub struct Clusters {
 }
 
 /// Variants of the auxiliary BVH; each changes the tree.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AuxiliaryConfig {
     /// Codes are sorted by their highest 12 bits alone, as in the paper. Within a bucket the other bits are in no order, so
     /// that no search finds where they change (the paper does not say what becomes of it): its run, in the order of the

@@ -12,7 +12,7 @@ use crate::geometry::Mesh;
 use crate::simd::Isa;
 
 /// Parameters of [`OptimisedPhr`].
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct OptimisedPhrConfig {
     /// Of the tree.
     pub phr: PhrConfig,

@@ -7,7 +7,7 @@ use crate::builders::wide::optimal::CollapseCosts;
 use crate::bvh::limits::{BLOCK, MAX_LEAF, MAX_REFERENCES_PER_TRIANGLE, SUBTREE_MOST};
 
 /// Parameters of PHR, by the paper's symbols.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PhrConfig {
     /// alpha of equation 2: how fast cuts shrink with depth.
     pub alpha: f32,
@@ -29,7 +29,7 @@ pub struct PhrConfig {
 }
 
 /// What goes beyond the paper. Each changes the tree.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Extensions {
     /// Of the auxiliary BVH.
     #[serde(flatten)]
@@ -55,7 +55,7 @@ pub struct Extensions {
 
 /// A threshold beside that of equation 2, taken from the part that is split and not from the scene: a part that is small
 /// in the scene has few nodes large enough for equation 2, however much there is in it.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LocalThreshold {
     /// It holds for sides of splits with at least this many references;
     pub references: u32,

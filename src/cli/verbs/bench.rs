@@ -1,6 +1,7 @@
 //! `phr bench`: times builders and traces, and writes the records.
 
 use super::plot::draw;
+use crate::bench::chosen::Chosen;
 use crate::bench::files::write_whole;
 use crate::bench::merge::SHARDS;
 use crate::bench::moment::Moment;
@@ -30,15 +31,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Arguments {
     /// Scene files (.obj, .ply, plain or .gz or .zst) or names of generated scenes (see `phr scenes`)
     scenes: Vec<String>,
-    /// A set of scenes: builtin or paper
-    #[arg(long, value_name = "SET", value_parser = set)]
-    set: Option<Set>,
+    /// A set of scenes: builtin or paper. Or a builder with this field of its configuration changed (repeatable):
+    /// BUILDER.FIELD=VALUE, as phr-hq.delta=8; it is called phr-hq[delta=8] and stands beside those of --builder
+    #[arg(long = "set", value_name = "SET|CHANGE")]
+    sets: Vec<String>,
     /// Folder with the paper's own scene files, used by --set paper in place of the stand-ins
     #[arg(long = "scenes", value_name = "DIR")]
     folder: Option<PathBuf>,
     /// Only this builder (repeatable)
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
+    /// The builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    #[arg(long = "config", value_name = "FILE")]
+    configs: Vec<PathBuf>,
     /// Only trees of this width: 4 or 8 children per node
     #[arg(long, value_name = "N", value_parser = width)]
     width: Option<u32>,
@@ -105,21 +110,33 @@ pub struct Arguments {
     dry_run: bool,
 }
 
-fn set(name: &str) -> Result<Set, String> {
-    match name {
-        "builtin" => Ok(Set::Builtin),
-        "paper" => Ok(Set::Paper),
-        _ => Err("there are builtin and paper".into()),
-    }
-}
+/// The sets of scenes by name.
+const SETS: [(&str, Set); 2] = [("builtin", Set::Builtin), ("paper", Set::Paper)];
 
 fn width(text: &str) -> Result<u32, String> {
     text.parse().ok().filter(|width| [4, 8].contains(width)).ok_or_else(|| "give 4 or 8".into())
 }
 
 impl Arguments {
+    /// The set of scenes.
     fn set(&self) -> Option<Set> {
-        self.set.or(self.scenes.is_empty().then_some(Set::Builtin))
+        let named = SETS.iter().find(|(name, _)| self.sets.iter().any(|set| set == name));
+        named.map(|(_, set)| *set).or(self.scenes.is_empty().then_some(Set::Builtin))
+    }
+
+    /// The builders, those with changed fields among them.
+    fn builders(&self) -> Result<Chosen, Failure> {
+        let is_set = |text: &&String| SETS.iter().any(|(name, _)| text == name);
+        if self.sets.iter().filter(is_set).count() > 1 {
+            return Err(Failure::Bad("--set names two sets of scenes; give one".into()));
+        }
+        let changes: Vec<String> = self.sets.iter().filter(|text| !is_set(text)).cloned().collect();
+        if let Some(name) = changes.iter().find(|text| !text.contains('=')) {
+            return Err(Failure::Bad(format!(
+                "--set {name}: give builtin or paper, a set of scenes, or BUILDER.FIELD=VALUE, a changed builder"
+            )));
+        }
+        Ok(Chosen::new(&self.builders, &changes, &self.configs)?)
     }
 
     fn request(&self) -> Result<Request, Failure> {
@@ -155,7 +172,7 @@ impl Arguments {
             scenes: self.scenes.clone(),
             set: self.set(),
             folder: self.folder.clone(),
-            builders: self.builders.clone(),
+            builders: self.builders()?,
             width: self.width,
             filter: self.filter.as_ref().map(regex).transpose()?,
             shard: self.shard,

@@ -1,13 +1,15 @@
 //! `phr build`: one scene, one builder, its phases and its tree.
 
+use crate::bench::chosen::Chosen;
 use crate::bench::contender::{self, BuildRequest, BuiltTree, Contender};
 use crate::bench::memory;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::statistics::Summary;
 use crate::cli::failure::Failure;
-use crate::cli::options::{self, all_threads, pools};
+use crate::cli::options::{all_threads, pools};
 use crate::cli::output::say;
 use crate::report::grid::short;
+use std::path::PathBuf;
 
 /// Build a scene and print the phases and the tree's statistics
 #[derive(Debug, clap::Args)]
@@ -17,6 +19,13 @@ pub struct Arguments {
     /// Builder (repeatable) [default: all]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
+    /// Also a builder with this field of its configuration changed (repeatable): BUILDER.FIELD=VALUE, as phr-hq.delta=8;
+    /// it is called phr-hq[delta=8]
+    #[arg(long = "set", value_name = "CHANGE")]
+    changes: Vec<String>,
+    /// Also the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    #[arg(long = "config", value_name = "FILE")]
+    configs: Vec<PathBuf>,
     /// Children per node, where the builder leaves a choice
     #[arg(long, value_name = "N")]
     width: Option<u32>,
@@ -28,12 +37,12 @@ pub struct Arguments {
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pools = pools(arguments.threads.unwrap_or_else(all_threads))?;
-    let cells = if arguments.builders.is_empty() {
+    let chosen = Chosen::new(&arguments.builders, &arguments.changes, &arguments.configs)?;
+    let cells = if chosen.is_empty() {
         let all = contender::cells(true);
         all.into_iter().filter(|cell| arguments.width.is_none_or(|width| cell.width == width)).collect()
     } else {
-        let cell = |name: &String| options::cell(name, arguments.width);
-        arguments.builders.iter().map(cell).collect::<Result<Vec<_>, _>>()?
+        chosen.single_cells(arguments.width)?
     };
     if cells.is_empty() {
         let width = arguments.width.unwrap_or_default();
