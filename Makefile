@@ -121,6 +121,7 @@ bench-reference: packages
 	./target/release/phr table $(REFERENCE) > $(REFERENCE)/table1.md
 	./target/release/phr plot $(REFERENCE)
 	./target/release/phr plot $(REFERENCE)/growth
+	./target/release/phr advise --fit $(REFERENCE) --model src/report/advice/model/model.json
 	./target/release/phr readme README.md RESULTS.md
 
 bench-paper: packages

@@ -7,7 +7,7 @@
 //! * `phr`: cuts, their refinement (4.1, 4.3) and the recursion over them: the builders `phr-*`;
 //! * `hunt`, `aac`: the builders the paper compares with;
 //! * `optimise`: `phr-best`;
-//! * `registry`: builders by name; `recipe`: builders with some fields of their configuration changed.
+//! * `registry`: builders by name, with some fields of their configuration changed or none.
 //!
 //! `builder` and `config_error` are what they share, `naive` is the oracle of the tests, `steps` has single steps for
 //! benchmarks.
@@ -23,7 +23,6 @@ mod naive;
 mod optimise;
 mod phr;
 mod prims;
-mod recipe;
 mod registry;
 mod split;
 #[doc(hidden)]
@@ -41,6 +40,6 @@ pub use lbvh::direct::Lbvh;
 pub use optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
 pub use phr::{Extensions, LocalThreshold, Phr, PhrConfig};
 pub use prims::presplit::PresplitConfig;
-pub use recipe::{Recipe, RecipeError, by_name};
+pub use registry::recipe::{Recipe, RecipeError, by_name};
 pub use registry::{ABLATION, NAMES, WITHOUT, on_request};
 pub use wide::optimal::CollapseCosts;

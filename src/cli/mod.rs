@@ -12,8 +12,8 @@ use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
-    ablation, bench, build, compare, kernels, memory, merge, plot, readme, reduce, render, scaling, scenes,
-    table, targets, turns, verify,
+    ablation, advise, bench, build, child::memory, child::turns, compare, kernels, merge, plot, readme,
+    reduce, render, scaling, scenes, table, targets, verify,
 };
 
 /// Progressive Hierarchical Refinement: BVH builders, measured beside Embree's with the same rays.
@@ -30,6 +30,7 @@ enum Verb {
     Build(build::Arguments),
     Render(render::Arguments),
     Verify(verify::Arguments),
+    Advise(advise::Arguments),
     Scenes(scenes::Arguments),
     Table(table::Arguments),
     Plot(plot::Arguments),
@@ -70,6 +71,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Build(arguments) => build::run(arguments),
         Verb::Render(arguments) => render::run(arguments),
         Verb::Verify(arguments) => verify::run(arguments),
+        Verb::Advise(arguments) => advise::run(arguments),
         Verb::Scenes(arguments) => scenes::run(arguments),
         Verb::Table(arguments) => table::run(arguments),
         Verb::Plot(arguments) => plot::run(arguments),

@@ -34,6 +34,52 @@ pub fn cell(builder: &str, width: Option<u32>) -> Result<Cell, Failure> {
     Ok(cells.into_iter().next().unwrap_or_else(|| unreachable!("each builder has a cell")))
 }
 
+/// Refuses a place for a file that cannot be written, before any work is done.
+///
+/// # Errors
+/// A folder, or a place in none.
+pub fn check_place(path: &Path) -> Result<(), Failure> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if path.is_dir() {
+        return Err(Failure::Bad(format!("{}: is a directory; give a file name", path.display())));
+    }
+    if !folder.is_dir() {
+        return Err(Failure::Bad(format!("{}: no such folder; make it first", folder.display())));
+    }
+    Ok(())
+}
+
+/// Widths of trees that an option asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Widths(pub Vec<u32>);
+
+/// Reads "4", "8" or "both".
+///
+/// # Errors
+/// Anything else.
+pub fn widths(text: &str) -> Result<Widths, String> {
+    match text {
+        "4" => Ok(Widths(vec![4])),
+        "8" => Ok(Widths(vec![8])),
+        "both" => Ok(Widths(vec![4, 8])),
+        _ => Err("give 4, 8 or both".into()),
+    }
+}
+
+/// Reads a number of rays: "50M", "1G", "3e8".
+///
+/// # Errors
+/// Anything else.
+pub fn rays(text: &str) -> Result<f64, String> {
+    let units = [("k", 1e3), ("M", 1e6), ("G", 1e9), ("T", 1e12)];
+    let found = units.iter().find_map(|(suffix, unit)| Some((text.strip_suffix(suffix)?, *unit)));
+    let (number, unit) = found.unwrap_or((text, 1.0));
+    let value = number.trim().parse::<f64>().ok().map(|number| number * unit);
+    value
+        .filter(|value| (1.0..=1e15).contains(value))
+        .ok_or_else(|| "give a number of rays from 1 on, as 50M, 1G or 3e8".into())
+}
+
 /// Reads "5%" as 0.05.
 ///
 /// # Errors

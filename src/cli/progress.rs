@@ -55,3 +55,30 @@ impl Progress for Bar {
         self.0.suspend(|| say(&(table::scene(rows, &row.scene) + "\n")).unwrap_or_default());
     }
 }
+
+/// Shows what a command is doing, in a line on stderr and at a terminal only.
+pub struct Steps {
+    bar: ProgressBar,
+    of: String,
+}
+
+impl Steps {
+    /// The steps of something, hidden in a pipe.
+    pub fn new(of: &str) -> Self {
+        let bar =
+            if std::io::stderr().is_terminal() { ProgressBar::new_spinner() } else { ProgressBar::hidden() };
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self { bar, of: of.into() }
+    }
+
+    /// Now doing this.
+    pub fn at(&self, doing: &str) {
+        self.bar.set_message(format!("{}: {doing}", self.of));
+    }
+}
+
+impl Drop for Steps {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -33,7 +33,6 @@ const ORDER: &[&str] = &[
     "builders::aac",
     "builders::optimise",
     "builders::registry",
-    "builders::recipe",
     "builders::steps",
     "embree",
     "trace",

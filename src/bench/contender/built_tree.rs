@@ -18,6 +18,8 @@ pub struct BuildRequest<'a> {
     pub kernels: &'a [Kernel],
     /// Whether to compute the facts of the tree; untimed.
     pub wants_facts: bool,
+    /// Whether to time fresh builds alone.
+    pub fresh_only: bool,
 }
 
 /// A tree of either width in our form.

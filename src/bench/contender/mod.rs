@@ -22,7 +22,7 @@ pub use tree_under_kernel::TreeUnderKernel;
 #[cfg(not(feature = "embree"))]
 pub use without_embree::{Embree, REFERENCE_KERNEL, library, reference};
 
-use super::cell::{Cell, place};
+use super::cell::{Cell, Kernel, place};
 use crate::builders::Recipe;
 use crate::geometry::Mesh;
 use crate::simd::Isa;
@@ -98,6 +98,11 @@ pub fn cells_of(name: &str, recipe: &Recipe, build_only: bool) -> [Cell; 2] {
     let made_by = recipe.name();
     let recipe = (name != made_by).then_some(made_by);
     [4, 8].map(|width| Cell { recipe: recipe.clone(), ..Cell::new(name, width, &kernels) })
+}
+
+/// The kernels that trace our trees here, the fairest first.
+pub fn kernels_of_ours() -> Vec<Kernel> {
+    embree::kernels_of_ours()
 }
 
 /// The instruction sets in use, for the records: of kernels and builders, ours and Embree's (null without it).

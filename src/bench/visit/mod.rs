@@ -109,7 +109,7 @@ impl<'a> Bench<'a> {
         'a: 'b,
     {
         let (mesh, pools) = (&self.traces.scene.mesh, self.traces.pools);
-        contender.build(&BuildRequest { mesh, pools, kernels: &cell.kernels, wants_facts })
+        contender.build(&BuildRequest { mesh, pools, kernels: &cell.kernels, wants_facts, fresh_only: false })
     }
 
     fn under_kernels<'b>(

@@ -53,7 +53,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         eprintln!("phr: {}: {}", scene.name, scene.dropped);
     }
     say(&format!("{}: {} triangles ({})", scene.name, scene.mesh.len(), scene.source))?;
-    let request = BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &[], wants_facts: true };
+    let request =
+        BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &[], wants_facts: true, fresh_only: false };
     let program = std::env::current_exe()?;
     for cell in cells {
         let built = Contender::of(&cell).and_then(|mut contender| contender.build(&request));

@@ -1,11 +1,12 @@
 //! The verbs of the command line, each with its arguments.
 
 pub mod ablation;
+pub mod advise;
 pub mod bench;
 pub mod build;
+pub mod child;
 pub mod compare;
 pub mod kernels;
-pub mod memory;
 pub mod merge;
 pub mod plot;
 pub mod readme;
@@ -15,5 +16,4 @@ pub mod scaling;
 pub mod scenes;
 pub mod table;
 pub mod targets;
-pub mod turns;
 pub mod verify;

@@ -5,7 +5,7 @@ use crate::bench::chosen::Chosen;
 use crate::bench::contender::{BuildRequest, Contender, TreeUnderKernel};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, pools};
+use crate::cli::options::{all_threads, check_place, pools};
 use crate::cli::output::say;
 use crate::trace::{self, Image, PathSettings};
 use std::path::{Path, PathBuf};
@@ -61,8 +61,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             views - 1
         )));
     };
-    let request =
-        BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &cell.kernels[..1], wants_facts: false };
+    let request = BuildRequest {
+        mesh: &scene.mesh,
+        pools: &pools,
+        kernels: &cell.kernels[..1],
+        wants_facts: false,
+        fresh_only: true,
+    };
     let mut contender = Contender::of(&cell).map_err(Failure::Wrong)?;
     let built = contender.build(&request).map_err(Failure::Wrong)?;
     let threads = pools.all.current_num_threads();
@@ -97,16 +102,4 @@ fn cell(arguments: &Arguments) -> Result<Cell, Failure> {
         [cell] => Ok(cell.clone()),
         _ => Err(Failure::Bad("--builder, --set and --config name several builders; give one".into())),
     }
-}
-
-/// Refuses a place that cannot be written before any work is done.
-fn check_place(path: &Path) -> Result<(), Failure> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if path.is_dir() {
-        return Err(Failure::Bad(format!("{}: is a directory; give a file name", path.display())));
-    }
-    if !folder.is_dir() {
-        return Err(Failure::Bad(format!("{}: no such folder; make it first", folder.display())));
-    }
-    Ok(())
 }

@@ -1,7 +1,7 @@
 //! The figures drawn from the rows of a run. A figure is a function from rows to SVG, in a module of its own, with
 //! a line in [`figures`].
 //!
-//! [`figure6`] and [`growth`] choose the points, [`pareto`] finds the front, [`chart`] draws a panel with axes and
+//! [`figure6`] and [`growth`] choose the points, [`total_time`] draws advice; [`pareto`] finds the front, [`chart`] draws a panel with axes and
 //! [`labels`] and [`key`], [`svg`] writes the drawing and [`raster`] turns it into PNG.
 
 pub mod chart;
@@ -12,6 +12,7 @@ pub mod labels;
 pub mod pareto;
 pub mod raster;
 pub mod svg;
+pub mod total_time;
 
 use super::figures::Under;
 use crate::bench::row::Row;

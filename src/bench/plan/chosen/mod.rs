@@ -4,9 +4,9 @@ mod config_file;
 
 pub use config_file::ConfigFile;
 
-use super::cell::{Cell, place};
-use super::contender;
-use super::error::PlanError;
+use crate::bench::cell::{Cell, place};
+use crate::bench::contender;
+use crate::bench::error::PlanError;
 use crate::builders::{Recipe, RecipeError, on_request};
 use std::path::Path;
 

@@ -9,8 +9,8 @@ mod fields;
 
 pub use error::RecipeError;
 
-use super::builder::{Build, Builder};
-use super::registry::{self, Config};
+use crate::builders::builder::{Build, Builder};
+use crate::builders::registry::{self, Config};
 use crate::bvh::WideBvh;
 use crate::geometry::Mesh;
 use serde_json::Value;
@@ -125,7 +125,7 @@ impl Recipe {
 }
 
 /// The builder of trees of nodes of up to `N` children, 4 or 8, called `name`, or `None`; names are those of
-/// [`NAMES`](super::NAMES), [`ABLATION`](super::ABLATION) and [`WITHOUT`](super::WITHOUT), with or without changes as in
+/// [`NAMES`](crate::builders::NAMES), [`ABLATION`](crate::builders::ABLATION) and [`WITHOUT`](crate::builders::WITHOUT), with or without changes as in
 /// [`Recipe::parse`].
 pub fn by_name<const N: usize>(name: &str) -> Option<Box<dyn Builder<N>>> {
     Recipe::parse(name).ok().map(|recipe| recipe.builder())

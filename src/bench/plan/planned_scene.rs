@@ -1,6 +1,6 @@
 //! A scene of a plan: a file or a generator, found by its name and loaded when its turn comes.
 
-use super::error::PlanError;
+use crate::bench::error::PlanError;
 use crate::scene::{self, Scene, SceneError};
 use std::path::{Path, PathBuf};
 

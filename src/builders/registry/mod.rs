@@ -1,20 +1,22 @@
 //! The builders by name: those of the paper, ours, the paper's with one extension each, and ours without one each.
 
-use super::aac::{Aac, AacConfig};
-use super::builder::Builder;
-use super::config_error::ConfigError;
-use super::hunt::{Hunt, HuntConfig};
-use super::lbvh::auxiliary::AuxiliaryConfig;
-use super::lbvh::direct::Lbvh;
-use super::optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
-use super::phr::{Extensions, LocalThreshold, Phr, PhrConfig};
-use super::prims::presplit::PresplitConfig;
-use super::wide::optimal::CollapseCosts;
+pub mod recipe;
+
+use crate::builders::aac::{Aac, AacConfig};
+use crate::builders::builder::Builder;
+use crate::builders::config_error::ConfigError;
+use crate::builders::hunt::{Hunt, HuntConfig};
+use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
+use crate::builders::lbvh::direct::Lbvh;
+use crate::builders::optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
+use crate::builders::phr::{Extensions, LocalThreshold, Phr, PhrConfig};
+use crate::builders::prims::presplit::PresplitConfig;
+use crate::builders::wide::optimal::CollapseCosts;
 
 /// The configuration of a builder; as JSON its fields alone.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 #[serde(untagged)]
-pub(super) enum Config {
+pub(crate) enum Config {
     Lbvh,
     Aac(AacConfig),
     Hunt(HuntConfig),
@@ -186,7 +188,7 @@ impl OptimisedPhrConfig {
 }
 
 /// The configuration of the builder called `name`, one of [`NAMES`], [`ABLATION`] and [`WITHOUT`].
-pub(super) fn config(name: &str) -> Option<(&'static str, Config)> {
+pub(crate) fn config(name: &str) -> Option<(&'static str, Config)> {
     REGISTRY.iter().find(|(known, _)| *known == name).copied().or_else(|| without(name))
 }
 
@@ -194,7 +196,7 @@ pub(super) fn config(name: &str) -> Option<(&'static str, Config)> {
 ///
 /// # Errors
 /// A parameter out of range.
-pub(super) fn build<const N: usize>(
+pub(crate) fn build<const N: usize>(
     name: &'static str,
     config: Config,
 ) -> Result<Box<dyn Builder<N>>, ConfigError> {

@@ -56,19 +56,27 @@ impl ConfigFile {
     }
 
     fn check(&self) -> Result<(), String> {
-        let name = &self.name;
+        Self::check_name(&self.name)?;
+        match self.width {
+            None | Some(4 | 8) => Ok(()),
+            Some(width) => Err(format!("width {width}: give 4 or 8")),
+        }
+    }
+
+    /// Refuses a name that is a builder's or means something in files and tables.
+    ///
+    /// # Errors
+    /// What is wrong with it, in one line.
+    pub fn check_name(name: &str) -> Result<(), String> {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-        let is_taken = ORDER.contains(&&**name) || on_request().any(|known| known == name);
+        let is_taken = ORDER.contains(&name) || on_request().any(|known| known == name);
         if name.is_empty() || name.len() > 60 || !name.chars().all(is_plain) {
             return Err(format!("name {name:?}: give up to 60 letters, digits, -, _ and ."));
         }
         if is_taken || name.starts_with("embree") {
             return Err(format!("name {name:?}: is that of a builder; give another"));
         }
-        match self.width {
-            None | Some(4 | 8) => Ok(()),
-            Some(width) => Err(format!("width {width}: give 4 or 8")),
-        }
+        Ok(())
     }
 
     /// The builder that it describes.

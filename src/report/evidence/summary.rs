@@ -1,9 +1,9 @@
 //! The short table of the first page: a few trees relative to Embree SAH.
 
-use super::figures::{BASELINE, Figure, Tree, Under, scenes, tree_name, trees};
-use super::grid::Grid;
-use super::means::Ratios;
 use crate::bench::row::Row;
+use crate::report::figures::{BASELINE, Figure, Tree, Under, scenes, tree_name, trees};
+use crate::report::grid::Grid;
+use crate::report::means::Ratios;
 
 /// Geometric means of build time, trace time and SAH cost of the trees of `builders`, of every width that `rows` have or
 /// of the one named (`phr-speed/8`), and the scene whose trace time is worst. With rows of `withheld` scenes, their means

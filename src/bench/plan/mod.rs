@@ -1,13 +1,16 @@
 //! What a run consists of: scenes, cells (a builder at a width) with their kernels, and settings.
 //! Everything that can be wrong with a request is found here, before anything is timed or written.
 
+pub mod chosen;
+pub mod planned_scene;
+
 use super::cell::{Cell, Kernel};
-use super::chosen::Chosen;
 use super::error::PlanError;
-use super::planned_scene::{PlannedScene, Source};
 use super::settings::Settings;
 use super::shard::Shard;
 use crate::scene::{self, SceneError};
+use chosen::Chosen;
+use planned_scene::{PlannedScene, Source};
 use regex::Regex;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
