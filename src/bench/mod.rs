@@ -16,13 +16,12 @@ pub mod rays;
 pub mod records;
 pub mod run;
 pub mod scaling;
-pub mod settings;
-pub mod shard;
 pub mod turns;
 pub mod visit;
 
 pub use contender::pools;
-pub use plan::{chosen, planned_scene};
+pub use plan::{chosen, planned_scene, settings, shard};
+pub use quick::tune;
 pub use records::{
     build_times, environment, environment::moment, files, merge, recorder, results_dir, rounds, row, rows,
     samples, statistics, tree_facts, visit_times, warnings,

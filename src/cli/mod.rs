@@ -12,8 +12,9 @@ use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
-    ablation, advise, bench, build, child::memory, child::turns, compare, kernels, merge, plot, readme,
-    reduce, render, scaling, scenes, table, targets, verify,
+    ablation, advise, advise::tune, bench, build, child::memory, child::turns, compare, kernels,
+    pages::readme, pages::table, plot, records::merge, records::reduce, render, scaling, scenes, targets,
+    verify,
 };
 
 /// Progressive Hierarchical Refinement: BVH builders, measured beside Embree's with the same rays.
@@ -31,6 +32,7 @@ enum Verb {
     Render(render::Arguments),
     Verify(verify::Arguments),
     Advise(advise::Arguments),
+    Tune(tune::Arguments),
     Scenes(scenes::Arguments),
     Table(table::Arguments),
     Plot(plot::Arguments),
@@ -72,6 +74,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Render(arguments) => render::run(arguments),
         Verb::Verify(arguments) => verify::run(arguments),
         Verb::Advise(arguments) => advise::run(arguments),
+        Verb::Tune(arguments) => tune::run(arguments),
         Verb::Scenes(arguments) => scenes::run(arguments),
         Verb::Table(arguments) => table::run(arguments),
         Verb::Plot(arguments) => plot::run(arguments),

@@ -5,7 +5,7 @@
 //! * [`table`] is the document of a run: [`table1`] in the paper's arrangement, means, [`details`] of every scene;
 //! * [`summary`], [`evidence`], [`targets`], [`ablation`], [`kernels`] and [`scaling`] are tables of their own, [`compare`] judges one
 //!   run against another, [`by_turns`](compare::by_turns) one program;
-//! * [`advice`] tells which builder for a scene and a number of rays,
+//! * [`advice`] tells which builder for a scene and a number of rays, and with which parameters;
 //! * [`readme`] keeps the tables within Markdown pages up to date; [`plot`] draws.
 
 pub mod ablation;
@@ -20,9 +20,8 @@ pub mod means;
 pub mod paper;
 pub mod plot;
 pub mod readme;
-pub mod scaling;
 pub mod table;
 pub mod table1;
 pub mod targets;
 
-pub use evidence::summary;
+pub use evidence::{scaling, summary};

@@ -3,16 +3,18 @@
 
 pub mod chosen;
 pub mod planned_scene;
+pub mod settings;
+pub mod shard;
 
 use super::cell::{Cell, Kernel};
 use super::error::PlanError;
-use super::settings::Settings;
-use super::shard::Shard;
 use crate::scene::{self, SceneError};
 use chosen::Chosen;
 use planned_scene::{PlannedScene, Source};
 use regex::Regex;
 use serde::{Deserialize, Serialize};
+use settings::Settings;
+use shard::Shard;
 use std::path::{Path, PathBuf};
 
 /// Named sets of scenes.

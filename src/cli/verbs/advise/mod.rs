@@ -1,5 +1,7 @@
 //! `phr advise`: which builder for a scene and a number of rays.
 
+pub mod tune;
+
 use crate::bench::cell::Kernel;
 use crate::bench::chosen::Chosen;
 use crate::bench::files::write_whole;

@@ -1,6 +1,6 @@
 //! The settings of a run, which must be the same where it is resumed.
 
-use super::error::PlanError;
+use crate::bench::error::PlanError;
 use crate::trace::PathSettings;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;

@@ -1,11 +1,11 @@
 //! `phr merge`: the shards of a run as one.
 
-use super::plot::draw;
 use crate::bench::files::write_whole;
 use crate::bench::{merge, row};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use crate::cli::run_summary::TABLE;
+use crate::cli::verbs::plot::draw;
 use crate::report::figures::Under;
 use crate::report::{plot, table};
 use std::path::PathBuf;

@@ -28,6 +28,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The choice of kernel that `--kernel` names, or the fairest.
-pub(super) fn under(kernel: Option<&str>, rows: &[Row]) -> Result<Under, Failure> {
+pub fn under(kernel: Option<&str>, rows: &[Row]) -> Result<Under, Failure> {
     kernel.map_or_else(|| Ok(Under::best(rows)), |name| Under::by_name(name, rows).map_err(Failure::Bad))
 }

@@ -1,8 +1,8 @@
 //! Tables of scaling: how much faster builds are on more workers, and what keeps them.
 
-use super::grid::{Grid, short};
 use crate::bench::scaling::row::{ALL, ScalingRow};
 use crate::bench::statistics::geometric_mean;
+use crate::report::grid::{Grid, short};
 
 /// The figures of one scene: milliseconds by the number of workers.
 pub fn scene_table(rows: &[ScalingRow], scene: &str) -> String {

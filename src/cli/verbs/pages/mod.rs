@@ -1,0 +1,4 @@
+//! Verbs that print or renew what pages show.
+
+pub mod readme;
+pub mod table;
