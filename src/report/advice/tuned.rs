@@ -9,11 +9,43 @@ use crate::report::plot::pareto::front;
 
 /// Everything that was found for `rays` in `scene`.
 pub fn page(tuned: &Tuned, scene: &str, rays: f64) -> String {
-    [heading(tuned, scene, rays), fresh(tuned, rays), race(tuned, rays), all(tuned, rays)].join("\n")
+    [heading(tuned, scene, rays), fresh(tuned, rays), race(tuned, rays), all(tuned, rays), named(tuned, rays)]
+        .join("\n")
 }
 
-fn name(trial: &Trial) -> String {
+/// The whole name of a configuration, which `--builder` takes.
+fn whole_name(trial: &Trial) -> String {
     tree_name((&trial.cell.builder, trial.cell.width))
+}
+
+/// A preset's name, or the number of the trial: whole names are long.
+fn name(tuned: &Tuned, trial: &Trial) -> String {
+    let place = tuned.trials.iter().position(|known| known.cell == trial.cell);
+    match place.filter(|_| !trial.recipe.changes().is_empty()) {
+        Some(place) => format!("trial {}", place + 1),
+        None => whole_name(trial),
+    }
+}
+
+/// The trials on the front, by the one pair of each.
+fn on_front(tuned: &Tuned, rays: f64) -> Vec<(usize, [f64; 3])> {
+    let points: Vec<[f64; 3]> =
+        tuned.trials.iter().map(|trial| mean_ratios(&trial.pairs, rays).map(|ratio| ratio.value)).collect();
+    let plane: Vec<(f64, f64)> = points.iter().map(|[build, ray, _]| (*build, *ray)).collect();
+    front(&plane).into_iter().map(|i| (i, points[i])).collect()
+}
+
+/// What the trials in the tables are.
+fn named(tuned: &Tuned, rays: f64) -> String {
+    let shown = on_front(tuned, rays).into_iter().map(|(i, _)| &tuned.trials[i]).chain(&tuned.race);
+    let mut lines: Vec<String> = Vec::new();
+    for trial in shown.filter(|trial| !trial.recipe.changes().is_empty()) {
+        let line = format!("{}: {}\n", name(tuned, trial), whole_name(trial));
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
+    lines.concat()
 }
 
 fn anchor(tuned: &Tuned) -> String {
@@ -61,7 +93,17 @@ fn fresh(tuned: &Tuned, rays: f64) -> String {
         }
         _ => "It cannot be told apart from the anchor.",
     };
-    format!("best: {}\n\n{}\n{verdict} {} rounds.\n", name(best), grid.markdown(), best.pairs.len())
+    let (name, configuration) = (name(tuned, best), configuration(best));
+    let (grid, rounds) = (grid.markdown(), best.pairs.len());
+    format!("best: {name}, {configuration}\n\n{grid}\n{verdict} {rounds} rounds.\n")
+}
+
+/// The fields that differ from the preset's.
+fn configuration(trial: &Trial) -> String {
+    let changes = trial.recipe.changes();
+    let fields: String = changes.iter().map(|(field, value)| format!("\n  {field:<32} {value}")).collect();
+    let as_it_is = if changes.is_empty() { " as it is" } else { " with" };
+    format!("{}, {}-wide,{as_it_is}{fields}", trial.recipe.base(), trial.cell.width)
 }
 
 fn inverse(ratio: Estimate) -> Estimate {
@@ -73,20 +115,17 @@ fn race(tuned: &Tuned, rays: f64) -> String {
     let mut grid = Grid::new(["race", "build", "95 %", "ray", "95 %", "total", "95 %"]);
     for trial in &tuned.race {
         let ratios = mean_ratios(&trial.pairs, rays).into_iter().flat_map(shown);
-        grid.push(std::iter::once(name(trial)).chain(ratios).collect());
+        grid.push(std::iter::once(name(tuned, trial)).chain(ratios).collect());
     }
     grid.markdown()
 }
 
-/// The front over all trials, by the one pair of each.
+/// The front over all trials.
 fn all(tuned: &Tuned, rays: f64) -> String {
-    let points: Vec<[f64; 3]> =
-        tuned.trials.iter().map(|trial| mean_ratios(&trial.pairs, rays).map(|ratio| ratio.value)).collect();
-    let plane: Vec<(f64, f64)> = points.iter().map(|[build, ray, _]| (*build, *ray)).collect();
     let mut grid = Grid::new(["front over all tried, one pair each", "build", "ray", "total"]);
-    for i in front(&plane) {
-        let figures = points[i].map(|ratio| format!("{ratio:.2}"));
-        grid.push(std::iter::once(name(&tuned.trials[i])).chain(figures).collect());
+    for (i, figures) in on_front(tuned, rays) {
+        let figures = figures.map(|ratio| format!("{ratio:.2}"));
+        grid.push(std::iter::once(name(tuned, &tuned.trials[i])).chain(figures).collect());
     }
     grid.markdown()
 }
@@ -125,11 +164,13 @@ mod tests {
         let text = page(&tuned(trial(best, [2.0, 0.8], 3)), "a", 1e8);
         for part in [
             "a, 100M rays: 3 configurations tried, 1 failed (first phr-fast / 4: it panicked)",
-            "best: phr-best[phr.delta=5] / 8",
+            "best: trial 1, phr-best, 8-wide, with\n  phr.delta                        5\n",
+            "trial 1: phr-best[phr.delta=5] / 8\n",
+            "| trial 2 ",
             "less time in all",
             "0.812",
             "1.250",
-            "phr-quality[max_cut=4096] / 8",
+            "trial 2: phr-quality[max_cut=4096] / 8",
         ] {
             assert!(text.contains(part), "no {part:?} in\n{text}");
         }

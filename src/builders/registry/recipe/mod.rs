@@ -23,8 +23,8 @@ const AND: char = '+';
 pub struct Recipe {
     base: &'static str,
     config: Config,
-    /// Fields in the order in which they were set, each with the value in words.
-    changes: Vec<(String, String)>,
+    /// Fields in the order in which they were set, each with its value.
+    changes: Vec<(String, Value)>,
 }
 
 impl Recipe {
@@ -91,7 +91,7 @@ impl Recipe {
         self.config = config;
         let inside = format!("{path}.");
         self.changes.retain(|(known, _)| *known != path && !known.starts_with(&inside));
-        self.changes.push((path, fields::in_words(value)));
+        self.changes.push((path, value.clone()));
         Ok(())
     }
 
@@ -105,15 +105,17 @@ impl Recipe {
         if self.changes.is_empty() {
             return self.base.into();
         }
-        let changes: Vec<String> =
-            self.changes.iter().map(|(field, value)| format!("{field}={value}")).collect();
+        let changes: Vec<String> = self
+            .changes
+            .iter()
+            .map(|(field, value)| format!("{field}={}", fields::in_words(value)))
+            .collect();
         format!("{}[{}]", self.base, changes.join(&AND.to_string()))
     }
 
-    /// The fields that were changed, each with its value.
+    /// The fields that were changed, each with its value: `null` or `false` turned an extension off, `true` on.
     pub fn changes(&self) -> serde_json::Map<String, Value> {
-        let config = fields::fields(&self.config);
-        self.changes.iter().map(|(path, _)| (path.clone(), fields::at(&config, path).clone())).collect()
+        self.changes.iter().cloned().collect()
     }
 
     /// The builder, of trees of nodes of up to `N` children, 4 or 8.
