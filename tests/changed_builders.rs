@@ -58,6 +58,14 @@ fn rows_carry_the_name_and_the_configuration_of_a_changed_builder() {
         memory.into_iter().all(|row| row.peak_bytes.is_some_and(|bytes| bytes > 0)),
         "its own process builds it too"
     );
+    std::fs::write(folder.path().join("mine.json"), r#"{"name": "mine", "base": "phr-speed", "width": 8}"#)
+        .unwrap();
+    let output = phr(folder.path(), &[&TINY[..], &["--config", "mine.json", "--resume"]].concat());
+    assert!(
+        text(&output.stderr).contains("made with another configuration called mine"),
+        "{}",
+        text(&output.stderr)
+    );
     let table = std::fs::read_to_string(folder.path().join("out/table1.md")).unwrap();
     assert!(table.contains(changed), "{table}");
 }

@@ -151,6 +151,14 @@ impl<'a> Recorder<'a> {
             return Err(RunError::Resume { folder: self.folder.to_owned(), what });
         }
         for cell in cells {
+            let is_other = |known: &CellSamples| {
+                let (known, cell) = (&known.cell, &cell);
+                (&known.builder, known.width) == (&cell.builder, cell.width) && known.recipe != cell.recipe
+            };
+            if samples.cells.iter().any(is_other) {
+                let what = format!("configuration called {}", cell.builder);
+                return Err(RunError::Resume { folder: self.folder.to_owned(), what });
+            }
             if !samples.cells.iter().any(|known| known.cell == *cell) {
                 samples.cells.push(CellSamples {
                     cell: cell.clone(),
