@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 
 /// Numbers of rays over which a tree may win.
 pub const BUDGETS: [f64; 11] = [1e5, 3e5, 1e6, 3e6, 1e7, 3e7, 1e8, 3e8, 1e9, 3e9, 1e10];
-/// A tree that is nowhere within this factor of the best is not measured again.
-const HOPELESS: f64 = 1.2;
+/// A tree whose best visits are nowhere within these factors of the best tree is not measured again: after one visit, which
+/// others may have disturbed, and after more.
+const HOPELESS: [f64; 2] = [1.6, 1.2];
 /// Rounds before trees without a prospect have their turn.
 const EARLY_ROUNDS: usize = 3;
 
@@ -88,14 +89,16 @@ pub fn survey(
 
 /// Notes which trees are not measured again: those that are nowhere near the best. The best everywhere go on.
 fn drop_hopeless(found: &mut [Surveyed]) {
-    let lines: Vec<Option<TotalTime>> =
-        found.iter().map(|surveyed| TotalTime::of(&surveyed.visits)).collect();
-    let best = |rays: f64| lines.iter().flatten().map(|line| line.at(rays)).fold(f64::INFINITY, f64::min);
-    let best = BUDGETS.map(best);
-    for (surveyed, line) in found.iter_mut().zip(&lines) {
-        let Some(line) = line else { continue };
-        let has_prospect = BUDGETS.iter().zip(best).any(|(&rays, best)| line.at(rays) <= HOPELESS * best);
-        if !has_prospect && surveyed.note.is_empty() {
+    let lines: Vec<TotalTime> = found.iter().filter_map(|surveyed| TotalTime::of(&surveyed.visits)).collect();
+    let best = BUDGETS.map(|rays| lines.iter().map(|line| line.at(rays)).fold(f64::INFINITY, f64::min));
+    for surveyed in
+        found.iter_mut().filter(|surveyed| !surveyed.visits.is_empty() && surveyed.note.is_empty())
+    {
+        let least =
+            |figure: fn(&QuickVisit) -> f64| surveyed.visits.iter().map(figure).fold(f64::INFINITY, f64::min);
+        let line = TotalTime::exact(least(|visit| visit.build_ms), least(|visit| visit.ns_per_ray));
+        let factor = HOPELESS[usize::from(surveyed.visits.len() > 1)];
+        if !BUDGETS.iter().zip(best).any(|(&rays, best)| line.at(rays) <= factor * best) {
             surveyed.note = "dropped".into();
         }
     }
@@ -116,10 +119,15 @@ mod tests {
             of("quick", 10.0, 200.0),
             of("good", 100.0, 100.0),
             of("near", 11.0, 201.0),
-            of("bad", 100.0, 200.0),
+            of("bad", 400.0, 200.0),
+            of("once", 100.0, 150.0),
+            Surveyed {
+                visits: vec![QuickVisit { build_ms: 100.0, ns_per_ray: 150.0 }; 2],
+                ..of("twice", 0.0, 0.0)
+            },
             Surveyed { visits: Vec::new(), note: "no time".into(), ..of("late", 0.0, 0.0) },
         ];
         drop_hopeless(&mut found);
-        assert_eq!(found.map(|surveyed| surveyed.note), ["", "", "", "dropped", "no time"]);
+        assert_eq!(found.map(|surveyed| surveyed.note), ["", "", "", "dropped", "", "dropped", "no time"]);
     }
 }
