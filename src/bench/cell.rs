@@ -55,6 +55,12 @@ impl Cell {
         Self { builder: builder.into(), width, kernels: kernels.into(), recipe: None }
     }
 
+    /// Its place among the cells of a table: builders in their order, changed ones after the builder they were, by width.
+    pub fn order(&self) -> (usize, &str, u32) {
+        let changes = self.builder.split_once('[').map_or("", |(_, changes)| changes);
+        (place(&self.builder), changes, self.width)
+    }
+
     /// The name by which the builder is made.
     pub fn made_by(&self) -> &str {
         self.recipe.as_deref().unwrap_or(&self.builder)

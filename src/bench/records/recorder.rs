@@ -9,7 +9,7 @@ use super::rows::{self, Header};
 use super::samples::{CellSamples, SAMPLES, Samples, SceneSamples};
 use super::tree_facts::TreeFacts;
 use super::warnings::Warning;
-use crate::bench::cell::{Cell, place};
+use crate::bench::cell::Cell;
 use crate::bench::contender;
 use crate::bench::error::RunError;
 use crate::bench::plan::Plan;
@@ -170,7 +170,7 @@ impl<'a> Recorder<'a> {
                 });
             }
         }
-        samples.cells.sort_by_key(|cell| (place(&cell.cell.builder), cell.cell.width));
+        samples.cells.sort_by(|a, b| a.cell.order().cmp(&b.cell.order()));
         Ok(index)
     }
 

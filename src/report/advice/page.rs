@@ -112,7 +112,7 @@ mod tests {
             "a, b: 1000 triangles; made by hand",
             "For 50M rays: phr-best / 8, 5.20 s in all.",
             "| lbvh          |         0 |       500k |",
-            "|     7.5M | any number |",
+            "|      7.5M | any number |",
             "no time",
         ] {
             assert!(text.contains(part), "no {part:?} in\n{text}");

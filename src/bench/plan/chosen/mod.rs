@@ -4,7 +4,7 @@ mod config_file;
 
 pub use config_file::ConfigFile;
 
-use crate::bench::cell::{Cell, place};
+use crate::bench::cell::Cell;
 use crate::bench::contender;
 use crate::bench::error::PlanError;
 use crate::builders::{Recipe, RecipeError, on_request};
@@ -101,7 +101,7 @@ impl Chosen {
             let both = contender::cells_of(name, recipe, build_only);
             cells.extend(both.into_iter().filter(|cell| width.is_none_or(|width| cell.width == width)));
         }
-        cells.sort_by_key(|cell| (place(&cell.builder), cell.width));
+        cells.sort_by(|a, b| a.order().cmp(&b.order()));
         Ok(cells)
     }
 
