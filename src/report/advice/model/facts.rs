@@ -27,6 +27,16 @@ pub enum Fact {
 impl Fact {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Triangles, Self::Sah, Self::Epo, Self::LeafFill];
+
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Triangles => "triangles",
+            Self::Sah => "SAH cost",
+            Self::Epo => "overlap",
+            Self::LeafFill => "leaf fill",
+        }
+    }
 }
 
 /// The facts of a mesh.

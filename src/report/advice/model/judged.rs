@@ -46,21 +46,32 @@ pub fn page(open: &[Row], withheld: Option<&[Row]>) -> Result<String, String> {
     if let Some(withheld) = withheld {
         all.push(of_withheld(&open, &observed(withheld)));
     }
-    let facts: Vec<String> = choice.facts.iter().map(|fact| format!("{fact:?}").to_lowercase()).collect();
-    let facts = if facts.is_empty() { "none".to_owned() } else { facts.join(", ") };
-    let (scenes, ridge) = (open.len(), choice.ridge);
-    let about = format!(
-        "Share of scenes in which the advised tree takes at most 5 % more time in all than the best, and mean loss. model: \
-         fitted to the other {} of {scenes} open scenes (facts: {facts}; ridge {ridge}; both chosen by this loss, so that \
-         it flatters a little). same for all: without facts of the scene. one round: measured once, judged by the later \
-         rounds, which shows the noise. withheld: fitted to all open scenes, among the trees that both runs have; \
-         measured on another machine by an earlier revision.\n",
-        scenes - 1
-    );
+    let about = about(&all, open.len(), &choice);
     Ok(table(&all)
         + "\n"
         + &about
         + &all.iter().filter(|judged| judged.is_listed()).map(misses).collect::<String>())
+}
+
+/// What the columns are.
+fn about(all: &[Judged], scenes: usize, choice: &Choice) -> String {
+    let names: Vec<&str> = choice.facts.iter().map(|fact| fact.name()).collect();
+    let facts = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+    let mut text = format!(
+        "Share of scenes in which the advised tree takes at most 5 % more time in all than the best, and the mean loss. \
+         model: fitted to the other {} of {scenes} open scenes (facts: {facts}; ridge {}; both chosen by this loss, so that \
+         it flatters a little). same for all: without facts of the scene.",
+        scenes - 1,
+        choice.ridge
+    );
+    let has = |name: &str| all.iter().any(|judged| judged.name == name);
+    if has("one round") {
+        text += " one round: measured once, judged by the later rounds, which shows the noise.";
+    }
+    if has("withheld") {
+        text += " withheld: fitted to all open scenes, among the trees that both runs have.";
+    }
+    text + "\n"
 }
 
 /// Fitted to the open scenes, among the trees in common.
