@@ -34,7 +34,7 @@ impl Proposals {
     }
 
     /// The next point.
-    pub fn next(&mut self) -> Point {
+    pub fn propose(&mut self) -> Point {
         let mut point = [0.0; PARAMETERS.len()];
         for (number, optimiser) in point.iter_mut().zip(&mut self.optimisers) {
             let Ok(asked) = optimiser.ask(&mut self.random);
@@ -75,7 +75,7 @@ mod tests {
             let mut random = crate::random::SplitMix64::new(seed);
             let mut last = Vec::new();
             for _ in 0..120 {
-                let point = proposals.next();
+                let point = proposals.propose();
                 assert_eq!(point[0], 1.5);
                 proposals.tell(&point, value(&point) + 0.05 * f64::from(random.unit()));
                 last.push(value(&point));

@@ -90,7 +90,7 @@ impl Search {
         let (mut trials, mut failures): (Vec<Trial>, Vec<(String, String)>) = (Vec::new(), Vec::new());
         while Instant::now() < until {
             let (recipe, point) = queue.pop().unwrap_or_else(|| {
-                let point = proposals.next();
+                let point = proposals.propose();
                 (recipe_of(&point), point)
             });
             let cell = self.cell(&recipe, width_of(&point));
