@@ -4,6 +4,7 @@
 mod failure;
 mod options;
 mod output;
+mod plan_outline;
 mod progress;
 mod run_summary;
 mod verbs;

@@ -14,6 +14,7 @@ use crate::bench::shard::Shard;
 use crate::cli::failure::Failure;
 use crate::cli::options::{all_threads, percent};
 use crate::cli::output::say;
+use crate::cli::plan_outline::outline;
 use crate::cli::progress::Bar;
 use crate::cli::run_summary::{TABLE, run_summary};
 use crate::report::figures::Under;
@@ -269,37 +270,6 @@ fn verdict(rows: &[Row], failures: usize, complete: bool, folder: &Path) -> Resu
         )));
     }
     Ok(())
-}
-
-/// The plan in words.
-fn outline(plan: &Plan, folder: &Path) -> String {
-    let settings = &plan.settings;
-    let mut text = String::new();
-    let mut visits = 0;
-    for (scene, cells) in &plan.scenes {
-        visits += cells.len() * settings.rounds;
-        text += &format!(
-            "{}: {}, about {} triangles, {} trees\n",
-            scene.name,
-            scene.origin(),
-            scene.triangles,
-            cells.len()
-        );
-    }
-    let rays = if settings.build_only {
-        "builds only".to_owned()
-    } else {
-        format!("{} views of {} x {} pixels", settings.views, settings.width, settings.height)
-    };
-    let (rounds, threads) = (settings.rounds, settings.threads);
-    let more = match settings.seconds {
-        0 => String::new(),
-        seconds => format!(", more where a scene takes less than {seconds} seconds"),
-    };
-    text + &format!(
-        "{visits} visits in {rounds} rounds{more}, {threads} threads, {rays}, into {}",
-        folder.display()
-    )
 }
 
 /// The arguments without the folders of this machine.
