@@ -5,7 +5,8 @@
 //! * `lbvh`: the auxiliary BVH (4.7), and the builder `lbvh`;
 //! * `split`: object splits (4.2) and spatial splits (4.4) of a cut;
 //! * `phr`: cuts, their refinement (4.1, 4.3) and the recursion over them: the builders `phr-*`;
-//! * `hunt`, `aac`: the builders the paper compares with;
+//! * `clusters`: binary trees of clusters, made wide; `aac` and `ploc` make them bottom-up;
+//! * `hunt`, `aac`: the builders the paper compares with; `ploc`: a newer one;
 //! * `optimise`: `phr-best`;
 //! * `registry`: builders by name.
 //!
@@ -15,6 +16,7 @@
 mod aac;
 mod binary;
 mod builder;
+mod clusters;
 mod config_error;
 mod hunt;
 mod lbvh;
@@ -22,6 +24,7 @@ mod lbvh;
 mod naive;
 mod optimise;
 mod phr;
+mod ploc;
 mod prims;
 mod registry;
 mod split;
@@ -39,6 +42,7 @@ pub use lbvh::auxiliary::{AuxiliaryConfig, Clusters};
 pub use lbvh::direct::Lbvh;
 pub use optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
 pub use phr::{Extensions, LocalThreshold, Phr, PhrConfig};
+pub use ploc::{Ploc, PlocConfig};
 pub use prims::presplit::PresplitConfig;
 pub use registry::{ABLATION, NAMES, WITHOUT, by_name, on_request};
 pub use wide::optimal::CollapseCosts;

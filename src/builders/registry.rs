@@ -1,4 +1,4 @@
-//! The builders by name: those of the paper, ours, the paper's with one extension each, and ours without one each.
+//! The builders by name: those of the paper, PLOC, ours, the paper's with one extension each, and ours without one each.
 
 use super::aac::{Aac, AacConfig};
 use super::builder::Builder;
@@ -8,6 +8,7 @@ use super::lbvh::auxiliary::AuxiliaryConfig;
 use super::lbvh::direct::Lbvh;
 use super::optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
 use super::phr::{Extensions, LocalThreshold, Phr, PhrConfig};
+use super::ploc::{Ploc, PlocConfig};
 use super::prims::presplit::PresplitConfig;
 use super::wide::optimal::CollapseCosts;
 
@@ -16,6 +17,7 @@ use super::wide::optimal::CollapseCosts;
 enum Config {
     Lbvh,
     Aac(AacConfig),
+    Ploc(PlocConfig),
     Hunt(HuntConfig),
     Phr(PhrConfig),
     OptimisedPhr(OptimisedPhrConfig),
@@ -69,6 +71,7 @@ const REGISTRY: &[(&str, Config)] = &[
     ("hunt-50", Config::Hunt(HuntConfig { cut_length: 50, max_leaf: 8 })),
     ("hunt-500", Config::Hunt(HuntConfig { cut_length: 500, max_leaf: 8 })),
     ("aac", Config::Aac(AacConfig::FAST)),
+    ("ploc", Config::Ploc(PlocConfig::DEFAULT)),
     ("phr-fast", Config::Phr(PhrConfig::FAST)),
     ("phr-hq", Config::Phr(PhrConfig::HQ)),
     ("phr-turbo", Config::Phr(PhrConfig::TURBO)),
@@ -106,7 +109,7 @@ const REGISTRY: &[(&str, Config)] = &[
 ];
 
 /// Builders of a table.
-const IN_TABLES: usize = 10;
+const IN_TABLES: usize = 11;
 
 const ALL: [&str; REGISTRY.len()] = names(REGISTRY);
 
@@ -196,6 +199,7 @@ fn build<const N: usize>(name: &'static str, config: Config) -> Result<Box<dyn B
     Ok(match config {
         Config::Lbvh => Box::<Lbvh<N>>::default(),
         Config::Aac(config) => Box::new(Aac::new(config)?),
+        Config::Ploc(config) => Box::new(Ploc::new(config)?),
         Config::Hunt(config) => Box::new(Hunt::new(name, config)?),
         Config::Phr(config) => Box::new(Phr::new(name, config)?),
         Config::OptimisedPhr(config) => Box::new(OptimisedPhr::new(name, config)?),
@@ -208,13 +212,13 @@ mod tests {
 
     #[test]
     fn every_name_is_that_of_its_builder() {
-        for name in NAMES.iter().chain(ABLATION).chain(WITHOUT.into_iter().flatten()) {
-            assert_eq!(by_name::<4>(name).map(|builder| builder.name()), Some(*name));
+        for name in NAMES.iter().copied().chain(on_request()) {
+            assert_eq!(by_name::<4>(name).map(|builder| builder.name()), Some(name));
         }
         for (without, whole) in [(TURBO_WITHOUT, TURBO), (SPEED_WITHOUT, SPEED), (QUALITY_WITHOUT, QUALITY)] {
             assert!(without.iter().all(|(_, extensions)| *extensions != whole));
         }
-        assert_eq!((NAMES.len(), ABLATION.len()), (10, 15));
+        assert_eq!((NAMES.len(), ABLATION.len()), (11, 15));
         assert!(by_name::<4>("phr").is_none());
     }
 }
