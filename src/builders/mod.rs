@@ -8,7 +8,8 @@
 //! * `clusters`: binary trees of clusters, made wide; `aac` and `ploc` make them bottom-up;
 //! * `hunt`, `aac`: the builders the paper compares with; `ploc`: a newer one;
 //! * `optimise`: `phr-best`;
-//! * `registry`: builders by name.
+//! * `registry`: builders by name;
+//! * `foreign`: trees that were made elsewhere, widened.
 //!
 //! `builder` and `config_error` are what they share, `naive` is the oracle of the tests, `steps` has single steps for
 //! benchmarks.
@@ -18,6 +19,7 @@ mod binary;
 mod builder;
 mod clusters;
 mod config_error;
+mod foreign;
 mod hunt;
 mod lbvh;
 #[cfg(test)]
@@ -37,6 +39,7 @@ mod wide;
 pub use aac::{Aac, AacConfig};
 pub use builder::{Build, Builder, Counts, Phase};
 pub use config_error::ConfigError;
+pub use foreign::{ForeignTree, Opened, widened};
 pub use hunt::{Hunt, HuntConfig};
 pub use lbvh::auxiliary::{AuxiliaryConfig, Clusters};
 pub use lbvh::direct::Lbvh;
