@@ -5,7 +5,7 @@
 //! * `lbvh`: the auxiliary BVH (4.7), and the builder `lbvh`;
 //! * `split`: object splits (4.2) and spatial splits (4.4) of a cut;
 //! * `phr`: cuts, their refinement (4.1, 4.3) and the recursion over them: the builders `phr-*`;
-//! * `clusters`: binary trees of clusters, made wide; `aac` and `ploc` make them bottom-up;
+//! * `clusters`: binary trees of clusters, made wide; `aac` and `ploc` make them bottom-up; `binned`: binned SAH;
 //! * `hunt`, `aac`: the builders the paper compares with; `ploc`: a newer one;
 //! * `optimise`: `phr-best`;
 //! * `registry`: builders by name;
@@ -16,6 +16,7 @@
 
 mod aac;
 mod binary;
+mod binned;
 mod builder;
 mod clusters;
 mod config_error;
@@ -37,6 +38,7 @@ mod testing;
 mod wide;
 
 pub use aac::{Aac, AacConfig};
+pub use binned::BinnedSahConfig;
 pub use builder::{Build, Builder, Counts, Phase};
 pub use config_error::ConfigError;
 pub use foreign::{ForeignTree, Opened, widened};
@@ -44,8 +46,8 @@ pub use hunt::{Hunt, HuntConfig};
 pub use lbvh::auxiliary::{AuxiliaryConfig, Clusters};
 pub use lbvh::direct::Lbvh;
 pub use optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
-pub use phr::{Extensions, LocalThreshold, Phr, PhrConfig};
+pub use phr::{AuxiliaryTree, Extensions, LocalThreshold, Phr, PhrConfig};
 pub use ploc::{Ploc, PlocConfig};
 pub use prims::presplit::PresplitConfig;
-pub use registry::{ABLATION, NAMES, WITHOUT, by_name, on_request};
+pub use registry::{ABLATION, NAMES, OVER, WITHOUT, by_name, on_request};
 pub use wide::optimal::CollapseCosts;

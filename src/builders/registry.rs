@@ -1,13 +1,14 @@
 //! The builders by name: those of the paper, PLOC, ours, the paper's with one extension each, and ours without one each.
 
 use super::aac::{Aac, AacConfig};
+use super::binned::BinnedSahConfig;
 use super::builder::Builder;
 use super::config_error::ConfigError;
 use super::hunt::{Hunt, HuntConfig};
 use super::lbvh::auxiliary::AuxiliaryConfig;
 use super::lbvh::direct::Lbvh;
 use super::optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
-use super::phr::{Extensions, LocalThreshold, Phr, PhrConfig};
+use super::phr::{AuxiliaryTree, Extensions, LocalThreshold, Phr, PhrConfig};
 use super::ploc::{Ploc, PlocConfig};
 use super::prims::presplit::PresplitConfig;
 use super::wide::optimal::CollapseCosts;
@@ -149,14 +150,42 @@ const QUALITY_WITHOUT: &[(&str, Extensions)] = without!("phr-quality", PhrConfig
     cut_share local_threshold spatial_bias clip_triangles subtree_sweep collapse;
     clusters calibration presplit);
 
+/// A configuration over another auxiliary tree than an LBVH, each a builder `PRESET-aux-TREE`.
+macro_rules! over {
+    ($($name:literal, $config:expr;)*) => {
+        &[
+            $(
+                (concat!($name, "-aux-ploc"), over($config, AuxiliaryTree::Ploc(PlocConfig::DEFAULT))),
+                (concat!($name, "-aux-aac"), over($config, AuxiliaryTree::Aac(AacConfig::FAST))),
+                (concat!($name, "-aux-sah"), over($config, AuxiliaryTree::BinnedSah(BinnedSahConfig::DEFAULT))),
+            )*
+        ]
+    };
+}
+
+const fn over(config: PhrConfig, auxiliary_tree: AuxiliaryTree) -> PhrConfig {
+    PhrConfig { extensions: Extensions { auxiliary_tree, ..config.extensions }, ..config }
+}
+
+const AUXILIARY_TREES: &[(&str, PhrConfig)] = over!(
+    "phr-fast", PhrConfig::FAST;
+    "phr-hq", PhrConfig::HQ;
+    "phr-speed", PhrConfig::SPEED;
+    "phr-quality", PhrConfig::QUALITY;
+);
+
+/// Names of PHR over other auxiliary trees (paper 5.5): `phr-hq-aux-ploc`, `-aux-aac`, `-aux-sah`. They are run on
+/// request.
+pub const OVER: &[&str] = &names::<_, 12>(AUXILIARY_TREES);
+
 /// Names of our presets without one extension each: what the rest of the preset does not make up for. They are run on
 /// request.
 pub const WITHOUT: [&[&str]; 3] =
     [&names::<_, 4>(TURBO_WITHOUT), &names::<_, 9>(SPEED_WITHOUT), &names::<_, 9>(QUALITY_WITHOUT)];
 
-/// Names of the builders that are run on request alone: [`ABLATION`] and [`WITHOUT`].
+/// Names of the builders that are run on request alone: [`ABLATION`], [`WITHOUT`] and [`OVER`].
 pub fn on_request() -> impl Iterator<Item = &'static str> {
-    ABLATION.iter().chain(WITHOUT.into_iter().flatten()).copied()
+    ABLATION.iter().chain(WITHOUT.into_iter().flatten()).chain(OVER).copied()
 }
 
 const fn names<T: Copy, const N: usize>(of: &[(&'static str, T)]) -> [&'static str; N] {
@@ -167,6 +196,12 @@ const fn names<T: Copy, const N: usize>(of: &[(&'static str, T)]) -> [&'static s
         i += 1;
     }
     names
+}
+
+/// A configuration over another auxiliary tree.
+fn over_tree(name: &str) -> Option<(&'static str, Config)> {
+    let &(name, config) = AUXILIARY_TREES.iter().find(|(known, _)| *known == name)?;
+    Some((name, Config::Phr(config)))
 }
 
 /// A preset without one extension.
@@ -188,10 +223,10 @@ impl OptimisedPhrConfig {
 }
 
 /// The builder of trees of nodes of up to `N` children, 4 or 8, called `name`, or `None`; names are those of [`NAMES`],
-/// [`ABLATION`] and [`WITHOUT`].
+/// [`ABLATION`], [`WITHOUT`] and [`OVER`].
 pub fn by_name<const N: usize>(name: &str) -> Option<Box<dyn Builder<N>>> {
     let known = REGISTRY.iter().find(|(known, _)| *known == name).copied();
-    let (name, config) = known.or_else(|| without(name))?;
+    let (name, config) = known.or_else(|| without(name)).or_else(|| over_tree(name))?;
     Some(build(name, config).expect("the registry's parameters are in range, as a test tells"))
 }
 

@@ -30,6 +30,7 @@ const ORDER: &[&str] = &[
     "builders::clusters",
     "builders::aac",
     "builders::ploc",
+    "builders::binned",
     "builders::split",
     "builders::phr",
     "builders::hunt",

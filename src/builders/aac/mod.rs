@@ -6,5 +6,6 @@ mod clustering;
 mod config;
 mod pipeline;
 
+pub(crate) use clustering::cluster;
 pub use config::AacConfig;
 pub use pipeline::Aac;

@@ -8,8 +8,8 @@ use super::ploc::ploc;
 use super::wide::Wide;
 use crate::builders::lbvh::top_tree::TREELET;
 use crate::builders::{
-    AuxiliaryConfig, Build, Builder, Clusters, CollapseCosts, Extensions, Hunt, HuntConfig, Lbvh,
-    LocalThreshold, OptimiseConfig, OptimisedPhr, OptimisedPhrConfig, Phr, PhrConfig, Ploc, PlocConfig,
+    AuxiliaryConfig, AuxiliaryTree, Build, Builder, Clusters, CollapseCosts, Extensions, Hunt, HuntConfig,
+    Lbvh, LocalThreshold, OptimiseConfig, OptimisedPhr, OptimisedPhrConfig, Phr, PhrConfig, Ploc, PlocConfig,
     PresplitConfig,
 };
 use crate::bvh::WideBvh;
@@ -43,6 +43,10 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
         (
             "spatial bias",
             PhrConfig { spatial_threshold: 1e-4, ..fast(Extensions { spatial_bias: Some(1.2), ..none }) },
+        ),
+        (
+            "over PLOC",
+            fast(Extensions { auxiliary_tree: AuxiliaryTree::Ploc(PlocConfig { radius: 8 }), ..none }),
         ),
         ("speed", PhrConfig::SPEED),
         ("quality", PhrConfig::QUALITY),

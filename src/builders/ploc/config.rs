@@ -17,7 +17,7 @@ impl PlocConfig {
     pub const DEFAULT: Self = Self { radius: 25 };
 
     /// Refuses parameters out of range.
-    pub(super) fn check(&self) -> Result<(), ConfigError> {
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
         check("radius", self.radius, 1..=MAX_RADIUS)
     }
 }

@@ -16,5 +16,6 @@ mod nearest;
 mod pass;
 mod pipeline;
 
+pub(crate) use clustering::Clustering;
 pub use config::PlocConfig;
 pub use pipeline::Ploc;
