@@ -7,6 +7,7 @@ use crate::builders::lbvh::key::{MortonKey, reference};
 use crate::builders::prims::refs::{GRAIN, PrimInfo, PrimRefs};
 use crate::bvh::limits::CLUSTER_DEPTH;
 use crate::geometry::Aabb;
+use crate::parallel;
 use rayon::prelude::*;
 
 /// A reference with its box.
@@ -24,7 +25,7 @@ pub(crate) fn binned_sah(
     pairs: &mut [[Node; 2]],
 ) -> Option<Node> {
     let mut items: Vec<Item> =
-        keys.par_iter().with_min_len(GRAIN).map(|&key| (key, refs.bounds(reference(key)))).collect();
+        parallel::map(keys.par_iter().with_min_len(GRAIN), |&key| (key, refs.bounds(reference(key))));
     let root = (!items.is_empty()).then(|| build(config, &mut items, (0, 0), 0, pairs));
     keys.iter_mut().zip(&items).for_each(|(key, item)| *key = item.0);
     root
@@ -50,7 +51,7 @@ fn build(
     let (left_pairs, right_pairs) = rest.split_at_mut(split - 1);
     let mut left = || build(config, left, (first, base), depth + 1, left_pairs);
     let mut right = || build(config, right, (first + split, base + split - 1), depth + 1, right_pairs);
-    let (left, right) = if is_serial { (left(), right()) } else { rayon::join(left, right) };
+    let (left, right) = if is_serial { (left(), right()) } else { parallel::join(left, right) };
     *last = [left, right];
     Node::inner(last, place)
 }
@@ -61,14 +62,19 @@ fn split(config: &BinnedSahConfig, items: &mut [Item]) -> Option<usize> {
         return None;
     }
     let boxes = |items: &[Item]| info(items.iter().map(|(_, bounds)| *bounds));
-    let centers = items.par_chunks(GRAIN).map(boxes).reduce(|| PrimInfo::EMPTY, PrimInfo::union).centers;
+    let centers = in_parts(items, boxes).into_iter().fold(PrimInfo::EMPTY, PrimInfo::union).centers;
     let binning = Binning::new(centers, config.bins.min(4 + items.len() / 20));
     let bins = |items: &[Item]| Bins::of(&binning, items.iter().map(|(_, bounds)| *bounds));
-    let bins = items.par_chunks(GRAIN).map(bins).reduce_with(|a, b| a.union(&b))?;
+    let bins = in_parts(items, bins).into_iter().reduce(|a, b| a.union(&b))?;
     let plane = bins.cheapest()?;
     let is_left = |item: &Item| binning.bin(item.1, plane.axis) < plane.bin;
     let (left, right): (Vec<Item>, Vec<Item>) = items.iter().partition(|item| is_left(item));
     items[..left.len()].copy_from_slice(&left);
     items[left.len()..].copy_from_slice(&right);
     Some(left.len())
+}
+
+/// What `f` makes of parts of the items, in order.
+fn in_parts<R: Send>(items: &[Item], f: impl Fn(&[Item]) -> R + Sync + Send) -> Vec<R> {
+    if items.len() <= GRAIN { vec![f(items)] } else { parallel::map(items.par_chunks(GRAIN), f) }
 }

@@ -2,14 +2,12 @@
 
 use super::pass::{Merged, Pass, TASK};
 use crate::builders::binary::node::Node;
-use crate::builders::lbvh::key::{MortonKey, reference};
-use crate::builders::lbvh::prefetch;
-use crate::builders::prims::refs::{GRAIN, PrimRefs};
+use crate::builders::lbvh::key::MortonKey;
+use crate::builders::prims::refs::PrimRefs;
 use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
 use crate::parallel::ordered_append;
 use crate::simd::Isa;
-use rayon::prelude::*;
 
 /// A pass that merges fewer than one of so many clusters is followed by one that merges neighbours.
 const SLOW: usize = 32;
@@ -36,7 +34,12 @@ impl Clustering {
         huge_pages::reserve(pairs, keys.len());
         let Self { clusters, next, tasks } = self;
         huge_pages::reserve(next, keys.len());
-        leaves(refs, keys, clusters);
+        clusters.clear();
+        huge_pages::reserve(clusters, keys.len());
+        let count = keys.len().div_ceil(TASK);
+        ordered_append::append(count, tasks, clusters, pairs, |task, chunk: &mut Merged| {
+            chunk.of_leaves(refs, keys, task);
+        });
         let mut is_forced = false;
         while clusters.len() > 1 {
             next.clear();
@@ -57,17 +60,6 @@ impl Clustering {
         }
         clusters.pop()
     }
-}
-
-/// Writes the clusters of a single reference each.
-fn leaves(refs: &PrimRefs<'_>, keys: &[MortonKey], clusters: &mut Vec<Node>) {
-    huge_pages::reserve(clusters, keys.len());
-    let positions = (0..keys.len()).into_par_iter().with_min_len(GRAIN);
-    let leaf = |i: usize| {
-        prefetch::triangle(refs.mesh, keys, i);
-        Node::leaf(refs.bounds(reference(keys[i])), i, 1)
-    };
-    positions.map(leaf).collect_into_vec(clusters);
 }
 
 #[cfg(test)]

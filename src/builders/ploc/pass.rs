@@ -2,6 +2,9 @@
 
 use super::nearest::{Boxes, forced};
 use crate::builders::binary::node::Node;
+use crate::builders::lbvh::key::{MortonKey, reference};
+use crate::builders::lbvh::prefetch;
+use crate::builders::prims::refs::PrimRefs;
 use crate::parallel::ordered_append::{Chunk, Offset};
 use crate::simd::Isa;
 
@@ -34,6 +37,17 @@ pub(super) struct Merged {
 }
 
 impl Merged {
+    /// Makes the clusters of a single reference each of a task.
+    pub fn of_leaves(&mut self, refs: &PrimRefs<'_>, keys: &[MortonKey], task: usize) {
+        let positions = task * TASK..keys.len().min((task + 1) * TASK);
+        self.kept = [positions.len(), 0];
+        self.clusters.clear();
+        self.clusters.extend(positions.map(|i| {
+            prefetch::triangle(refs.mesh, keys, i);
+            Node::leaf(refs.bounds(reference(keys[i])), i, 1)
+        }));
+    }
+
     /// Searches and merges the clusters of a task.
     pub fn make(&mut self, pass: &Pass<'_>, task: usize) {
         let Pass { clusters, radius, .. } = *pass;
@@ -48,7 +62,7 @@ impl Merged {
             self.boxes.load(clusters, first - radius as isize, end - begin + 4 * radius);
             self.boxes.search(pass.isa, radius, &mut self.nearest);
         }
-        if self.pairs.len() <= end - begin {
+        if self.clusters.len().min(self.pairs.len()) <= end - begin {
             self.clusters.resize(end - begin + 1, Node::ZERO);
             self.pairs.resize(end - begin + 1, [Node::ZERO; 2]);
         }
