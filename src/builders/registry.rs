@@ -1,15 +1,14 @@
 //! The builders by name: those of the paper, PLOC, ours, the paper's with one extension each, and ours without one each.
 
-use super::aac::{Aac, AacConfig};
-use super::binned::BinnedSahConfig;
 use super::builder::Builder;
+use super::clusters::aac::{Aac, AacConfig};
+use super::clusters::ploc::{Ploc, PlocConfig};
 use super::config_error::ConfigError;
 use super::hunt::{Hunt, HuntConfig};
 use super::lbvh::auxiliary::AuxiliaryConfig;
 use super::lbvh::direct::Lbvh;
 use super::optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
-use super::phr::{AuxiliaryTree, Extensions, LocalThreshold, Phr, PhrConfig};
-use super::ploc::{Ploc, PlocConfig};
+use super::phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, Phr, PhrConfig};
 use super::prims::presplit::PresplitConfig;
 use super::wide::optimal::CollapseCosts;
 

@@ -2,8 +2,8 @@
 
 use super::auxiliary::{Reference, Tree};
 use super::wide::Wide;
+use crate::builders::clusters::ploc::PlocConfig;
 use crate::builders::lbvh::morton::MortonEncoder;
-use crate::builders::ploc::PlocConfig;
 use crate::geometry::{Aabb, Mesh};
 use std::rc::Rc;
 

@@ -1,11 +1,11 @@
 //! Binary trees that were made elsewhere, widened by our collapse (paper 4.5): subtrees of at most four triangles become a
 //! leaf of one block, larger leaves stay as they are, in several blocks.
 
-use super::binary::kind::Kind;
-use super::binary::node::{Node, NodeRun};
-use super::binary::subtrees::Subtrees;
-use super::wide::binary_source::{BinarySource, Leaves};
-use super::wide::treelet::WideTreelet;
+use super::binary_source::{BinarySource, Leaves};
+use super::treelet::WideTreelet;
+use crate::builders::binary::kind::Kind;
+use crate::builders::binary::node::{Node, NodeRun};
+use crate::builders::binary::subtrees::Subtrees;
 use crate::bvh::WideBvh;
 use crate::bvh::limits::{BLOCK, MAX_LEAF};
 use crate::geometry::{Aabb, Mesh};
