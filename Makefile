@@ -144,14 +144,14 @@ embree-ndebug: packages
 
 test: packages
 	$(CARGO) fmt --all --check
-	$(CARGO) clippy --workspace --all-targets -- -D warnings
+	$(CARGO) clippy --workspace --all-targets --features phr/peers -- -D warnings
 	$(CARGO) clippy -p phr --lib --no-default-features -- -D warnings
 	$(CARGO) clippy -p phr --lib --bins --no-default-features --features harness -- -D warnings
 ifeq ($(NEXTEST),yes)
-	$(CARGO) nextest run --workspace
-	$(CARGO) test --workspace --doc
+	$(CARGO) nextest run --workspace --features phr/peers
+	$(CARGO) test --workspace --doc --features phr/peers
 else
-	$(CARGO) test --workspace
+	$(CARGO) test --workspace --features phr/peers
 endif
 	@echo "tested: format, lints, the library alone, the harness without Embree, all tests, the documentation's examples"
 

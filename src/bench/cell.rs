@@ -81,11 +81,12 @@ impl Cell {
 }
 
 /// The order of the table: the paper's, with our other builders beside their relatives.
-pub const ORDER: [&str; 13] = [
+pub const ORDER: [&str; 14] = [
     "lbvh",
     "embree-morton",
     "hunt-50",
     "aac",
+    "ploc",
     "embree-sah",
     "hunt-500",
     "embree-fast-spatial",

@@ -1,4 +1,5 @@
-//! The contenders: our builders, and Embree's where this program was built with Embree. A [`Contender`] builds
+//! The contenders: our builders, Embree's where this program was built with Embree, and those of other crates with the
+//! feature `peers`. A [`Contender`] builds
 //! and returns a [`BuiltTree`]; put under kernels ([`TreeUnderKernel`]), it is traced.
 
 mod built_tree;
@@ -6,6 +7,8 @@ mod caught;
 #[cfg(feature = "embree")]
 mod embree;
 mod ours;
+#[cfg(feature = "peers")]
+mod peers;
 pub mod pools;
 mod repeated;
 mod tree_under_kernel;
@@ -39,6 +42,9 @@ pub enum Contender {
     Eight(Ours<8>),
     /// One of Embree's builders.
     Embree(Embree),
+    /// A builder of another crate.
+    #[cfg(feature = "peers")]
+    Peer(Box<dyn peers::Contestant>),
 }
 
 impl Contender {
@@ -53,6 +59,8 @@ impl Contender {
             8 => Ours::by_name(name).map(Self::Eight),
             _ => None,
         };
+        #[cfg(feature = "peers")]
+        let ours = ours.or_else(|| peers::of(cell).map(Self::Peer));
         ours.map_or_else(|| Embree::new(cell).map(Self::Embree), Ok)
     }
 
@@ -66,6 +74,8 @@ impl Contender {
             Self::Four(ours) => ours.build(request),
             Self::Eight(ours) => ours.build(request),
             Self::Embree(embree) => embree.build(request),
+            #[cfg(feature = "peers")]
+            Self::Peer(peer) => peer.build(request),
         }
     }
 
@@ -78,6 +88,8 @@ impl Contender {
             Self::Four(ours) => ours.once(mesh, pool),
             Self::Eight(ours) => ours.once(mesh, pool),
             Self::Embree(embree) => embree.once(mesh, pool),
+            #[cfg(feature = "peers")]
+            Self::Peer(peer) => peer.once(mesh, pool),
         }
     }
 }
@@ -85,6 +97,8 @@ impl Contender {
 /// All cells of this program, in the table's order.
 pub fn cells(build_only: bool) -> Vec<Cell> {
     let mut cells: Vec<Cell> = ours::cells(&embree::kernels_of_ours()).chain(embree::cells()).collect();
+    #[cfg(feature = "peers")]
+    cells.extend(peers::cells(&embree::kernels_of_ours()));
     cells.sort_by_key(|cell| (place(&cell.builder), cell.width));
     if build_only {
         cells.iter_mut().for_each(|cell| cell.kernels.clear());

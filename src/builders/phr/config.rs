@@ -1,5 +1,6 @@
 //! The parameters of PHR: the paper's, and our extensions.
 
+use super::extensions::auxiliary_tree::AuxiliaryTree;
 use crate::builders::config_error::{ConfigError, check, check_option};
 use crate::builders::lbvh::auxiliary::{AuxiliaryConfig, Clusters};
 use crate::builders::prims::presplit::PresplitConfig;
@@ -34,6 +35,9 @@ pub struct Extensions {
     /// Of the auxiliary BVH.
     #[serde(flatten)]
     pub auxiliary: AuxiliaryConfig,
+    /// Which builder makes the auxiliary tree (paper 5.5).
+    #[serde(default, skip_serializing_if = "AuxiliaryTree::is_lbvh")]
+    pub auxiliary_tree: AuxiliaryTree,
     /// The initial cut has this share of the triangles as nodes, at least 2048 and at most `max_cut`, however small they
     /// are: in a scene of a few huge triangles all else is smaller than a threshold taken from the scene's area.
     pub cut_share: Option<f32>,
@@ -67,6 +71,7 @@ impl Extensions {
     /// None: the paper.
     pub const NONE: Self = Self {
         auxiliary: AuxiliaryConfig::PAPER,
+        auxiliary_tree: AuxiliaryTree::Lbvh,
         cut_share: None,
         local_threshold: None,
         spatial_bias: None,
@@ -113,8 +118,9 @@ impl PhrConfig {
 
 impl Extensions {
     fn check(&self) -> Result<(), ConfigError> {
-        let Self { auxiliary, local_threshold, collapse, .. } = self;
+        let Self { auxiliary, auxiliary_tree, local_threshold, collapse, .. } = self;
         auxiliary.check()?;
+        auxiliary_tree.check()?;
         check_option("cut_share", self.cut_share, 0.0..=1.0)?;
         check_option("own_threshold.area", local_threshold.map(|local| local.area), 0.0..=f32::MAX)?;
         check_option("spatial_bias", self.spatial_bias, 0.0..=16.0)?;

@@ -28,5 +28,7 @@ mod split;
 mod swept;
 
 pub use config::{Extensions, LocalThreshold, PhrConfig};
+pub use extensions::auxiliary_tree::AuxiliaryTree;
+pub use extensions::binned::BinnedSahConfig;
 pub use pipeline::Phr;
 pub(crate) use pipeline::begin;

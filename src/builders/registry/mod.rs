@@ -1,15 +1,16 @@
-//! The builders by name: those of the paper, ours, the paper's with one extension each, and ours without one each.
+//! The builders by name: those of the paper, PLOC, ours, the paper's with one extension each, and ours without one each.
 
 pub mod recipe;
 
-use crate::builders::aac::{Aac, AacConfig};
 use crate::builders::builder::Builder;
+use crate::builders::clusters::aac::{Aac, AacConfig};
+use crate::builders::clusters::ploc::{Ploc, PlocConfig};
 use crate::builders::config_error::ConfigError;
 use crate::builders::hunt::{Hunt, HuntConfig};
 use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
 use crate::builders::lbvh::direct::Lbvh;
 use crate::builders::optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
-use crate::builders::phr::{Extensions, LocalThreshold, Phr, PhrConfig};
+use crate::builders::phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, Phr, PhrConfig};
 use crate::builders::prims::presplit::PresplitConfig;
 use crate::builders::wide::optimal::CollapseCosts;
 
@@ -19,6 +20,7 @@ use crate::builders::wide::optimal::CollapseCosts;
 pub(crate) enum Config {
     Lbvh,
     Aac(AacConfig),
+    Ploc(PlocConfig),
     Hunt(HuntConfig),
     Phr(PhrConfig),
     OptimisedPhr(OptimisedPhrConfig),
@@ -72,6 +74,7 @@ const REGISTRY: &[(&str, Config)] = &[
     ("hunt-50", Config::Hunt(HuntConfig { cut_length: 50, max_leaf: 8 })),
     ("hunt-500", Config::Hunt(HuntConfig { cut_length: 500, max_leaf: 8 })),
     ("aac", Config::Aac(AacConfig::FAST)),
+    ("ploc", Config::Ploc(PlocConfig::DEFAULT)),
     ("phr-fast", Config::Phr(PhrConfig::FAST)),
     ("phr-hq", Config::Phr(PhrConfig::HQ)),
     ("phr-turbo", Config::Phr(PhrConfig::TURBO)),
@@ -109,7 +112,7 @@ const REGISTRY: &[(&str, Config)] = &[
 ];
 
 /// Builders of a table.
-const IN_TABLES: usize = 10;
+const IN_TABLES: usize = 11;
 
 const ALL: [&str; REGISTRY.len()] = names(REGISTRY);
 
@@ -149,14 +152,42 @@ const QUALITY_WITHOUT: &[(&str, Extensions)] = without!("phr-quality", PhrConfig
     cut_share local_threshold spatial_bias clip_triangles subtree_sweep collapse;
     clusters calibration presplit);
 
+/// A configuration over another auxiliary tree than an LBVH, each a builder `PRESET-aux-TREE`.
+macro_rules! over {
+    ($($name:literal, $config:expr;)*) => {
+        &[
+            $(
+                (concat!($name, "-aux-ploc"), over($config, AuxiliaryTree::Ploc(PlocConfig::DEFAULT))),
+                (concat!($name, "-aux-aac"), over($config, AuxiliaryTree::Aac(AacConfig::FAST))),
+                (concat!($name, "-aux-sah"), over($config, AuxiliaryTree::BinnedSah(BinnedSahConfig::DEFAULT))),
+            )*
+        ]
+    };
+}
+
+const fn over(config: PhrConfig, auxiliary_tree: AuxiliaryTree) -> PhrConfig {
+    PhrConfig { extensions: Extensions { auxiliary_tree, ..config.extensions }, ..config }
+}
+
+const AUXILIARY_TREES: &[(&str, PhrConfig)] = over!(
+    "phr-fast", PhrConfig::FAST;
+    "phr-hq", PhrConfig::HQ;
+    "phr-speed", PhrConfig::SPEED;
+    "phr-quality", PhrConfig::QUALITY;
+);
+
+/// Names of PHR over other auxiliary trees (paper 5.5): `phr-hq-aux-ploc`, `-aux-aac`, `-aux-sah`. They are run on
+/// request.
+pub const OVER: &[&str] = &names::<_, 12>(AUXILIARY_TREES);
+
 /// Names of our presets without one extension each: what the rest of the preset does not make up for. They are run on
 /// request.
 pub const WITHOUT: [&[&str]; 3] =
     [&names::<_, 4>(TURBO_WITHOUT), &names::<_, 9>(SPEED_WITHOUT), &names::<_, 9>(QUALITY_WITHOUT)];
 
-/// Names of the builders that are run on request alone: [`ABLATION`] and [`WITHOUT`].
+/// Names of the builders that are run on request alone: [`ABLATION`], [`WITHOUT`] and [`OVER`].
 pub fn on_request() -> impl Iterator<Item = &'static str> {
-    ABLATION.iter().chain(WITHOUT.into_iter().flatten()).copied()
+    ABLATION.iter().chain(WITHOUT.into_iter().flatten()).chain(OVER).copied()
 }
 
 const fn names<T: Copy, const N: usize>(of: &[(&'static str, T)]) -> [&'static str; N] {
@@ -167,6 +198,12 @@ const fn names<T: Copy, const N: usize>(of: &[(&'static str, T)]) -> [&'static s
         i += 1;
     }
     names
+}
+
+/// A configuration over another auxiliary tree.
+fn over_tree(name: &str) -> Option<(&'static str, Config)> {
+    let &(name, config) = AUXILIARY_TREES.iter().find(|(known, _)| *known == name)?;
+    Some((name, Config::Phr(config)))
 }
 
 /// A preset without one extension.
@@ -187,9 +224,14 @@ impl OptimisedPhrConfig {
     pub const DEFAULT: Self = BEST;
 }
 
-/// The configuration of the builder called `name`, one of [`NAMES`], [`ABLATION`] and [`WITHOUT`].
+/// The configuration of the builder called `name`, one of [`NAMES`], [`ABLATION`], [`WITHOUT`] and [`OVER`].
 pub(crate) fn config(name: &str) -> Option<(&'static str, Config)> {
-    REGISTRY.iter().find(|(known, _)| *known == name).copied().or_else(|| without(name))
+    REGISTRY
+        .iter()
+        .find(|(known, _)| *known == name)
+        .copied()
+        .or_else(|| without(name))
+        .or_else(|| over_tree(name))
 }
 
 /// The builder of a configuration.
@@ -203,6 +245,7 @@ pub(crate) fn build<const N: usize>(
     Ok(match config {
         Config::Lbvh => Box::<Lbvh<N>>::default(),
         Config::Aac(config) => Box::new(Aac::new(config)?),
+        Config::Ploc(config) => Box::new(Ploc::new(config)?),
         Config::Hunt(config) => Box::new(Hunt::new(name, config)?),
         Config::Phr(config) => Box::new(Phr::new(name, config)?),
         Config::OptimisedPhr(config) => Box::new(OptimisedPhr::new(name, config)?),
@@ -216,13 +259,13 @@ mod tests {
 
     #[test]
     fn every_name_is_that_of_its_builder() {
-        for name in NAMES.iter().chain(ABLATION).chain(WITHOUT.into_iter().flatten()) {
-            assert_eq!(by_name::<4>(name).map(|builder| builder.name().to_owned()), Some((*name).to_owned()));
+        for name in NAMES.iter().copied().chain(on_request()) {
+            assert_eq!(by_name::<4>(name).map(|builder| builder.name().to_owned()), Some(name.to_owned()));
         }
         for (without, whole) in [(TURBO_WITHOUT, TURBO), (SPEED_WITHOUT, SPEED), (QUALITY_WITHOUT, QUALITY)] {
             assert!(without.iter().all(|(_, extensions)| *extensions != whole));
         }
-        assert_eq!((NAMES.len(), ABLATION.len()), (10, 15));
+        assert_eq!((NAMES.len(), ABLATION.len()), (11, 15));
         assert!(by_name::<4>("phr").is_none());
     }
 }

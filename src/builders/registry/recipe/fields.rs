@@ -23,6 +23,7 @@ pub fn with_everything_on(config: &Config) -> Value {
         auxiliary.calibration = auxiliary.calibration.or(quality.auxiliary.calibration);
         let extensions = Extensions {
             auxiliary,
+            auxiliary_tree: had.auxiliary_tree,
             cut_share: had.cut_share.or(quality.cut_share),
             local_threshold: had.local_threshold.or(quality.local_threshold),
             spatial_bias: had.spatial_bias.or(quality.spatial_bias),
@@ -95,6 +96,7 @@ pub fn changed(config: &Config, template: &Value, path: &str, value: &Value) -> 
     Ok(match config {
         Config::Lbvh => Config::Lbvh,
         Config::Aac(_) => Config::Aac(serde_json::from_value(all).map_err(of)?),
+        Config::Ploc(_) => Config::Ploc(serde_json::from_value(all).map_err(of)?),
         Config::Hunt(_) => Config::Hunt(serde_json::from_value(all).map_err(of)?),
         Config::Phr(_) => Config::Phr(serde_json::from_value(all).map_err(of)?),
         Config::OptimisedPhr(_) => Config::OptimisedPhr(serde_json::from_value(all).map_err(of)?),

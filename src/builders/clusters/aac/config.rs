@@ -25,7 +25,7 @@ impl AacConfig {
     }
 
     /// Refuses parameters out of range.
-    pub(super) fn check(&self) -> Result<(), ConfigError> {
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
         check("delta", self.delta, 1..=64)?;
         check("epsilon", self.epsilon, 0.0..=0.5)
     }

@@ -23,6 +23,8 @@ pub(crate) struct ClusterTree<'a> {
     pub keys: &'a [MortonKey],
     /// What they refer to.
     pub refs: PrimRefs<'a>,
+    /// Whether the pairs of a subtree lie in a row that ends with its root's, or nearly so.
+    pub has_rows: bool,
 }
 
 /// An unbuilt subtree.
@@ -43,13 +45,29 @@ impl ClusterTree<'_> {
         self.tree.root.map(|root| OwnedPart(ClusterPart::Subtree(root, 0), Vec::new()))
     }
 
-    /// Appends the references below `node`.
+    /// Appends the references below `node`, level by level, so that many pairs are fetched at a time: those of a level do
+    /// not depend on each other.
     fn gather(&self, node: &Node, ids: &mut Vec<u32>) {
-        if node.is_leaf() {
-            ids.extend(self.keys[node.run()].iter().map(|&key| reference(key)));
-        } else {
-            self.tree.children(node).iter().for_each(|child| self.gather(child, ids));
+        let first = ids.len();
+        let queue = first + node.count() as usize;
+        ids.resize(queue, 0);
+        // Inner nodes wait behind the references: their pairs, and where the references below begin.
+        let place = |ids: &mut Vec<u32>, node: &Node, at: u32| match node.pair() {
+            Some(pair) => ids.extend([pair as u32, at]),
+            None => {
+                let places = &mut ids[first + at as usize..];
+                places.iter_mut().zip(&self.keys[node.run()]).for_each(|(to, &key)| *to = reference(key));
+            }
+        };
+        place(ids, node, 0);
+        let mut next = queue;
+        while let Some(&[pair, at]) = ids.get(next..next + 2).and_then(<[u32]>::first_chunk) {
+            let [left, right] = &self.tree.pairs[pair as usize];
+            place(ids, left, at);
+            place(ids, right, at + left.count());
+            next += 2;
         }
+        ids.truncate(queue);
     }
 
     fn part(&self, first: usize, ids: &[u32]) -> Option<ClusterPart> {
@@ -83,7 +101,11 @@ impl TopDown for ClusterTree<'_> {
 
     fn prefetch(&self, part: &ClusterPart, _: &Vec<u32>) {
         if let ClusterPart::Subtree(node, _) = part {
-            prefetch::subtree(self.tree, self.keys, &self.refs, node, 1);
+            if self.has_rows {
+                prefetch::subtree(self.tree, self.keys, &self.refs, node, 1);
+            } else {
+                prefetch::run(self.tree, self.keys, &self.refs, node);
+            }
         }
     }
 

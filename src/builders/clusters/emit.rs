@@ -9,7 +9,7 @@ use crate::builders::wide::treelet::{Subtree, WideTreelet};
 use crate::bvh::limits::{BLOCK, followed_levels};
 
 /// A subtree of clusters.
-pub(super) struct GatheredTree<'a> {
+pub(crate) struct GatheredTree<'a> {
     /// The tree that it is in.
     pub tree: &'a BinaryTree,
     /// Its triangles in the order of its leaves.

@@ -1,11 +1,11 @@
 //! The builder `aac`.
 
 use super::clustering::cluster;
-use super::collapse::ClusterTree;
 use super::config::AacConfig;
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
+use crate::builders::clusters::collapse::ClusterTree;
 use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::sort::{MortonOrder, SortBits};
 use crate::builders::wide::build;
@@ -56,7 +56,7 @@ impl<const N: usize> Builder<N> for Aac<N> {
         self.order.keys = keys;
         watch.lap("clusters");
         let refs = self.order.refs(mesh);
-        let clusters = ClusterTree { tree: &self.tree, keys: &self.order.keys, refs };
+        let clusters = ClusterTree { tree: &self.tree, keys: &self.order.keys, refs, has_rows: true };
         let tree = build::build(&clusters, clusters.root(), mesh, &mut self.memory);
         watch.lap("nodes");
         let counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };

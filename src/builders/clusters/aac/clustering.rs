@@ -12,7 +12,7 @@ use crate::parallel;
 const SERIAL: usize = 1 << 12;
 
 /// The root of the clusters of all `keys`, whose pairs go to `pairs`; `None` without keys.
-pub(super) fn cluster(
+pub(crate) fn cluster(
     config: &AacConfig,
     refs: PrimRefs<'_>,
     keys: &mut [MortonKey],
