@@ -1,8 +1,17 @@
 //! A scene of a plan: a file or a generator, found by its name and loaded when its turn comes.
 
 use super::error::PlanError;
-use crate::scene::{self, Scene, SceneError};
+use crate::scene::{self, Limits, Scene, SceneError};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+/// What scene files may take in this process, where that was said.
+static LIMITS: OnceLock<Limits> = OnceLock::new();
+
+/// Limits the scene files of this process, once; without, they may take what the machine has.
+pub fn limit(limits: Limits) {
+    LIMITS.get_or_init(|| limits);
+}
 
 /// Where a scene comes from.
 #[derive(Clone, Debug)]
@@ -79,10 +88,10 @@ impl PlannedScene {
     /// Loads or generates it.
     ///
     /// # Errors
-    /// Those of [`scene::load`].
+    /// Those of [`scene::load_within`].
     pub fn load(&self) -> Result<Scene, SceneError> {
         match &self.source {
-            Source::File(path) => scene::load(path),
+            Source::File(path) => scene::load_within(path, LIMITS.get().unwrap_or(&Limits::of_machine())),
             Source::Generated(name) => Ok(scene::generator(name).map_or_else(
                 || unreachable!("{name} was found when the plan was made"),
                 scene::Generator::generate,

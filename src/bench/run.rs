@@ -106,9 +106,7 @@ impl Run<'_> {
         let settings = &self.plan.settings;
         progress.at(&format!("{}: loading", planned.name));
         let scene = planned.load()?;
-        if scene.dropped.total() > 0 {
-            progress.note(&format!("{}: {}", scene.name, scene.dropped));
-        }
+        scene.remarks().iter().for_each(|remark| progress.note(remark));
         if settings.build_only {
             return self.rounds(
                 &Measured { planned, cells, scene: &scene, reference: None },

@@ -44,6 +44,25 @@ pub fn cell(builder: &str, width: Option<u32>) -> Result<Cell, Failure> {
     found.map(|&cell| cell.clone()).ok_or_else(no_width)
 }
 
+/// Reads a size in bytes: "500000", "512M", "4G".
+///
+/// # Errors
+/// Anything else.
+pub fn size(text: &str) -> Result<u64, String> {
+    let unit = text.trim_start_matches(|letter: char| letter.is_ascii_digit());
+    let factor = match unit.to_ascii_lowercase().trim_end_matches("ib") {
+        "" => Some(1),
+        "k" => Some(1 << 10),
+        "m" => Some(1 << 20),
+        "g" => Some(1 << 30),
+        "t" => Some(1 << 40),
+        _ => None,
+    };
+    let number = text[..text.len() - unit.len()].parse::<u64>().ok();
+    let size = number.zip(factor).and_then(|(number, factor): (u64, u64)| number.checked_mul(factor));
+    size.filter(|size| *size > 0).ok_or_else(|| "give a size, as 512M or 4G".into())
+}
+
 /// Reads "5%" as 0.05.
 ///
 /// # Errors

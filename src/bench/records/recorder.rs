@@ -140,6 +140,7 @@ impl<'a> Recorder<'a> {
                 source: planned.origin(),
                 triangles: scene.mesh.len() as u64,
                 dropped: scene.dropped,
+                remarks: scene.remarks(),
                 views,
                 invalid_rays,
                 cells: Vec::new(),
@@ -219,9 +220,7 @@ impl<'a> Recorder<'a> {
         self.environment.after = Some(Moment::now(self.threads));
         let mut notes = Vec::new();
         for scene in &self.samples.scenes {
-            if scene.dropped.total() > 0 {
-                notes.push(format!("{}: {}", scene.name, scene.dropped));
-            }
+            notes.extend(scene.remarks.iter().cloned());
             if scene.invalid_rays > 0 {
                 let count = scene.invalid_rays;
                 notes.push(format!("{}: {count} rays left out that Embree would not accept", scene.name));

@@ -28,7 +28,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Without scenes, the built-in generated set is run.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scene files (.obj, .ply, plain or .gz or .zst) or names of generated scenes (see `phr scenes`)
+    /// Scene files (.ply, .obj, .stl, .gltf, .glb, plain or .gz or .zst) or names of generated scenes (see `phr scenes`)
     scenes: Vec<String>,
     /// A set of scenes: builtin or paper
     #[arg(long, value_name = "SET", value_parser = set)]

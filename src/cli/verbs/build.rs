@@ -40,10 +40,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Bad(format!("--width {width}: no builder builds such trees; give 4 or 8")));
     }
     let scene = PlannedScene::find(&arguments.scene)?.load()?;
-    if scene.dropped.total() > 0 {
-        eprintln!("phr: {}: {}", scene.name, scene.dropped);
+    for remark in scene.remarks() {
+        eprintln!("phr: {remark}");
     }
-    say(&format!("{}: {} triangles ({})", scene.name, scene.mesh.len(), scene.source))?;
+    let objects = match scene.contents.objects {
+        0 | 1 => String::new(),
+        objects => format!(" of {objects} objects"),
+    };
+    say(&format!("{}: {} triangles{objects} ({})", scene.name, scene.mesh.len(), scene.source))?;
     let request = BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &[], wants_facts: true };
     let program = std::env::current_exe()?;
     for cell in cells {
