@@ -94,6 +94,30 @@ fn distances_are_in_units_of_the_direction() {
     }
 }
 
+/// Where the products of the test leave the range of `f32` there may be no hit, but never a wrong distance.
+#[test]
+fn no_hit_has_a_distance_that_is_none() {
+    let large = vec![[0.0, 0.0, 0.0], [1e10, 0.0, 0.0], [0.0, 1e10, 0.0]];
+    let large = both(&Mesh::new(large, vec![[0, 1, 2]]).unwrap().0);
+    let above = Ray { org: Vec3::new(1e9, 1e9, 2e9), ..DOWN };
+    let mut hits = 0;
+    for (bvh, down, height) in
+        triangles().iter().map(|bvh| (bvh, DOWN, 2.0)).chain(large.iter().map(|bvh| (bvh, above, 2e9)))
+    {
+        for length in [1e-44f32, 1e-42, 1e-40, 1e-39, 1e-38, 1e-37, 1e-30, 1e12, 1e17, 1e18, 1.8e18] {
+            let ray = Ray { dir: down.dir * length, ..down };
+            let mut batch = [None; 40];
+            bvh.intersect_batch(&[ray; 40], &mut batch);
+            for hit in batch.into_iter().chain([bvh.intersect(&ray)]).flatten() {
+                let reached = f64::from(hit.t) * f64::from(length);
+                assert!((reached / height - 1.0).abs() < 1e-3, "{length:e}: {hit:?}");
+                hits += 1;
+            }
+        }
+    }
+    assert!(hits > 4 * 41 * 4, "most lengths are no trouble: {hits}");
+}
+
 #[test]
 fn components_may_be_zero_or_denormal() {
     for bvh in triangles() {
