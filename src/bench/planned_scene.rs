@@ -38,6 +38,14 @@ pub struct PlannedScene {
     pub triangles: usize,
 }
 
+/// `name` as records and tables can hold it: `_` for control characters and for what divides the cells of Markdown, and
+/// before what a spreadsheet takes for a formula.
+pub fn plain_name(name: &str) -> String {
+    let is_plain = |c: char| !c.is_control() && !matches!(c, '|' | '`' | '<' | '>' | '\u{2028}' | '\u{2029}');
+    let name: String = name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect();
+    if name.starts_with(['=', '+', '-', '@']) { format!("_{name}") } else { name }
+}
+
 impl PlannedScene {
     /// The scene called `name` on a command line: a file if there is one, else a generator's.
     ///
@@ -71,7 +79,7 @@ impl PlannedScene {
         let compressed = path.extension().is_some_and(|ending| ending == "gz" || ending == "zst");
         let bytes = path.metadata().map_or(0, |metadata| metadata.len() as usize);
         let file = path.file_name().unwrap_or_default().to_string_lossy();
-        let name = file.split('.').next().unwrap_or_default().to_owned();
+        let name = plain_name(file.split('.').next().unwrap_or_default());
         let triangles = bytes / if compressed { 6 } else { 30 };
         Self { name, source: Source::File(path.to_owned()), triangles }
     }
@@ -97,6 +105,26 @@ impl PlannedScene {
                 scene::Generator::generate,
             )),
             Source::Scalable(triangles) => Ok(scene::scalable(*triangles, SCALABLE_SEED)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_break_no_table() {
+        for (name, plain) in [
+            ("=cmd()", "_=cmd()"),
+            ("a|b", "a_b"),
+            ("two\nlines", "two_lines"),
+            ("-x", "_-x"),
+            ("San Miguel-2", "San Miguel-2"),
+            ("Häuser", "Häuser"),
+        ] {
+            assert_eq!(plain_name(name), plain);
+            assert_eq!(PlannedScene::file(Path::new(&format!("{name}.ply"))).name, plain);
         }
     }
 }

@@ -5,6 +5,7 @@ use crate::bench::files::write_whole;
 use crate::bench::merge::SHARDS;
 use crate::bench::moment::Moment;
 use crate::bench::plan::{Plan, Request, Set};
+use crate::bench::planned_scene::plain_name;
 use crate::bench::recorder::RecordOptions;
 use crate::bench::row::Row;
 use crate::bench::run::Run;
@@ -163,6 +164,24 @@ impl Arguments {
         })
     }
 
+    /// Refuses names that are none in a folder or a table.
+    fn check_names(&self) -> Result<(), Failure> {
+        for (option, name) in [("name", self.name.as_deref()), ("host", Some(&*self.host))] {
+            let Some(name) = name else { continue };
+            if name.is_empty()
+                || name != plain_name(name)
+                || name.contains(['/', '\\'])
+                || name.starts_with('.')
+            {
+                let name = name.escape_debug();
+                return Err(Failure::Bad(format!(
+                    "--{option} {name}: give a name of letters, digits, - and _"
+                )));
+            }
+        }
+        Ok(())
+    }
+
     fn folder(&self, plan: &Plan) -> PathBuf {
         let name = || match self.set() {
             Some(Set::Builtin) if self.scenes.is_empty() => "builtin".to_owned(),
@@ -185,6 +204,7 @@ impl Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    arguments.check_names()?;
     let plan = Plan::new(&arguments.request()?)?;
     if arguments.list {
         return say(&plan.lines().collect::<Vec<_>>().join("\n"));
