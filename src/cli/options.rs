@@ -4,6 +4,7 @@ use super::failure::Failure;
 use crate::bench::cell::Cell;
 use crate::bench::contender;
 use crate::bench::pools::Pools;
+use crate::bench::settings::MOST_THREADS;
 
 /// Processors of this machine: the default of `--threads`.
 pub fn all_threads() -> usize {
@@ -17,6 +18,9 @@ pub fn all_threads() -> usize {
 pub fn pools(threads: usize) -> Result<Pools, Failure> {
     if threads == 0 {
         return Err(Failure::Bad("--threads 0: nothing could run; give 1 or more".into()));
+    }
+    if threads > MOST_THREADS {
+        return Err(Failure::Bad(format!("--threads {threads}: more than {MOST_THREADS}; give less")));
     }
     let build = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = build.map_err(|error| Failure::Bad(format!("--threads {threads}: {error}; give fewer")))?;
