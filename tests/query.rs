@@ -38,6 +38,22 @@ fn a_bvh_is_shared_among_threads() {
 }
 
 #[test]
+fn a_loaded_tree_answers_as_the_saved_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.phrtree");
+    let mesh = soup(500, 3);
+    let rays = rays(&mesh, 1000, 4);
+    for bvh in both(&mesh) {
+        bvh.save(&mesh, &path).unwrap();
+        let loaded = Bvh::load(&mesh, &path).unwrap();
+        assert_eq!(loaded.bytes(), bvh.bytes());
+        assert!(rays.iter().all(|ray| loaded.intersect(ray) == bvh.intersect(ray)));
+        let other = Bvh::load(&soup(500, 5), &path);
+        assert!(matches!(other, Err(BvhError::Saved(why)) if why.contains("another mesh")));
+    }
+}
+
+#[test]
 fn a_hit_has_its_coordinates_and_its_normal() {
     for bvh in triangles() {
         let hit = bvh.intersect(&DOWN).unwrap();
