@@ -278,6 +278,8 @@ fn bad_input_is_one_line_and_code_2() {
         (&["bench", "sheet.ply", "--resume", "--out", "folder"], &[ENVIRONMENT, "--resume"]),
         (&["bench", "--set", "paper", "--scenes", "nowhere"], &["nowhere", "--scenes"]),
         (&["build", "missing.ply"], &["missing.ply"]),
+        (&["build", "sheet.ply", "-o", "x.phrtree"], &["--output x.phrtree", "--builder"]),
+        (&["build", "sheet.ply", "--builder", "lbvh", "-o", "no/x"], &["no/x", "No such file"]),
         (&["build", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["build", "sheet.ply", "--builder", "phr-hq", "--width", "5"], &["--width 5", "phr-hq"]),
         (&["build", "sheet.ply", "--threads", "0"], &["--threads 0"]),
@@ -331,6 +333,13 @@ fn single_verbs_do_their_work() {
     let build = phr(&folder, &["build", "sheet.ply", "--builder", "phr-hq"]);
     let told = text(&build.stdout);
     assert!(build.status.success() && told.contains("SAH cost") && told.contains("1152 triangles"), "{told}");
+
+    let build =
+        phr(&folder, &["build", "sheet.ply", "--builder", "phr-hq", "--width", "8", "-o", "x.phrtree"]);
+    assert!(build.status.success(), "{}", text(&build.stderr));
+    let scene = phr::scene::load(&folder.join("sheet.ply")).unwrap();
+    let saved = phr::bvh::Bvh8::load(&scene.mesh, &folder.join("x.phrtree")).unwrap();
+    assert_eq!(saved.validate(&scene.mesh), Ok(()));
 
     let render = phr(&folder, &["render", "sheet.ply", "-o", "x.png", "--size", "16", "--samples", "2"]);
     assert!(render.status.success(), "{}", text(&render.stderr));

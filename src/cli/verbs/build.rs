@@ -8,6 +8,7 @@ use crate::cli::failure::Failure;
 use crate::cli::options::{self, all_threads, pools};
 use crate::cli::output::say;
 use crate::report::grid::short;
+use std::path::PathBuf;
 
 /// Build a scene and print the phases and the tree's statistics
 #[derive(Debug, clap::Args)]
@@ -20,6 +21,9 @@ pub struct Arguments {
     /// Children per node, where the builder leaves a choice
     #[arg(long, value_name = "N")]
     width: Option<u32>,
+    /// File into which to save the tree, of one builder and width; `phr::Bvh::load` reads it
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
     /// Threads [default: all processors]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -39,6 +43,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let width = arguments.width.unwrap_or_default();
         return Err(Failure::Bad(format!("--width {width}: no builder builds such trees; give 4 or 8")));
     }
+    if let (Some(output), true) = (&arguments.output, cells.len() > 1) {
+        let remedy = "holds one tree; give --builder and --width";
+        return Err(Failure::Bad(format!("--output {}: {remedy}", output.display())));
+    }
     let scene = PlannedScene::find(&arguments.scene)?.load()?;
     for remark in scene.remarks() {
         eprintln!("phr: {remark}");
@@ -52,7 +60,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let program = std::env::current_exe()?;
     for cell in cells {
         let built = Contender::of(&cell).and_then(|mut contender| contender.build(&request));
-        let mut text = describe(&built.map_err(Failure::Wrong)?);
+        let built = built.map_err(Failure::Wrong)?;
+        if let Some(output) = &arguments.output {
+            let tree = built.tree().map_err(|reason| Failure::Wrong(reason.to_owned()))?;
+            tree.save(&scene.mesh, &cell.builder, output)?;
+        }
+        let mut text = describe(&built);
         match memory::measure(&program, &scene.mesh, &cell, pools.all.current_num_threads()) {
             Ok(memory) => {
                 text += &line("resident, peak of build", mebibytes(memory.peak_bytes));
