@@ -22,8 +22,13 @@ impl Limits {
             line.strip_prefix("MemAvailable:")?.split_whitespace().next()?.parse::<u64>().ok()
         });
         let number = |path: &str| text(path).trim().parse::<u64>().ok();
-        let group = number("/sys/fs/cgroup/memory.max")
-            .map(|most| most.saturating_sub(number("/sys/fs/cgroup/memory.current").unwrap_or(0)));
+        let group = number("/sys/fs/cgroup/memory.max").map(|most| {
+            // Cached files are given back where memory is short.
+            let stat = text("/sys/fs/cgroup/memory.stat");
+            let cached = stat.lines().find_map(|line| line.strip_prefix("file ")?.trim().parse().ok());
+            let current = number("/sys/fs/cgroup/memory.current").unwrap_or(0);
+            most.saturating_sub(current.saturating_sub(cached.unwrap_or(0)))
+        });
         let machine = kibibytes.map(|kibibytes| kibibytes.saturating_mul(1024));
         Self { memory: machine.into_iter().chain(group).min().unwrap_or(u64::MAX) }
     }
