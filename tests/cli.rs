@@ -278,6 +278,7 @@ fn bad_input_is_one_line_and_code_2() {
         (&["bench", "sheet.ply", "--resume", "--out", "folder"], &[ENVIRONMENT, "--resume"]),
         (&["bench", "--set", "paper", "--scenes", "nowhere"], &["nowhere", "--scenes"]),
         (&["build", "missing.ply"], &["missing.ply"]),
+        (&["bench", "sheet.ply", "--tree", "sheet.ply"], &["sheet.ply: not a saved tree"]),
         (&["build", "sheet.ply", "-o", "x.phrtree"], &["--output x.phrtree", "--builder"]),
         (&["build", "sheet.ply", "--builder", "lbvh", "-o", "no/x"], &["no/x", "No such file"]),
         (&["build", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
@@ -340,6 +341,22 @@ fn single_verbs_do_their_work() {
     let scene = phr::scene::load(&folder.join("sheet.ply")).unwrap();
     let saved = phr::bvh::Bvh8::load(&scene.mesh, &folder.join("x.phrtree")).unwrap();
     assert_eq!(saved.validate(&scene.mesh), Ok(()));
+    let bench = phr(&folder, &tiny("sheet.ply", &["--rounds", "1", "--tree", "x.phrtree"]));
+    assert!(bench.status.success(), "{}", text(&bench.stderr));
+    let rows = row::read(&folder.join("out")).unwrap();
+    let loaded: Vec<&Row> = rows.iter().filter(|row| row.builder == "saved:x" && row.is_total()).collect();
+    assert!(loaded.iter().any(|row| row.verified == Some(true)), "{loaded:?}");
+    assert!(
+        loaded.iter().all(|row| row.width == 8 && row.is_good() && row.builder_config.contains("phr-hq"))
+    );
+    let generated = phr::scene::builtin()[0].name;
+    let other = phr(&folder, &["bench", generated, "--tree", "x.phrtree"]);
+    assert_eq!(other.status.code(), Some(2));
+    assert!(
+        text(&other.stderr).contains("the tree of another mesh (1152 triangles"),
+        "{}",
+        text(&other.stderr)
+    );
 
     let render = phr(&folder, &["render", "sheet.ply", "-o", "x.png", "--size", "16", "--samples", "2"]);
     assert!(render.status.success(), "{}", text(&render.stderr));

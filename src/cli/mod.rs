@@ -5,6 +5,7 @@ mod failure;
 mod options;
 mod output;
 mod progress;
+mod run_outline;
 mod run_summary;
 mod verbs;
 

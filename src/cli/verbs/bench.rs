@@ -1,6 +1,7 @@
 //! `phr bench`: times builders and traces, and writes the records.
 
 use super::plot::draw;
+use crate::bench::contender::saved::{check, offer};
 use crate::bench::files::write_whole;
 use crate::bench::merge::SHARDS;
 use crate::bench::moment::Moment;
@@ -15,6 +16,7 @@ use crate::cli::failure::Failure;
 use crate::cli::options::{all_threads, percent};
 use crate::cli::output::say;
 use crate::cli::progress::Bar;
+use crate::cli::run_outline::outline;
 use crate::cli::run_summary::{TABLE, run_summary};
 use crate::report::figures::Under;
 use crate::report::plot;
@@ -40,6 +42,10 @@ pub struct Arguments {
     /// Only this builder (repeatable)
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
+    /// Load and trace the tree of this file too, which `phr build -o` saved for the one scene (repeatable); its build time
+    /// is that of loading it
+    #[arg(long = "tree", value_name = "FILE")]
+    trees: Vec<PathBuf>,
     /// Only trees of this width: 4 or 8 children per node
     #[arg(long, value_name = "N", value_parser = width)]
     width: Option<u32>,
@@ -205,7 +211,15 @@ impl Arguments {
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.check_names()?;
-    let plan = Plan::new(&arguments.request()?)?;
+    let saved = offer(&arguments.trees)?;
+    let mut request = arguments.request()?;
+    if !request.builders.is_empty() {
+        request.builders.extend(saved);
+    }
+    let plan = Plan::new(&request)?;
+    if !arguments.trees.is_empty() && plan.scenes.len() != 1 {
+        return Err(Failure::Bad("--tree: a tree is of one scene; give that scene alone".into()));
+    }
     if arguments.list {
         return say(&plan.lines().collect::<Vec<_>>().join("\n"));
     }
@@ -215,6 +229,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return say(&outline(&plan, &folder));
     }
     plan.check_files()?;
+    if !arguments.trees.is_empty() {
+        check(&plan.scenes[0].0.load()?.mesh)?;
+    }
     if let Some(reason) = arguments.when_quiet.then(|| Moment::now(plan.settings.threads).busy()).flatten() {
         let remedy = "wait for a quiet hour or run without --when-quiet";
         return Err(Failure::Inconclusive(format!("{reason}; {remedy}")));
@@ -272,37 +289,6 @@ fn verdict(rows: &[Row], failures: usize, complete: bool, folder: &Path) -> Resu
         )));
     }
     Ok(())
-}
-
-/// The plan in words.
-fn outline(plan: &Plan, folder: &Path) -> String {
-    let settings = &plan.settings;
-    let mut text = String::new();
-    let mut visits = 0;
-    for (scene, cells) in &plan.scenes {
-        visits += cells.len() * settings.rounds;
-        text += &format!(
-            "{}: {}, about {} triangles, {} trees\n",
-            scene.name,
-            scene.origin(),
-            scene.triangles,
-            cells.len()
-        );
-    }
-    let rays = if settings.build_only {
-        "builds only".to_owned()
-    } else {
-        format!("{} views of {} x {} pixels", settings.views, settings.width, settings.height)
-    };
-    let (rounds, threads) = (settings.rounds, settings.threads);
-    let more = match settings.seconds {
-        0 => String::new(),
-        seconds => format!(", more where a scene takes less than {seconds} seconds"),
-    };
-    text + &format!(
-        "{visits} visits in {rounds} rounds{more}, {threads} threads, {rays}, into {}",
-        folder.display()
-    )
 }
 
 /// The arguments without the folders of this machine.
