@@ -16,7 +16,20 @@ const SCENE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 2 3
 
 /// A run into `folder`/out that takes no time for each of its rounds.
 fn arguments<'a>(out: &'a str, rounds: &'a str) -> Vec<&'a str> {
-    let fixed = ["bench", "x.obj", "--builder", "lbvh", "--size", "8", "--views", "1", "--threads", "1"];
+    let fixed = [
+        "bench",
+        "x.obj",
+        "--builder",
+        "lbvh",
+        "--width",
+        "4",
+        "--size",
+        "8",
+        "--views",
+        "1",
+        "--threads",
+        "1",
+    ];
     [&fixed[..], &["--out", out, "--rounds", rounds]].concat()
 }
 
