@@ -48,6 +48,15 @@ pub fn cell(builder: &str, width: Option<u32>) -> Result<Cell, Failure> {
     found.map(|&cell| cell.clone()).ok_or_else(no_width)
 }
 
+/// The arguments without the folders of this machine.
+pub fn command_line() -> Vec<String> {
+    let without_folder = |argument: String| match argument.rsplit_once('/') {
+        Some((_, file)) if !argument.starts_with("--filter") => file.to_owned(),
+        _ => argument,
+    };
+    std::env::args().skip(1).map(without_folder).collect()
+}
+
 /// Reads a size in bytes: "500000", "512M", "4G".
 ///
 /// # Errors

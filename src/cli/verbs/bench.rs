@@ -13,7 +13,7 @@ use crate::bench::run::Run;
 use crate::bench::settings::Settings;
 use crate::bench::shard::Shard;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, percent};
+use crate::cli::options::{all_threads, command_line, percent};
 use crate::cli::output::say;
 use crate::cli::progress::Bar;
 use crate::cli::run_outline::outline;
@@ -289,13 +289,4 @@ fn verdict(rows: &[Row], failures: usize, complete: bool, folder: &Path) -> Resu
         )));
     }
     Ok(())
-}
-
-/// The arguments without the folders of this machine.
-fn command_line() -> Vec<String> {
-    let without_folder = |argument: String| match argument.rsplit_once('/') {
-        Some((_, file)) if !argument.starts_with("--filter") => file.to_owned(),
-        _ => argument,
-    };
-    std::env::args().skip(1).map(without_folder).collect()
 }
