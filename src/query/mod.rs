@@ -4,7 +4,7 @@
 //!
 //! * **Interval**: a hit at `t` counts if `tnear < t <= tfar`, as in Embree. `tfar` may be infinite; a ray whose interval
 //!   is empty (`tfar <= tnear`) misses.
-//! * **Direction**: any length; `t` is in units of it, so that the hit lies at `org + t * dir`. Components may be zero, of
+//! * **Direction**: any length from 1e-18 on (shorter ones mostly miss); `t` is in units of it, so that the hit lies at `org + t * dir`. Components may be zero, of
 //!   either sign, or denormal; a ray whose direction is zero misses. Where the products of direction and edges leave the
 //!   range of `f32` (all components below 1e-38, say) closest hits are missed; no hit has a distance that is infinite, zero
 //!   or NaN.

@@ -17,4 +17,4 @@ pub use files::{Limits, SceneError, load, load_within};
 pub(crate) use fingerprint::value as mesh_fingerprint;
 pub use generate::{Generator, builtin, generator, generators, scalable, scalable_name, scalable_triangles};
 pub use model::{Contents, Scene};
-pub use views::{InvalidView, UpAxis, View, views_around};
+pub use views::{InvalidView, View, views_around};

@@ -65,15 +65,6 @@ const FIELD_OF_VIEW: f64 = 45.0;
 /// Margin around the geometry in the image, as a factor.
 const MARGIN: f64 = 1.05;
 
-/// The axis that points up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum UpAxis {
-    /// As glTF has it.
-    Y,
-    /// As terrains and buildings mostly have it.
-    Z,
-}
-
 /// Three cameras outside that each see all of the geometry, from different sides and heights. Y is up, or Z
 /// where the scene is less than half as high in Z as along either other axis, as terrains and buildings with
 /// Z up are. An interior without openings is seen from outside only: give such scenes a `views.json`.
@@ -82,7 +73,7 @@ pub fn views_around(mesh: &Mesh) -> Vec<View> {
 }
 
 /// The same, with the axis that the scene's format calls up, if it does.
-pub(super) fn around(mesh: &Mesh, up: Option<UpAxis>) -> Vec<View> {
+pub(super) fn around(mesh: &Mesh, up: Option<Vec3>) -> Vec<View> {
     let bounds = mesh.bounds();
     let bounds = if bounds.is_empty() {
         crate::geometry::Aabb::new(Default::default(), Default::default())
@@ -91,7 +82,7 @@ pub(super) fn around(mesh: &Mesh, up: Option<UpAxis>) -> Vec<View> {
     };
     let (min, max) = (glam::Vec3::from(bounds.min).as_dvec3(), glam::Vec3::from(bounds.max).as_dvec3());
     let (center, half) = ((min + max) / 2.0, (max - min) / 2.0);
-    let z_up = up.map_or(half.z < 0.5 * half.x.min(half.y), |up| up == UpAxis::Z);
+    let z_up = up.map_or(half.z < 0.5 * half.x.min(half.y), |up| up == Vec3::Z);
     let up = if z_up { glam::DVec3::Z } else { glam::DVec3::Y };
     let (side, front) =
         if z_up { (glam::DVec3::X, -glam::DVec3::Y) } else { (glam::DVec3::X, glam::DVec3::Z) };

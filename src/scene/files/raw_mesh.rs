@@ -2,7 +2,7 @@
 
 use super::guard::{Guard, Refused};
 use crate::scene::model::Contents;
-use crate::scene::views::UpAxis;
+use glam::Vec3;
 
 /// Vertices and triangles as read. They grow within the guard's limits.
 pub(super) struct RawMesh<'a> {
@@ -18,7 +18,7 @@ pub(super) struct RawMesh<'a> {
     /// What the file had besides.
     pub contents: Contents,
     /// The axis that the format calls up, if it does.
-    pub up: Option<UpAxis>,
+    pub up: Option<Vec3>,
 }
 
 impl<'a> RawMesh<'a> {

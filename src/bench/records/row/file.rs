@@ -1,7 +1,7 @@
 //! Reading and writing `rows.csv`: as a whole or not at all, also where a file was cut at a row's end.
 
 use super::{ROWS, Row, SCHEMA};
-use crate::bench::environment::{ENVIRONMENT, Environment, State};
+use crate::bench::environment::{ENVIRONMENT, State};
 use crate::bench::files::{RecordsError, Written, read_json, read_lines, write_whole};
 use crate::bench::rounds::{self, ROUNDS, RowKey, RowRounds};
 use std::collections::HashMap;
@@ -40,13 +40,20 @@ pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
     if rows.is_empty() { Err(RecordsError::Empty { path }) } else { Ok(rows) }
 }
 
+/// How a run ended, of an environment of any age.
+#[derive(serde::Deserialize)]
+struct Ended {
+    state: State,
+    #[serde(default)]
+    written: Option<Written>,
+}
+
 /// Refuses files with fewer lines than were written, and rounds of a row that is not there. Of a run under way neither
 /// is known; an older one tells of its rounds only.
 fn check_whole(path: &Path, found: Written, left_over: Option<&RowKey>) -> Result<(), RecordsError> {
     let environment_path = path.with_file_name(ENVIRONMENT);
     let is_results = path.file_name().is_some_and(|name| name == ROWS) && environment_path.is_file();
-    let environment: Option<Environment> =
-        if is_results { Some(read_json(&environment_path)?) } else { None };
+    let environment: Option<Ended> = if is_results { Some(read_json(&environment_path)?) } else { None };
     if environment.as_ref().is_some_and(|environment| environment.state == State::Running) {
         return Ok(());
     }

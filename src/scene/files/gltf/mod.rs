@@ -14,7 +14,6 @@ mod primitives;
 use super::error::Fault;
 use super::guard::Guard;
 use super::raw_mesh::RawMesh;
-use crate::scene::views::UpAxis;
 use container::Container;
 use gltf::json::Root;
 use std::io::BufRead;
@@ -50,7 +49,7 @@ fn read<'a>(container: Container, path: &Path, guard: &'a Guard) -> Result<RawMe
         return Err(Fault::new("asset", &format!("version {}", root.asset.version), REMEDY));
     }
     let mut raw = RawMesh::new(guard);
-    raw.up = Some(UpAxis::Y);
+    raw.up = Some(glam::Vec3::Y);
     extensions::check(&root, &mut raw.contents)?;
     drop(json);
 
