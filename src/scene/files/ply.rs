@@ -37,7 +37,7 @@ pub(super) fn read<'a>(reader: &mut dyn BufRead, guard: &'a Guard) -> Result<Raw
             return Err(Fault::new(format!("header, element {name}"), "no property", Fault::DAMAGED));
         }
         if name == "edge" {
-            raw.contents.lines += count;
+            raw.contents.lines = raw.contents.lines.saturating_add(count);
         }
         let stopped = match name.as_str() {
             "vertex" => take(&mut ply, Vertices(&mut raw)),
