@@ -27,7 +27,7 @@
 # make test         everything that is checked before a change is taken: formatting, lints, the library
 #                   without any feature, the harness without Embree, all tests and the documentation's examples
 #
-# make faults      kills a run fifty times at random moments and resumes it, fills its disk, and cuts its results at every
+# make faults       kills a run fifty times at random moments and resumes it, fills its disk, and cuts its results at every
 #                   byte: some minutes (the tests have a short version)
 # make sanitize     the tests of our kernels and of the library's queries under AddressSanitizer and under valgrind, and
 #                   the portable kernel's under Miri where the nightly toolchain has it
