@@ -13,10 +13,10 @@ fn chain(mesh: &Mesh) -> Bvh4 {
     let ids: Vec<u32> = (0..mesh.len() as u32).collect();
     let blocks: Vec<TriangleBlock> = ids.chunks(4).map(|ids| TriangleBlock::of(mesh, ids)).collect();
     let mut nodes = vec![WideNode::<4>::EMPTY; blocks.len()];
-    for i in 0..nodes.len() {
-        nodes[i].set(0, mesh.bounds(), Link::leaf(i, 1));
+    for (i, node) in nodes.iter_mut().enumerate() {
+        node.set(0, mesh.bounds(), Link::leaf(i, 1));
         if i + 1 < blocks.len() {
-            nodes[i].set(1, mesh.bounds(), Link::inner(i + 1));
+            node.set(1, mesh.bounds(), Link::inner(i + 1));
         }
     }
     Bvh4 { root: Link::inner(0), bounds: mesh.bounds(), nodes, blocks }

@@ -90,7 +90,8 @@ pub(super) fn accessor(root: &Root, index: usize) -> Result<(&Accessor, Componen
     }
 }
 
-/// Hands the positions of an accessor to `push`, in order, and then those that replace some to `replace`.
+/// Hands the positions of an accessor to `push`, in order, and returns those that replace some of them, with their
+/// places.
 pub(super) fn positions(
     root: &Root,
     buffers: &Buffers,
