@@ -27,6 +27,8 @@
 # make test         everything that is checked before a change is taken: formatting, lints, the library
 #                   without any feature, the harness without Embree, all tests and the documentation's examples
 #
+# make faults       kills a run fifty times at random moments and resumes it, fills its disk, and cuts its results at every
+#                   byte: some minutes (the tests have a short version)
 # make sanitize     the tests of our kernels and of the library's queries under AddressSanitizer and under valgrind, and
 #                   the portable kernel's under Miri where the nightly toolchain has it
 # make test-slurm   a run spread over a Slurm cluster of this one machine (cluster/submit), a task of it killed and
@@ -65,7 +67,7 @@ KERNEL_TESTS = --test trace_agreement --test trace_batches --test trace_watertig
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: test-slurm sanitize bench bench-scaling bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
+.PHONY: faults test-slurm sanitize bench bench-scaling bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -154,6 +156,9 @@ else
 	$(CARGO) test --workspace --features phr/peers
 endif
 	@echo "tested: format, lints, the library alone, the harness without Embree, all tests, the documentation's examples"
+
+faults: packages
+	PHR_KILLS=50 $(CARGO) test -p phr --test faults -- --nocapture
 
 # Rust's stable compiler has the sanitizer, but not the switch for it.
 sanitize: PACKAGES = valgrind

@@ -278,9 +278,18 @@ fn bad_input_is_one_line_and_code_2() {
         (&["bench", "sheet.ply", "--resume", "--out", "folder"], &[ENVIRONMENT, "--resume"]),
         (&["bench", "--set", "paper", "--scenes", "nowhere"], &["nowhere", "--scenes"]),
         (&["build", "missing.ply"], &["missing.ply"]),
+        (&["bench", "sheet.ply", "--tree", "sheet.ply"], &["sheet.ply: not a saved tree"]),
+        (&["build", "sheet.ply", "-o", "x.phrtree"], &["--output x.phrtree", "--builder"]),
+        (&["build", "sheet.ply", "--builder", "lbvh", "-o", "no/x"], &["no/x", "No such file"]),
         (&["build", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["build", "sheet.ply", "--builder", "phr-hq", "--width", "5"], &["--width 5", "phr-hq"]),
         (&["build", "sheet.ply", "--threads", "0"], &["--threads 0"]),
+        (&["build", "sheet.ply", "--threads", "20000"], &["--threads 20000", "1024"]),
+        (&["render", "sheet.ply", "-o", "x.png", "--threads", "20000"], &["--threads 20000"]),
+        (&["bench", "sheet.ply", "--name", "../../x"], &["--name ../../x"]),
+        (&["bench", "sheet.ply", "--name", ".."], &["--name .."]),
+        (&["bench", "sheet.ply", "--host", "=cmd"], &["--host =cmd"]),
+        (&["build", "sheet.ply", "--max-memory", "1k"], &["sheet.ply", "--max-memory"]),
         (&["render", generated, "-o", "x.png", "--view", "99"], &["--view 99", generated]),
         (&["render", "sheet.ply", "-o", "nowhere/x.png"], &["nowhere", "folder"]),
         (&["render", "sheet.ply", "-o", "folder"], &["folder", "directory"]),
@@ -325,6 +334,29 @@ fn single_verbs_do_their_work() {
     let build = phr(&folder, &["build", "sheet.ply", "--builder", "phr-hq"]);
     let told = text(&build.stdout);
     assert!(build.status.success() && told.contains("SAH cost") && told.contains("1152 triangles"), "{told}");
+
+    let build =
+        phr(&folder, &["build", "sheet.ply", "--builder", "phr-hq", "--width", "8", "-o", "x.phrtree"]);
+    assert!(build.status.success(), "{}", text(&build.stderr));
+    let scene = phr::scene::load(&folder.join("sheet.ply")).unwrap();
+    let saved = phr::bvh::Bvh8::load(&scene.mesh, &folder.join("x.phrtree")).unwrap();
+    assert_eq!(saved.validate(&scene.mesh), Ok(()));
+    let bench = phr(&folder, &tiny("sheet.ply", &["--rounds", "1", "--tree", "x.phrtree"]));
+    assert!(bench.status.success(), "{}", text(&bench.stderr));
+    let rows = row::read(&folder.join("out")).unwrap();
+    let loaded: Vec<&Row> = rows.iter().filter(|row| row.builder == "saved:x" && row.is_total()).collect();
+    assert!(loaded.iter().any(|row| row.verified == Some(true)), "{loaded:?}");
+    assert!(
+        loaded.iter().all(|row| row.width == 8 && row.is_good() && row.builder_config.contains("phr-hq"))
+    );
+    let generated = phr::scene::builtin()[0].name;
+    let other = phr(&folder, &["bench", generated, "--tree", "x.phrtree"]);
+    assert_eq!(other.status.code(), Some(2));
+    assert!(
+        text(&other.stderr).contains("the tree of another mesh (1152 triangles"),
+        "{}",
+        text(&other.stderr)
+    );
 
     let render = phr(&folder, &["render", "sheet.ply", "-o", "x.png", "--size", "16", "--samples", "2"]);
     assert!(render.status.success(), "{}", text(&render.stderr));

@@ -12,7 +12,7 @@ pub enum PlanError {
     #[error("{0}: no such file, nor a generated scene of that name; `phr scenes` lists those")]
     NoSuchScene(String),
     /// A folder in place of a file.
-    #[error("{}: is a directory; name a scene file in it (.obj or .ply, plain, .gz or .zst)", .0.display())]
+    #[error("{}: is a directory; name a scene file in it (.ply, .obj, .stl, .gltf or .glb, plain, .gz or .zst)", .0.display())]
     Directory(PathBuf),
     /// Two scenes of the same name.
     #[error("two scenes are called {0}; rename one of the files")]

@@ -106,9 +106,7 @@ impl Run<'_> {
         let settings = &self.plan.settings;
         progress.at(&format!("{}: loading", planned.name));
         let scene = planned.load()?;
-        if scene.dropped.total() > 0 {
-            progress.note(&format!("{}: {}", scene.name, scene.dropped));
-        }
+        scene.remarks().iter().for_each(|remark| progress.note(remark));
         if settings.build_only {
             return self.rounds(
                 &Measured { planned, cells, scene: &scene, reference: None },
@@ -157,7 +155,8 @@ impl Run<'_> {
                 if samples.error.is_none() && !samples.visits.iter().any(|visit| visit.round == round) {
                     let (name, builder, width) = (&planned.name, &cell.builder, cell.width);
                     progress.at(&format!("{name}: {builder}/{width}, round {}", round + 1));
-                    if let Some(program) = self.program.filter(|_| samples.visits.is_empty()) {
+                    let is_built = !contender::saved::is_saved(&cell.builder);
+                    if let Some(program) = self.program.filter(|_| is_built && samples.visits.is_empty()) {
                         match memory::measure(program, &scene.mesh, cell, settings.threads) {
                             Ok(memory) => samples.memory = Some(memory),
                             Err(reason) => {

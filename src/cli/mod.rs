@@ -9,6 +9,8 @@ mod progress;
 mod run_summary;
 mod verbs;
 
+use crate::bench::planned_scene::limit;
+use crate::scene::Limits;
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -24,6 +26,9 @@ use verbs::{
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,
+    /// Most memory that the mesh of a scene file may take, as 512M or 4G [default: what the machine has]
+    #[arg(long, global = true, value_name = "SIZE", value_parser = options::size)]
+    max_memory: Option<u64>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -68,6 +73,9 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
     };
     if let Err(reason) = crate::simd::Isa::check_environment() {
         return failure::Failure::Bad(reason).report();
+    }
+    if let Some(memory) = arguments.max_memory {
+        limit(Limits { memory });
     }
     let result = match &arguments.verb {
         Verb::Bench(arguments) => bench::run(arguments),

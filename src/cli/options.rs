@@ -4,6 +4,7 @@ use super::failure::Failure;
 use crate::bench::cell::Cell;
 use crate::bench::chosen::Chosen;
 use crate::bench::pools::Pools;
+use crate::bench::settings::MOST_THREADS;
 use std::path::Path;
 
 /// Processors of this machine: the default of `--threads`.
@@ -18,6 +19,9 @@ pub fn all_threads() -> usize {
 pub fn pools(threads: usize) -> Result<Pools, Failure> {
     if threads == 0 {
         return Err(Failure::Bad("--threads 0: nothing could run; give 1 or more".into()));
+    }
+    if threads > MOST_THREADS {
+        return Err(Failure::Bad(format!("--threads {threads}: more than {MOST_THREADS}; give less")));
     }
     let build = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = build.map_err(|error| Failure::Bad(format!("--threads {threads}: {error}; give fewer")))?;
@@ -78,6 +82,34 @@ pub fn rays(text: &str) -> Result<f64, String> {
     value
         .filter(|value| (1.0..=1e15).contains(value))
         .ok_or_else(|| "give a number of rays from 1 on, as 50M, 1G or 3e8".into())
+}
+
+/// The arguments without the folders of this machine.
+pub fn command_line() -> Vec<String> {
+    let without_folder = |argument: String| match argument.rsplit_once('/') {
+        Some((_, file)) if !argument.starts_with("--filter") => file.to_owned(),
+        _ => argument,
+    };
+    std::env::args().skip(1).map(without_folder).collect()
+}
+
+/// Reads a size in bytes: "500000", "512M", "4G".
+///
+/// # Errors
+/// Anything else.
+pub fn size(text: &str) -> Result<u64, String> {
+    let unit = text.trim_start_matches(|letter: char| letter.is_ascii_digit());
+    let factor = match unit.to_ascii_lowercase().trim_end_matches("ib") {
+        "" => Some(1),
+        "k" => Some(1 << 10),
+        "m" => Some(1 << 20),
+        "g" => Some(1 << 30),
+        "t" => Some(1 << 40),
+        _ => None,
+    };
+    let number = text[..text.len() - unit.len()].parse::<u64>().ok();
+    let size = number.zip(factor).and_then(|(number, factor): (u64, u64)| number.checked_mul(factor));
+    size.filter(|size| *size > 0).ok_or_else(|| "give a size, as 512M or 4G".into())
 }
 
 /// Reads "5%" as 0.05.

@@ -11,6 +11,7 @@ mod ours;
 mod peers;
 pub mod pools;
 mod repeated;
+pub mod saved;
 mod tree_under_kernel;
 #[cfg(not(feature = "embree"))]
 mod without_embree;
@@ -55,8 +56,8 @@ impl Contender {
     pub fn of(cell: &Cell) -> Result<Self, String> {
         let name = cell.made_by();
         let ours = match cell.width {
-            4 => Ours::by_name(name).map(Self::Four),
-            8 => Ours::by_name(name).map(Self::Eight),
+            4 => Ours::by_name(name).or_else(|| saved::by_name(name)).map(Self::Four),
+            8 => Ours::by_name(name).or_else(|| saved::by_name(name)).map(Self::Eight),
             _ => None,
         };
         #[cfg(feature = "peers")]
@@ -96,9 +97,11 @@ impl Contender {
 
 /// All cells of this program, in the table's order.
 pub fn cells(build_only: bool) -> Vec<Cell> {
-    let mut cells: Vec<Cell> = ours::cells(&embree::kernels_of_ours()).chain(embree::cells()).collect();
+    let kernels = embree::kernels_of_ours();
+    let mut cells: Vec<Cell> =
+        ours::cells(&kernels).chain(saved::cells(&kernels)).chain(embree::cells()).collect();
     #[cfg(feature = "peers")]
-    cells.extend(peers::cells(&embree::kernels_of_ours()));
+    cells.extend(peers::cells(&kernels));
     cells.sort_by_key(|cell| (place(&cell.builder), cell.width));
     if build_only {
         cells.iter_mut().for_each(|cell| cell.kernels.clear());

@@ -5,6 +5,8 @@ use crate::trace::PathSettings;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
+/// Threads of any verb.
+pub const MOST_THREADS: usize = 1 << 10;
 /// A day.
 const MOST_SECONDS: u64 = 24 * 60 * 60;
 
@@ -69,7 +71,7 @@ impl Settings {
             ("size", self.height as usize, 1 << 14),
             ("views", self.views, 1 << 10),
             ("rounds", self.rounds, 1 << 16),
-            ("threads", self.threads, 1 << 10),
+            ("threads", self.threads, MOST_THREADS),
         ];
         if self.seconds > MOST_SECONDS {
             return Err(PlanError::TooMuch {

@@ -2,7 +2,7 @@
 
 use super::environment::moment::Moment;
 use super::environment::{ENVIRONMENT, Environment, Machine, Program, State};
-use super::files::{RecordsError, read_json, write_json};
+use super::files::{RecordsError, Written, read_json, write_json};
 use super::rounds::ROUNDS;
 use super::row::{self, ROWS, Row, SCHEMA};
 use super::rows::{self, Header};
@@ -84,6 +84,7 @@ impl<'a> Recorder<'a> {
             before: Vec::new(),
             after: None,
             notes: Vec::new(),
+            written: None,
             machine,
         };
         let mut samples = Samples { schema: SCHEMA, run_id: environment.run_id.clone(), scenes: Vec::new() };
@@ -91,6 +92,11 @@ impl<'a> Recorder<'a> {
             let old: Environment = read_json(&folder.join(ENVIRONMENT))?;
             same(&old, &environment, folder)?;
             samples = Samples::read(folder)?;
+            if samples.run_id != old.run_id {
+                // A kill can fall between the first files of a new run and the removal of the last one's.
+                let what = format!("run than {SAMPLES}");
+                return Err(RunError::Resume { folder: folder.to_owned(), what });
+            }
             environment.run_id = old.run_id;
             environment.before = old.before;
             environment.notes = old.notes;
@@ -140,6 +146,7 @@ impl<'a> Recorder<'a> {
                 source: planned.origin(),
                 triangles: scene.mesh.len() as u64,
                 dropped: scene.dropped,
+                remarks: scene.remarks(),
                 views,
                 invalid_rays,
                 cells: Vec::new(),
@@ -210,10 +217,9 @@ impl<'a> Recorder<'a> {
     }
 
     /// Brings samples and rows on disk up to date.
-    pub fn save(&self) -> Result<(), RunError> {
+    pub fn save(&self) -> Result<Written, RunError> {
         self.samples.write(self.folder)?;
-        row::write_all(self.folder, &self.rows())?;
-        Ok(())
+        Ok(row::write_all(self.folder, &self.rows())?)
     }
 
     fn write_environment(&self) -> Result<(), RunError> {
@@ -227,9 +233,7 @@ impl<'a> Recorder<'a> {
         self.environment.after = Some(Moment::now(self.threads));
         let mut notes = Vec::new();
         for scene in &self.samples.scenes {
-            if scene.dropped.total() > 0 {
-                notes.push(format!("{}: {}", scene.name, scene.dropped));
-            }
+            notes.extend(scene.remarks.iter().cloned());
             if scene.invalid_rays > 0 {
                 let count = scene.invalid_rays;
                 notes.push(format!("{}: {count} rays left out that Embree would not accept", scene.name));
@@ -238,7 +242,7 @@ impl<'a> Recorder<'a> {
         notes.append(&mut self.imprecise);
         self.environment.notes = notes;
         if !self.samples.scenes.is_empty() {
-            self.save()?;
+            self.environment.written = Some(self.save()?);
         }
         self.write_environment()
     }

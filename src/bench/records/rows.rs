@@ -183,6 +183,7 @@ mod tests {
             source: "test".into(),
             triangles: 1_000_000,
             dropped: Dropped::default(),
+            remarks: Vec::new(),
             views: 2,
             invalid_rays: 0,
             cells,

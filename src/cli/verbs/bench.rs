@@ -2,17 +2,19 @@
 
 use super::plot::draw;
 use crate::bench::chosen::Chosen;
+use crate::bench::contender::saved::{check, offer};
 use crate::bench::files::write_whole;
 use crate::bench::merge::SHARDS;
 use crate::bench::moment::Moment;
 use crate::bench::plan::{Plan, Request, Set};
+use crate::bench::planned_scene::plain_name;
 use crate::bench::recorder::RecordOptions;
 use crate::bench::row::Row;
 use crate::bench::run::Run;
 use crate::bench::settings::Settings;
 use crate::bench::shard::Shard;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, percent};
+use crate::cli::options::{all_threads, command_line, percent};
 use crate::cli::output::say;
 use crate::cli::plan_outline::outline;
 use crate::cli::progress::Bar;
@@ -30,7 +32,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Without scenes, the built-in generated set is run.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scene files (.obj, .ply, plain or .gz or .zst) or names of generated scenes (see `phr scenes`)
+    /// Scene files (.ply, .obj, .stl, .gltf, .glb, plain or .gz or .zst) or names of generated scenes (see `phr scenes`)
     scenes: Vec<String>,
     /// A set of scenes: builtin or paper. Or a builder with this field of its configuration changed (repeatable):
     /// BUILDER.FIELD=VALUE, as phr-hq.delta=8; it is called phr-hq[delta=8] and stands beside those of --builder
@@ -45,6 +47,10 @@ pub struct Arguments {
     /// The builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
     #[arg(long = "config", value_name = "FILE")]
     configs: Vec<PathBuf>,
+    /// Load and trace the tree of this file too, which `phr build -o` saved for the one scene (repeatable); its build time
+    /// is that of loading it
+    #[arg(long = "tree", value_name = "FILE")]
+    trees: Vec<PathBuf>,
     /// Only trees of this width: 4 or 8 children per node
     #[arg(long, value_name = "N", value_parser = width)]
     width: Option<u32>,
@@ -181,6 +187,24 @@ impl Arguments {
         })
     }
 
+    /// Refuses names that are none in a folder or a table.
+    fn check_names(&self) -> Result<(), Failure> {
+        for (option, name) in [("name", self.name.as_deref()), ("host", Some(&*self.host))] {
+            let Some(name) = name else { continue };
+            if name.is_empty()
+                || name != plain_name(name)
+                || name.contains(['/', '\\'])
+                || name.starts_with('.')
+            {
+                let name = name.escape_debug();
+                return Err(Failure::Bad(format!(
+                    "--{option} {name}: give a name of letters, digits, - and _"
+                )));
+            }
+        }
+        Ok(())
+    }
+
     fn folder(&self, plan: &Plan) -> PathBuf {
         let name = || match self.set() {
             Some(Set::Builtin) if self.scenes.is_empty() => "builtin".to_owned(),
@@ -203,7 +227,14 @@ impl Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let plan = Plan::new(&arguments.request()?)?;
+    arguments.check_names()?;
+    let saved = offer(&arguments.trees)?;
+    let mut request = arguments.request()?;
+    request.builders = request.builders.and(saved);
+    let plan = Plan::new(&request)?;
+    if !arguments.trees.is_empty() && plan.scenes.len() != 1 {
+        return Err(Failure::Bad("--tree: a tree is of one scene; give that scene alone".into()));
+    }
     if arguments.list {
         return say(&plan.lines().collect::<Vec<_>>().join("\n"));
     }
@@ -213,6 +244,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return say(&outline(&plan, &folder));
     }
     plan.check_files()?;
+    if !arguments.trees.is_empty() {
+        check(&plan.scenes[0].0.load()?.mesh)?;
+    }
     if let Some(reason) = arguments.when_quiet.then(|| Moment::now(plan.settings.threads).busy()).flatten() {
         let remedy = "wait for a quiet hour or run without --when-quiet";
         return Err(Failure::Inconclusive(format!("{reason}; {remedy}")));
@@ -270,13 +304,4 @@ fn verdict(rows: &[Row], failures: usize, complete: bool, folder: &Path) -> Resu
         )));
     }
     Ok(())
-}
-
-/// The arguments without the folders of this machine.
-fn command_line() -> Vec<String> {
-    let without_folder = |argument: String| match argument.rsplit_once('/') {
-        Some((_, file)) if !argument.starts_with("--filter") => file.to_owned(),
-        _ => argument,
-    };
-    std::env::args().skip(1).map(without_folder).collect()
 }

@@ -29,6 +29,9 @@ pub struct Arguments {
     /// Children per node, where the builder leaves a choice
     #[arg(long, value_name = "N")]
     width: Option<u32>,
+    /// File into which to save the tree, of one builder and width; `phr::Bvh::load` reads it
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
     /// Threads [default: all processors]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -48,17 +51,30 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let width = arguments.width.unwrap_or_default();
         return Err(Failure::Bad(format!("--width {width}: no builder builds such trees; give 4 or 8")));
     }
-    let scene = PlannedScene::find(&arguments.scene)?.load()?;
-    if scene.dropped.total() > 0 {
-        eprintln!("phr: {}: {}", scene.name, scene.dropped);
+    if let (Some(output), true) = (&arguments.output, cells.len() > 1) {
+        let remedy = "holds one tree; give --builder and --width";
+        return Err(Failure::Bad(format!("--output {}: {remedy}", output.display())));
     }
-    say(&format!("{}: {} triangles ({})", scene.name, scene.mesh.len(), scene.source))?;
+    let scene = PlannedScene::find(&arguments.scene)?.load()?;
+    for remark in scene.remarks() {
+        eprintln!("phr: {remark}");
+    }
+    let objects = match scene.contents.objects {
+        0 | 1 => String::new(),
+        objects => format!(" of {objects} objects"),
+    };
+    say(&format!("{}: {} triangles{objects} ({})", scene.name, scene.mesh.len(), scene.source))?;
     let request =
         BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &[], wants_facts: true, fresh_only: false };
     let program = std::env::current_exe()?;
     for cell in cells {
         let built = Contender::of(&cell).and_then(|mut contender| contender.build(&request));
-        let mut text = describe(&built.map_err(Failure::Wrong)?);
+        let built = built.map_err(Failure::Wrong)?;
+        if let Some(output) = &arguments.output {
+            let tree = built.tree().map_err(|reason| Failure::Wrong(reason.to_owned()))?;
+            tree.save(&scene.mesh, &cell.builder, output)?;
+        }
+        let mut text = describe(&built);
         match memory::measure(&program, &scene.mesh, &cell, pools.all.current_num_threads()) {
             Ok(memory) => {
                 text += &line("resident, peak of build", mebibytes(memory.peak_bytes));

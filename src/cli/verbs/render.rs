@@ -53,6 +53,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let cell = cell(arguments)?;
     check_place(&arguments.output)?;
     let scene = PlannedScene::find(&arguments.scene)?.load()?;
+    for remark in scene.remarks() {
+        eprintln!("phr: {remark}");
+    }
     let Some(view) = scene.views.get(arguments.view) else {
         let (name, views) = (&scene.name, scene.views.len());
         let wanted = arguments.view;

@@ -73,8 +73,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut wrong = 0;
     for (planned, cells) in &plan.scenes {
         let scene = planned.load()?;
-        if scene.dropped.total() > 0 {
-            eprintln!("phr: {}: {}", scene.name, scene.dropped);
+        for remark in scene.remarks() {
+            eprintln!("phr: {remark}");
         }
         let mut grid =
             Grid::new([&scene.name, "kernel", "rays", "equal", "ties", "edges", "near", "verdict"]);

@@ -79,6 +79,14 @@ impl Chosen {
         self
     }
 
+    /// Adds builders by name where some were asked for; else they are among all.
+    pub fn and(mut self, names: impl IntoIterator<Item = String>) -> Self {
+        if !self.is_empty() {
+            self.names.extend(names);
+        }
+        self
+    }
+
     /// The cells of these builders, in the table's order; where none was asked for, of all that stand in tables.
     ///
     /// # Errors

@@ -15,10 +15,16 @@ pub enum SceneError {
         source: std::io::Error,
     },
     /// The path names a directory.
-    #[error("{}: a directory; name a scene file in it (.ply or .obj)", .0.display())]
+    #[error("{}: a directory; name a scene file in it (.ply, .obj, .stl, .gltf or .glb)", .0.display())]
     Directory(PathBuf),
-    /// Neither PLY nor OBJ by its name.
-    #[error("{}: not a scene file by its name; give a .ply or .obj, plain or with .gz or .zst", .0.display())]
+    /// A pipe, a device or a socket.
+    #[error("{}: not a regular file; copy what it gives to one and name that", .0.display())]
+    NotAFile(PathBuf),
+    /// No format by its name.
+    #[error(
+        "{}: not a scene file by its name; give a .ply, .obj, .stl, .gltf or .glb, plain or with .gz or .zst",
+        .0.display()
+    )]
     UnknownFormat(PathBuf),
     /// The content violates the format.
     #[error("{}: {place}: {problem}; {remedy}", path.display())]
@@ -44,7 +50,7 @@ pub enum SceneError {
 
 /// A fault found by the reader of one format; the caller adds the file's name.
 #[derive(Debug)]
-pub(super) struct Fault {
+pub(in crate::scene) struct Fault {
     /// A line, or an element and its index from 0.
     pub place: String,
     /// The fault at that place.

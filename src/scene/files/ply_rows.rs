@@ -6,19 +6,15 @@ use serde_ply::PlyReader;
 use std::fmt;
 use std::io::BufRead;
 
-/// Elements for which memory is reserved at most before one is read: a header may lie.
-const TRUSTED_COUNT: usize = 1 << 20;
 /// The names that exporters give a face's list.
 pub(super) const INDEX_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// Reads the next element into `out`. Returns the index of the row that failed and the reason, if one did.
-pub(super) fn take<T: Rows>(
-    ply: &mut PlyReader<impl BufRead>,
-    out: &mut T,
+/// Reads the next element into `rows`. Returns the index of the row that failed and the reason, if one did.
+pub(super) fn take<R: BufRead>(
+    mut ply: &mut PlyReader<R>,
+    rows: impl Rows,
 ) -> Result<Option<(usize, String)>, String> {
-    let All { rows, stopped } = ply.next_element::<All<T>>().map_err(|e| explain(&e.0.to_string()))?;
-    *out = rows;
-    Ok(stopped)
+    ply.next_value_seed(All(rows)).map_err(|e| explain(&e.0.to_string()))
 }
 
 /// `serde-ply`'s messages in plain words.
@@ -30,27 +26,19 @@ pub(super) fn explain(message: &str) -> String {
     }
 }
 
-/// A collection filled row by row.
-pub(super) trait Rows: Default {
-    fn reserve(&mut self, rows: usize);
+/// What takes an element row by row; `None` after the last.
+pub(super) trait Rows {
     fn take<'de, A: SeqAccess<'de>>(&mut self, rows: &mut A) -> Result<Option<()>, A::Error>;
 }
 
 /// `vertex`: x, y, z.
-#[derive(Default)]
-pub(super) struct Vertices(pub Vec<[f32; 3]>);
+pub(super) struct Vertices<'a, 'g>(pub &'a mut RawMesh<'g>);
 /// `face`: polygons as fans of triangles.
-#[derive(Default)]
-pub(super) struct Triangles(pub Vec<[u32; 3]>);
+pub(super) struct Triangles<'a, 'g>(pub &'a mut RawMesh<'g>);
 /// Any other element.
-#[derive(Default)]
 pub(super) struct Skipped;
 
-impl Rows for Vertices {
-    fn reserve(&mut self, rows: usize) {
-        self.0.reserve(rows);
-    }
-
+impl Rows for Vertices<'_, '_> {
     fn take<'de, A: SeqAccess<'de>>(&mut self, rows: &mut A) -> Result<Option<()>, A::Error> {
         #[derive(serde::Deserialize)]
         struct Vertex {
@@ -58,65 +46,63 @@ impl Rows for Vertices {
             y: f32,
             z: f32,
         }
-        Ok(rows.next_element()?.map(|Vertex { x, y, z }| self.0.push([x, y, z])))
+        let Some(Vertex { x, y, z }) = rows.next_element()? else { return Ok(None) };
+        self.0.push_vertex([x, y, z]).map_err(A::Error::custom).map(Some)
     }
 }
 
-impl Rows for Triangles {
-    fn reserve(&mut self, rows: usize) {
-        self.0.reserve(rows);
-    }
-
+impl Rows for Triangles<'_, '_> {
     fn take<'de, A: SeqAccess<'de>>(&mut self, rows: &mut A) -> Result<Option<()>, A::Error> {
-        rows.next_element_seed(Face(&mut self.0))
+        rows.next_element_seed(Face(self.0))
     }
 }
 
 impl Rows for Skipped {
-    fn reserve(&mut self, _: usize) {}
-
     fn take<'de, A: SeqAccess<'de>>(&mut self, rows: &mut A) -> Result<Option<()>, A::Error> {
-        rows.next_element_seed(Face(&mut Vec::new()))
-    }
-}
-
-/// All rows of an element up to the first that could not be read.
-struct All<T> {
-    rows: T,
-    stopped: Option<(usize, String)>,
-}
-
-impl<'de, T: Rows> serde::Deserialize<'de> for All<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Each<T>(T);
-        impl<'de, T: Rows> Visitor<'de> for Each<T> {
-            type Value = All<T>;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("the rows of an element")
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<All<T>, A::Error> {
-                let mut rows = self.0;
-                rows.reserve(seq.size_hint().unwrap_or(0).min(TRUSTED_COUNT));
-                for row in 0.. {
-                    match rows.take(&mut seq) {
-                        Ok(Some(())) => {}
-                        Ok(None) => break,
-                        Err(e) => return Ok(All { rows, stopped: Some((row, e.to_string())) }),
-                    }
-                }
-                Ok(All { rows, stopped: None })
+        struct Row;
+        impl<'de> serde::Deserialize<'de> for Row {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                deserializer.deserialize_map(IgnoredAny).map(|_| Self)
             }
         }
-        deserializer.deserialize_seq(Each(T::default()))
+        Ok(rows.next_element::<Row>()?.map(|_| ()))
     }
 }
 
-/// A row whose list of vertices, if it has one, is appended as triangles.
-struct Face<'a>(&'a mut Vec<[u32; 3]>);
+/// All rows of an element up to the first that could not be read: its index and the reason.
+struct All<T>(T);
 
-impl<'de> DeserializeSeed<'de> for Face<'_> {
+impl<'de, T: Rows> DeserializeSeed<'de> for All<T> {
+    type Value = Option<(usize, String)>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_seq(self)
+    }
+}
+
+impl<'de, T: Rows> Visitor<'de> for All<T> {
+    type Value = Option<(usize, String)>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the rows of an element")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(mut self, mut seq: A) -> Result<Self::Value, A::Error> {
+        for row in 0.. {
+            match self.0.take(&mut seq) {
+                Ok(Some(())) => {}
+                Ok(None) => break,
+                Err(e) => return Ok(Some((row, e.to_string()))),
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// A face, whose list of vertices is appended as triangles.
+struct Face<'a, 'g>(&'a mut RawMesh<'g>);
+
+impl<'de> DeserializeSeed<'de> for Face<'_, '_> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
@@ -124,7 +110,7 @@ impl<'de> DeserializeSeed<'de> for Face<'_> {
     }
 }
 
-impl<'de> Visitor<'de> for Face<'_> {
+impl<'de> Visitor<'de> for Face<'_, '_> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -165,9 +151,9 @@ impl<'de> serde::Deserialize<'de> for IsIndexList {
 }
 
 /// A list of vertices, appended as a fan of triangles around the first.
-struct Fan<'a>(&'a mut Vec<[u32; 3]>);
+struct Fan<'a, 'g>(&'a mut RawMesh<'g>);
 
-impl<'de> DeserializeSeed<'de> for Fan<'_> {
+impl<'de> DeserializeSeed<'de> for Fan<'_, '_> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
@@ -175,7 +161,7 @@ impl<'de> DeserializeSeed<'de> for Fan<'_> {
     }
 }
 
-impl<'de> Visitor<'de> for Fan<'_> {
+impl<'de> Visitor<'de> for Fan<'_, '_> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -183,12 +169,21 @@ impl<'de> Visitor<'de> for Fan<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<(), A::Error> {
-        let Some(Index(first)) = list.next_element()? else { return Ok(()) };
-        let Some(Index(mut previous)) = list.next_element()? else { return Ok(()) };
+        let Some(Index(first)) = list.next_element()? else {
+            self.0.contents.empty += 1;
+            return Ok(());
+        };
+        let Some(Index(mut previous)) = list.next_element()? else {
+            self.0.contents.points += 1;
+            return Ok(());
+        };
+        let mut corners = 2;
         while let Some(Index(next)) = list.next_element()? {
-            self.0.push([first, previous, next]);
+            self.0.push_triangle([first, previous, next]).map_err(A::Error::custom)?;
             previous = next;
+            corners = 3;
         }
+        self.0.contents.lines += usize::from(corners == 2);
         Ok(())
     }
 }
