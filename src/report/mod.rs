@@ -2,7 +2,7 @@
 //!
 //! * [`figures`] looks up the figures of a scene and tree, [`means`] averages them over scenes,
 //!   [`interval`](figures::interval) tells how sure they are, [`paper`] has the paper's own; [`grid`] lays out a table;
-//! * [`table`] is the document of a run: [`table1`] in the paper's arrangement, means, [`details`] of every scene;
+//! * [`table`] is the document of a run: [`table1`](table::table1) in the paper's arrangement, means, [`details`](table::details) of every scene;
 //! * [`summary`], [`evidence`], [`targets`], [`ablation`], [`kernels`] and [`scaling`] are tables of their own, [`compare`] judges one
 //!   run against another, [`by_turns`](compare::by_turns) one program;
 //! * [`advice`] tells which builder for a scene and a number of rays, and with which parameters;
@@ -11,7 +11,6 @@
 pub mod ablation;
 pub mod advice;
 pub mod compare;
-pub mod details;
 pub mod evidence;
 pub mod figures;
 pub mod grid;
@@ -21,7 +20,6 @@ pub mod paper;
 pub mod plot;
 pub mod readme;
 pub mod table;
-pub mod table1;
 pub mod targets;
 
 pub use evidence::{scaling, summary};

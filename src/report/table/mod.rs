@@ -1,14 +1,17 @@
 //! The table of a run as a Markdown document, made from the rows alone: Table 1 as in the paper, the means,
 //! every scene in full, what the columns mean, errors and warnings.
 
-use super::details::{self, kernels_are_mixed};
+pub mod details;
+pub mod table1;
+
 use super::figures::{BASELINE, Under, scenes};
 use super::means::means;
-use super::table1::table1;
 use crate::bench::row::{NO_KERNEL, Row};
 use crate::bench::warnings::Warning;
+use details::kernels_are_mixed;
+use table1::table1;
 
-pub use super::details::scene;
+pub use details::scene;
 
 /// The document, with the fairest choice of kernel.
 pub fn document(rows: &[Row], complete: bool) -> String {

@@ -1,10 +1,10 @@
 //! One scene in full: every tree of any width, builds in every regime, and traces under every kernel, with
 //! intervals of the ratios.
 
-use super::figures::{BASELINE, Figure, SceneFigures, Tree, Under, kernels, trees};
-use super::grid::{Grid, short};
 use crate::bench::row::Row;
 use crate::bench::statistics::Ratio;
+use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, kernels, trees};
+use crate::report::grid::{Grid, short};
 
 /// One scene's table, under a heading. A scene among `rows` alone or with others gives the same.
 pub fn scene(rows: &[Row], scene: &str) -> String {
