@@ -54,6 +54,11 @@ impl Ratios {
         geometric_mean(&self.values())
     }
 
+    /// What an interval is over: scenes and rounds, or rounds alone where there is one scene.
+    pub fn over(&self) -> Over {
+        if self.0.len() > 1 { Over::ScenesAndRounds } else { Over::Rounds }
+    }
+
     /// The interval of the geometric mean.
     pub fn interval(&self, over: Over) -> Option<Interval> {
         interval::of_mean(&self.0, over)

@@ -82,6 +82,15 @@ fn legend(rows: &[Row]) -> String {
     )
 }
 
+/// The defects that rows have, each with how many rows have it, of how many.
+pub fn warned(rows: &[Row]) -> Vec<(Warning, usize, usize)> {
+    let totals: Vec<&Row> = rows.iter().filter(|row| row.is_total()).collect();
+    let has = |row: &&&Row, warning| Warning::parse(&row.warnings).any(|found| found == warning);
+    let count = |warning| totals.iter().filter(|row| has(row, warning)).count();
+    let counted = Warning::ALL.into_iter().map(|warning| (warning, count(warning), totals.len()));
+    counted.filter(|(_, count, _)| *count > 0).collect()
+}
+
 /// Errors and warnings, each with advice.
 pub fn remarks(rows: &[Row]) -> String {
     let mut text = String::new();
@@ -90,12 +99,8 @@ pub fn remarks(rows: &[Row]) -> String {
         let kind = if row.verified == Some(false) { "WRONG HITS" } else { "no figures" };
         text += &format!("\n{kind}: {} {}/{}{kernel}: {}", row.scene, row.builder, row.width, row.error);
     }
-    let totals: Vec<&Row> = rows.iter().filter(|row| row.is_total()).collect();
-    for warning in Warning::ALL {
-        let count = totals.iter().filter(|row| Warning::parse(&row.warnings).any(|w| w == warning)).count();
-        if count > 0 {
-            text += &format!("\n{}: {count} of {} rows; {}", warning.name(), totals.len(), warning.advice());
-        }
+    for (warning, count, of) in warned(rows) {
+        text += &format!("\n{}: {count} of {of} rows; {}", warning.name(), warning.advice());
     }
     if text.is_empty() { text } else { text + "\n" }
 }
