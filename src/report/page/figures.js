@@ -73,15 +73,16 @@ function put(figure, drawing, label) {
   figure.replaceChildren(drawing);
 }
 
-/** Where a text may stand, first choice first: above and to the right of a point, or below and to the left of a front. */
+/** Where a text may stand, first choice first: beside a point, below a falling front, or below a rising curve. */
 const BESIDE = [[10, 0, "start"], [8, -11, "start"], [0, -14, "middle"], [-10, 0, "end"], [8, 12, "start"], [0, 15, "middle"], [-8, -11, "end"], [-8, 12, "end"]];
+const BELOW_RIGHT = [[10, 14, "start"], [0, 17, "middle"], [12, 4, "start"], [-8, 14, "end"], [0, 30, "middle"]];
 const BELOW = [[-8, 12, "end"], [0, 16, "middle"], [-11, 0, "end"], [10, 12, "start"], [11, 0, "start"], [0, -14, "middle"]];
 
 /**
  * Places for texts beside points, so that none covers a point or another text: the first that is free. Texts without a
  * free place are left out, those that must be shown excepted.
  */
-function placeLabels(points, { width, height, left, right, top, bottom }) {
+function placeLabels(points, preferred, { width, height, left, right, top, bottom }) {
   const pen = document.createElement("canvas").getContext("2d");
   pen.font = `12px ${getComputedStyle(document.body).fontFamily}`;
   const taken = points.map(({ at: [x, y] }) => [x - 6, y - 6, x + 6, y + 6]);
@@ -90,7 +91,7 @@ function placeLabels(points, { width, height, left, right, top, bottom }) {
     const [x, y] = point.at;
     const long = pen.measureText(point.label).width + 4;
     let least = null;
-    for (const [dx, dy, anchor] of point.must ? BELOW : BESIDE) {
+    for (const [dx, dy, anchor] of preferred(point)) {
       const from = x + dx - (anchor === "start" ? 2 : anchor === "end" ? long - 2 : long / 2);
       const box = [from, y + dy - 7, from + long, y + dy + 7];
       const isInside = box[0] >= left && box[2] <= width - right + 2 && box[1] >= top && box[3] <= height - bottom;

@@ -30,6 +30,7 @@ function drawFront() {
       label: isNarrow && order(point) > 0 ? "" : point.tree.name + (point.entry.scenes ? ` (${point.entry.scenes} of ${place.scenes})` : ""),
       must: front.includes(point),
     })),
+    (point) => (point.must ? BELOW : BESIDE),
     { width, height, ...margins },
   );
 

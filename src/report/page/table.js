@@ -60,7 +60,7 @@ function drawTable() {
     if (column.isTree) {
       const few = row.entry.scenes ? `<small>${row.entry.scenes} of ${row.place.scenes} scenes</small>` : "";
       const failed = row.entry.error ? ` <small class="failed" title="${escaped(row.entry.error)}">failed</small>` : "";
-      return `<td class="text">${mark(row.tree)}${escaped(row.tree.name)}${few}${failed}</td>`;
+      return `<td class="text">${mark(row.tree)}${escaped(row.tree.name).replace(" / ", "&nbsp;/&nbsp;")}${few}${failed}</td>`;
     }
     if (column.isText) return `<td class="text">${escaped(column.text(row))}</td>`;
     const more = column.more?.(row);

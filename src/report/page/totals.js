@@ -38,6 +38,7 @@ function drawTotals() {
   // Below the least there is nothing.
   const labels = placeLabels(
     stretches.map((point) => ({ point, at: [x(point.count), y(point.value)], label: point.tree.name, must: true })),
+    () => BELOW_RIGHT,
     { width, height, ...margins },
   );
   const line = (of) => ({ x: "count", y: "value", z: "index", curve: "monotone-x", stroke: of, clip: true });

@@ -1,6 +1,7 @@
 //! The table of a run as a Markdown document, made from the rows alone: Table 1 as in the paper, the means,
 //! every scene in full, what the columns mean, errors and warnings.
 
+pub mod brief;
 pub mod details;
 pub mod table1;
 

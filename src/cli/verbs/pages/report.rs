@@ -5,7 +5,7 @@ use crate::bench::{results_dir, row};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use crate::report::page::{PAGE, page};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Write a page about a results folder: verdict, plots, table, pictures and surroundings in one HTML file
 ///
@@ -23,15 +23,21 @@ pub struct Arguments {
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let results = &arguments.results;
-    let rows = row::read(results)?;
-    let folder = if results.is_dir() { results.clone() } else { results.with_file_name("") };
-    // `.` has no name of its own.
-    let folder = folder.canonicalize()?;
-    let environment = results_dir::environment(&folder)?;
-    let file = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| if results.is_dir() { results.join(PAGE) } else { results.with_file_name(PAGE) });
-    write_whole(&file, page(&rows, environment.as_ref(), &folder)?.as_bytes())?;
+    let beside = |file| if results.is_dir() { results.join(file) } else { results.with_file_name(file) };
+    let file = arguments.output.clone().unwrap_or_else(|| beside(PAGE));
+    write_page(results, &file)?;
     say(&file.display().to_string())
+}
+
+/// Writes the page about `results`, a folder or its rows, to `file`.
+///
+/// # Errors
+/// Those of reading the folder, and an unwritable place.
+pub fn write_page(results: &Path, file: &Path) -> Result<(), Failure> {
+    let rows = row::read(results)?;
+    // A folder such as `.` has its name from the place where it is.
+    let place = results.canonicalize()?;
+    let folder = if place.is_dir() { place.as_path() } else { place.parent().unwrap_or(&place) };
+    let environment = results_dir::environment(folder)?;
+    Ok(write_whole(file, page(&rows, environment.as_ref(), folder)?.as_bytes())?)
 }
