@@ -66,12 +66,12 @@ function drawFront() {
       chosen.width ? null : Plot.line(both, { ...at, stroke: "var(--band)", strokeWidth: 10, strokeLinejoin: "round", strokeLinecap: "round" }),
       Plot.line(four.filter(() => chosen.width !== 8), { ...at, stroke: "var(--ink)", strokeWidth: 1.25 }),
       Plot.line(eight.filter(() => chosen.width !== 4), { ...at, stroke: "var(--ink)", strokeWidth: 1.25, strokeDasharray: "4 3" }),
-      Plot.ruleY(points, Plot.pointer({ px: "build", py: "trace", y: "trace", x1: (point) => point.entry.builds[regime][2], x2: (point) => point.entry.builds[regime][3], ...cross, maxRadius: 30 })),
-      Plot.ruleX(points, Plot.pointer({ px: "build", py: "trace", x: "build", y1: (point) => point.entry.traces[kernel][2], y2: (point) => point.entry.traces[kernel][3], ...cross, maxRadius: 30 })),
+      Plot.ruleY(points, Plot.pointer({ px: "build", py: "trace", y: "trace", x1: (point) => point.entry.builds[regime][2], x2: (point) => point.entry.builds[regime][3], ...cross, maxRadius: 60 })),
+      Plot.ruleX(points, Plot.pointer({ px: "build", py: "trace", x: "build", y1: (point) => point.entry.traces[kernel][2], y2: (point) => point.entry.traces[kernel][3], ...cross, maxRadius: 60 })),
       Plot.dot(points, { ...at, r: isNarrow ? 4.2 : 5, symbol: (point) => SYMBOLS[point.tree.shape], stroke, fill: (point) => (point.tree.width === 4 ? colour(point.tree) : "var(--paper)"), strokeWidth: 1.5 }),
       ...labels.map(({ point, dx, dy, anchor }) =>
         Plot.text([point], { ...at, text: () => point.tree.name + (point.entry.scenes ? ` (${point.entry.scenes} of ${place.scenes})` : ""), dx, dy, textAnchor: anchor, fill: order(point) === 0 ? "var(--ink)" : "var(--soft)", fontWeight: order(point) === 0 ? 600 : 400, stroke: "var(--paper)", strokeWidth: 4, paintOrder: "stroke" })),
-      Plot.tip(points, Plot.pointer({ ...at, title: tip, fill: "var(--raised)", stroke: "var(--faint)", maxRadius: 30, textPadding: 9 })),
+      Plot.tip(points, Plot.pointer({ ...at, title: tip, fill: "var(--raised)", stroke: "var(--faint)", maxRadius: 60, textPadding: 9 })),
     ],
   });
   put(figure, plot, `Build time against trace time of ${points.length} trees. On the front: ${front.map((point) => point.tree.name).join(", ")}. The table below has all figures.`);
