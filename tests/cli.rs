@@ -103,7 +103,7 @@ fn a_run_writes_verified_rows_and_its_table() {
     let told = text(&output.stdout);
     let summary = &told[told.find("## out: 1 scene").expect("a summary at the end")..];
     for part in [
-        "traces fastest",
+        "In sheet on 2 threads",
         "Build and rays together, ",
         "table: out/table1.md",
         "rows:  out/rows.csv",
