@@ -58,14 +58,14 @@ function drawTable() {
   });
   const cell = (row, column, index) => {
     if (column.isTree) {
-      const few = row.entry.scenes ? `<small>${row.entry.scenes} of ${row.place.scenes} scenes</small>` : "";
+      const few = row.entry.scenes ? ` <small>${row.entry.scenes} of ${row.place.scenes} scenes</small>` : "";
       const failed = row.entry.error ? ` <small class="failed" title="${escaped(row.entry.error)}">failed</small>` : "";
       return `<td class="text">${mark(row.tree)}${escaped(row.tree.name).replace(" / ", "&nbsp;/&nbsp;")}${few}${failed}</td>`;
     }
     if (column.isText) return `<td class="text">${escaped(column.text(row))}</td>`;
     const more = column.more?.(row);
     const isBest = column.isRatio && !chosen.every && column.value(row) === best[index] && rows.length > 1;
-    return `<td${isBest ? ' class="best"' : ""}>${column.text(row)}${more === undefined ? "" : `<small>${more}</small>`}</td>`;
+    return `<td${isBest ? ' class="best"' : ""}>${column.text(row)}${more === undefined ? "" : ` <small>${more}</small>`}</td>`;
   };
   const table = find("table");
   table.tHead.innerHTML =
