@@ -75,7 +75,7 @@ function put(figure, drawing, label) {
 
 /** Where a text may stand, first choice first: beside a point, below a falling front, or below a rising curve. */
 const BESIDE = [[10, 0, "start"], [8, -11, "start"], [0, -14, "middle"], [-10, 0, "end"], [8, 12, "start"], [0, 15, "middle"], [-8, -11, "end"], [-8, 12, "end"]];
-const BELOW_RIGHT = [[10, 14, "start"], [0, 17, "middle"], [10, 30, "start"], [0, 33, "middle"], [10, 46, "start"], [-8, 14, "end"], [0, -14, "middle"]];
+const BELOW_RIGHT = [[10, 14, "start"], [0, 17, "middle"], [-2, 17, "end"], [10, 30, "start"], [0, 33, "middle"], [-2, 33, "end"], [10, 46, "start"], [0, -14, "middle"]];
 const BELOW = [[-8, 12, "end"], [0, 16, "middle"], [-11, 0, "end"], [10, 12, "start"], [11, 0, "start"], [0, -14, "middle"]];
 
 /**

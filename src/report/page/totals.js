@@ -35,9 +35,10 @@ function drawTotals() {
   const y = d3.scaleLog(domains.y, [height - margins.bottom, margins.top]);
   const ticks = data.budgets.filter((count) => Number.isInteger(Math.log10(count)) && (!isNarrow || Math.log10(count) % 3 === 0));
   const format = (count) => (count >= 1e9 ? `${count / 1e9} G` : count >= 1e6 ? `${count / 1e6} M` : `${count / 1e3} k`);
-  // Below the least there is nothing.
+  // Below the least there is nothing. Who wins longest has the first choice.
+  const steps = d3.rollup(least, (all) => all.length, (point) => point.index);
   const labels = placeLabels(
-    stretches.map((point) => ({ point, at: [x(point.count), y(point.value)], label: point.tree.name, must: true })),
+    d3.sort(stretches, (point) => -steps.get(point.index)).map((point) => ({ point, at: [x(point.count), y(point.value)], label: point.tree.name, must: true })),
     () => BELOW_RIGHT,
     { width, height, ...margins },
   );
