@@ -130,3 +130,6 @@ fn sentence(sentence: Sentence) -> Vec<(&'static str, String)> {
     };
     sentence.0.into_iter().map(part).collect()
 }
+
+#[cfg(test)]
+mod tests;
