@@ -295,6 +295,8 @@ fn bad_input_is_one_line_and_code_2() {
         (&["verify", "missing.ply"], &["missing.ply"]),
         (&["verify", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["table", "nowhere"], &["nowhere", "phr bench"]),
+        (&["report", "nowhere"], &["nowhere", "phr bench"]),
+        (&["report", "folder"], &[ROWS, "phr bench"]),
         (&["table", "folder"], &[ROWS, "phr bench"]),
         (&["table", "sheet.ply"], &["sheet.ply"]),
     ];

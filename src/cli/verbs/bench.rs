@@ -27,7 +27,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Build and trace scenes with every builder, in interleaved rounds, and write rows, table and plot to results/NAME/
+/// Build and trace scenes with every builder, in interleaved rounds, and write rows, table, plots and page to
+/// results/NAME/
 ///
 /// Without scenes, the built-in generated set is run.
 #[derive(Debug, clap::Args)]
