@@ -45,6 +45,7 @@ impl Browser {
             "--disable-background-networking",
             "--disable-component-update",
             "--disable-sync",
+            "--hide-scrollbars",
             "--window-size=1400,900",
             &format!("--user-data-dir={}", profile.path().display()),
         ];

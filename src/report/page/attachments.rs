@@ -50,9 +50,9 @@ impl Attachments {
         let experiments = folder.join(EXPERIMENTS);
         let mut of_experiments = files(&experiments, "svg");
         of_experiments.extend(files(&experiments, "csv"));
+        // A picture stands before its figures.
         of_experiments
-            .sort_by(|a, b| (a.file_stem(), a.extension()).cmp(&(b.file_stem(), b.extension())).reverse());
-        of_experiments.reverse();
+            .sort_by(|a, b| a.file_stem().cmp(&b.file_stem()).then(b.extension().cmp(&a.extension())));
         let figures = files(folder, "svg").into_iter().filter(|file| !name(file).starts_with("figure6"));
         let read = |files: Vec<PathBuf>| -> Result<Vec<Attachment>, RecordsError> {
             files.iter().map(|file| Attachment::of(folder, file)).collect()

@@ -53,9 +53,8 @@ pub fn means(rows: &[Row]) -> String {
     let Some(field) = Field::of(rows).filter(|field| field.scenes.len() > 1 && field.base == BASELINE) else {
         return String::new();
     };
-    let mut grid = Grid::new(
-        ["tree", "build", "SAH cost", "trace", "worst trace", "in", "scenes"].map(Into::<String>::into),
-    );
+    let mut grid = Grid::new(["tree", "build", "SAH cost", "trace", "worst", "in"].map(Into::<String>::into));
+    let mut are_whole = true;
     for &tree in &field.trees {
         let of = |figure| field.ratios(tree, figure, &under);
         let (build, traces) = (of(Figure::Build), of(Figure::Trace));
@@ -65,28 +64,25 @@ pub fn means(rows: &[Row]) -> String {
             false => ratios.shown().unwrap_or_default(),
         };
         let worst = traces.worst().filter(|_| tree != BASELINE);
-        let count = build.0.len().max(traces.0.len());
+        let is_whole = build.0.len().max(traces.0.len()) == field.scenes.len();
+        are_whole &= is_whole;
         grid.push(vec![
-            tree_name(tree),
+            tree_name(tree) + if is_whole { "" } else { "*" },
             shown(&build),
             of(Figure::Cost).geometric().map_or_else(String::new, |cost| format!("{cost:.2}")),
             shown(&traces),
             worst.map_or_else(String::new, |worst| format!("{:.2}", worst.value)),
             worst.map_or_else(String::new, |worst| cut(&worst.scene)),
-            if count < field.scenes.len() { count.to_string() } else { String::new() },
         ]);
     }
-    format!(
-        "## Means over {} scenes, relative to {}\n\n{}\n",
-        field.scenes.len(),
-        BASELINE.0,
-        grid.markdown()
-    )
+    let fewer = if are_whole { "" } else { "* mean over fewer scenes\n" };
+    let (count, base) = (field.scenes.len(), BASELINE.0);
+    format!("## Means over {count} scenes, relative to {base}\n\n{}{fewer}\n", grid.markdown())
 }
 
 /// The name of a scene, shortened where it would make a line too long.
 fn cut(scene: &str) -> String {
-    const MOST: usize = 16;
+    const MOST: usize = 14;
     if scene.chars().count() <= MOST {
         scene.into()
     } else {
@@ -167,7 +163,7 @@ mod tests {
             .collect();
         assert_eq!(cells[1..4], ["phr-quality-no-auxiliary_leaf / 8", "61728", "0.50 ±0.00"], "{text}");
         assert_eq!(cells[4..9], ["1234", "1.00", "1197530", "0.001", "12.13 ±0.00"], "{text}");
-        assert!(means(&rows()).contains("| 0.50 [0.50, 0.50] |"), "{}", means(&rows()));
+        assert!(means(&rows()).contains(" 0.50 [0.50, 0.50] |"), "{}", means(&rows()));
     }
 
     #[test]
