@@ -13,9 +13,8 @@ use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
-    ablation, advise, advise::tune, bench, build, child::memory, child::turns, compare, kernels,
-    pages, pages::table, plot, records::merge, records::reduce, render, scaling, scenes, targets,
-    verify,
+    ablation, advise, advise::tune, bench, build, child::memory, child::turns, compare, kernels, pages,
+    pages::table, plot, records::merge, records::reduce, render, scaling, scenes, targets, verify,
 };
 
 /// Progressive Hierarchical Refinement: BVH builders, measured beside Embree's with the same rays.
