@@ -1,5 +1,6 @@
-# make bench        the table and the plot on the built-in scenes, into results/builtin: under nine minutes from an empty
-#                   clone on two cores, compilation included
+# make bench        the table, the plots and the page on the built-in scenes, into results/builtin: under nine minutes from
+#                   an empty clone on two cores, compilation included
+# make report       the page of results/builtin again, report.html; RESULTS=DIR for another folder
 # make bench-full   the same with more rays and rounds
 # make bench-paper  the same on the paper's nine scenes or their stand-ins, into results/paper-scenes: hours
 # make bench-builders
@@ -43,6 +44,7 @@ SCENES ?= $(wildcard ../shared/scenes/*.ply.zst)
 ROUNDS ?= 3
 MIN_SECONDS ?= 60
 SIZE ?= 160
+RESULTS ?= results/builtin
 TARGETS = results/targets
 FULL = results/full
 REFERENCE = results/reference
@@ -73,6 +75,11 @@ NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 bench: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr bench --set builtin --rounds 3 --size 96 $(ARGS)
+
+# The page of the folder RESULTS again.
+report: packages
+	$(CARGO) build --release --bin phr
+	./target/release/phr report $(RESULTS)
 
 bench-full: packages
 	$(CARGO) build --release --bin phr
@@ -144,6 +151,7 @@ embree-ndebug: packages
 	done
 	./target/release/phr reduce results/ndebug-full results/ndebug
 
+test: PACKAGES += chromium chromium-driver
 test: packages
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --workspace --all-targets --features phr/peers -- -D warnings

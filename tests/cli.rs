@@ -93,7 +93,7 @@ fn a_run_writes_verified_rows_and_its_table() {
     let drawn = ["figure6", "figure6-own", "figure6-paper", "figure6-scenes"];
     let figures: Vec<String> =
         drawn.iter().flat_map(|name| [format!("{name}.png"), format!("{name}.svg")]).collect();
-    let mut expected = vec![ENVIRONMENT, ROUNDS, ROWS, SAMPLES, "table1.md"];
+    let mut expected = vec![ENVIRONMENT, ROUNDS, ROWS, SAMPLES, "report.html", "table1.md"];
     if cfg!(feature = "embree") {
         expected.extend(figures.iter().map(String::as_str));
     }
@@ -102,10 +102,17 @@ fn a_run_writes_verified_rows_and_its_table() {
 
     let told = text(&output.stdout);
     let summary = &told[told.find("## out: 1 scene").expect("a summary at the end")..];
-    for part in ["fastest build:", "fastest trace:", "table: out/table1.md", "rows: out/rows.csv", "plot: "] {
+    for part in [
+        "In sheet on 2 threads",
+        "Build and rays together, ",
+        "table: out/table1.md",
+        "rows:  out/rows.csv",
+        "plots: ",
+        "page:  out/report.html",
+    ] {
         assert!(summary.contains(part), "no {part:?} in {summary}");
     }
-    assert_eq!(summary.contains("plot: out/figure6.svg"), cfg!(feature = "embree"), "{summary}");
+    assert_eq!(summary.contains("plots: out/figure6.png"), cfg!(feature = "embree"), "{summary}");
 
     let rows = row::read(&out).unwrap();
     let totals: Vec<&Row> = rows.iter().filter(|row| row.is_total() && row.verified == Some(true)).collect();
@@ -297,6 +304,8 @@ fn bad_input_is_one_line_and_code_2() {
         (&["verify", "missing.ply"], &["missing.ply"]),
         (&["verify", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["table", "nowhere"], &["nowhere", "phr bench"]),
+        (&["report", "nowhere"], &["nowhere", "phr bench"]),
+        (&["report", "folder"], &[ROWS, "phr bench"]),
         (&["table", "folder"], &[ROWS, "phr bench"]),
         (&["table", "sheet.ply"], &["sheet.ply"]),
     ];

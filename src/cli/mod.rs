@@ -15,9 +15,8 @@ use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
-    ablation, advise, advise::tune, bench, build, child::memory, child::turns, compare, kernels,
-    pages::readme, pages::table, plot, records::merge, records::reduce, render, scaling, scenes, targets,
-    verify,
+    ablation, advise, advise::tune, bench, build, child::memory, child::turns, compare, kernels, pages,
+    pages::table, plot, records::merge, records::reduce, render, scaling, scenes, targets, verify,
 };
 
 /// Progressive Hierarchical Refinement: BVH builders, measured beside Embree's with the same rays.
@@ -50,7 +49,8 @@ enum Verb {
     Scaling(scaling::Arguments),
     Reduce(reduce::Arguments),
     Merge(merge::Arguments),
-    Readme(readme::Arguments),
+    Readme(pages::readme::Arguments),
+    Report(pages::report::Arguments),
     Memory(memory::Arguments),
     #[command(hide = true)]
     Turns(turns::Arguments),
@@ -94,7 +94,8 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Compare(arguments) => compare::run(arguments),
         Verb::Kernels(arguments) => kernels::run(arguments),
         Verb::Scaling(arguments) => scaling::run(arguments),
-        Verb::Readme(arguments) => readme::run(arguments),
+        Verb::Readme(arguments) => pages::readme::run(arguments),
+        Verb::Report(arguments) => pages::report::run(arguments),
         Verb::Memory(arguments) => memory::run(arguments),
         Verb::Turns(arguments) => turns::run(arguments),
     };

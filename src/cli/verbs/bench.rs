@@ -1,5 +1,6 @@
 //! `phr bench`: times builders and traces, and writes the records.
 
+use super::pages::report::write_page;
 use super::plot::draw;
 use crate::bench::chosen::Chosen;
 use crate::bench::contender::saved::{check, offer};
@@ -20,14 +21,16 @@ use crate::cli::plan_outline::outline;
 use crate::cli::progress::Bar;
 use crate::cli::run_summary::{TABLE, run_summary};
 use crate::report::figures::Under;
+use crate::report::page::PAGE;
 use crate::report::plot;
-use crate::report::table;
+use crate::report::table::{self, brief};
 use regex::Regex;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Build and trace scenes with every builder, in interleaved rounds, and write rows, table and plot to results/NAME/
+/// Build and trace scenes with every builder, in interleaved rounds, and write rows, table, plots and page to
+/// results/NAME/
 ///
 /// Without scenes, the built-in generated set is run.
 #[derive(Debug, clap::Args)]
@@ -109,6 +112,9 @@ pub struct Arguments {
     /// Continue a stopped run, or add rounds, scenes or builders to a run
     #[arg(long)]
     resume: bool,
+    /// Print every regime and kernel in the tables, not what matters alone
+    #[arg(long)]
+    all_columns: bool,
     /// List what would be run, one "scene builder width kernel" per line
     #[arg(long)]
     list: bool,
@@ -271,7 +277,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         },
         stop: &stop,
     };
-    let mut bar = Bar::new();
+    let mut bar = Bar::new(arguments.all_columns);
     let outcome = run.make(&mut bar)?;
     bar.finish();
     if outcome.rows.is_empty() {
@@ -279,8 +285,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let document = table::document(&outcome.rows, outcome.complete);
     write_whole(&folder.join(TABLE), document.as_bytes())?;
-    say(&table::closing(&outcome.rows))?;
+    say(&if arguments.all_columns {
+        table::closing(&outcome.rows)
+    } else {
+        brief::means(&outcome.rows) + &brief::legend(&outcome.rows)
+    })?;
     let plots = draw(&plot::figures(&outcome.rows, &Under::best(&outcome.rows)), &folder)?;
+    write_page(&folder, &folder.join(PAGE))?;
     say(&run_summary(&outcome.rows, &folder, &plots))?;
     verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)
 }

@@ -15,9 +15,10 @@ use crate::report::figures::{Figure, Under, scenes, tree_named};
 use crate::report::kernels::page;
 use crate::report::means::{Ratios, means};
 use crate::report::summary::summary;
+use crate::report::table::details;
+use crate::report::table::table1::table1;
 use crate::report::table::{document_under, heading, remarks};
-use crate::report::table1::table1;
-use crate::report::{self, details, targets};
+use crate::report::{self, targets};
 use std::path::Path;
 
 /// The kinds of markers, each with the words that follow; `...` stands for more of the last.

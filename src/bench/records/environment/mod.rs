@@ -8,7 +8,8 @@ mod system;
 use crate::bench::files::Written;
 use moment::Moment;
 use serde::{Deserialize, Serialize};
-use system::{UNKNOWN, line_of, output, text};
+pub use system::UNKNOWN;
+use system::{line_of, output, text};
 
 pub use library::Library;
 

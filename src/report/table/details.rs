@@ -1,10 +1,10 @@
 //! One scene in full: every tree of any width, builds in every regime, and traces under every kernel, with
 //! intervals of the ratios.
 
-use super::figures::{BASELINE, Figure, SceneFigures, Tree, Under, kernels, trees};
-use super::grid::{Grid, short};
 use crate::bench::row::Row;
 use crate::bench::statistics::Ratio;
+use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, kernels, trees};
+use crate::report::grid::{Grid, short};
 
 /// One scene's table, under a heading. A scene among `rows` alone or with others gives the same.
 pub fn scene(rows: &[Row], scene: &str) -> String {
@@ -84,7 +84,7 @@ pub fn kernels_are_mixed(rows: &[Row], scenes: &[String]) -> bool {
 }
 
 /// A ratio with the half width of its interval, where that is known.
-fn interval(ratio: Ratio) -> String {
+pub(super) fn interval(ratio: Ratio) -> String {
     let half = 0.5 * (ratio.high - ratio.low);
     // An interval wider than the ratio says no more than that nothing is known.
     if half < ratio.value {
@@ -95,7 +95,7 @@ fn interval(ratio: Ratio) -> String {
 }
 
 /// Digits in groups of three.
-fn grouped(number: u64) -> String {
+pub(super) fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let groups: Vec<&str> =
         digits.as_bytes().rchunks(3).rev().map(|group| std::str::from_utf8(group).unwrap_or("")).collect();

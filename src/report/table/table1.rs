@@ -1,9 +1,9 @@
 //! Table 1 in the paper's own arrangement: methods in rows, scenes in columns, three scenes to a block; per
 //! cell build time, SAH cost, time of a frame and million rays per second.
 
-use super::figures::{Figure, Place, SceneFigures, Tree, Under, WIDTH, scenes, trees};
-use super::grid::{Grid, short};
 use crate::bench::row::Row;
+use crate::report::figures::{Figure, Place, SceneFigures, Tree, Under, WIDTH, scenes, trees};
+use crate::report::grid::{Grid, short};
 
 /// Scenes side by side.
 const ABREAST: usize = 3;

@@ -1,14 +1,18 @@
 //! The table of a run as a Markdown document, made from the rows alone: Table 1 as in the paper, the means,
 //! every scene in full, what the columns mean, errors and warnings.
 
-use super::details::{self, kernels_are_mixed};
+pub mod brief;
+pub mod details;
+pub mod table1;
+
 use super::figures::{BASELINE, Under, scenes};
 use super::means::means;
-use super::table1::table1;
 use crate::bench::row::{NO_KERNEL, Row};
 use crate::bench::warnings::Warning;
+use details::kernels_are_mixed;
+use table1::table1;
 
-pub use super::details::scene;
+pub use details::scene;
 
 /// The document, with the fairest choice of kernel.
 pub fn document(rows: &[Row], complete: bool) -> String {
@@ -79,6 +83,15 @@ fn legend(rows: &[Row]) -> String {
     )
 }
 
+/// The defects that rows have, each with how many rows have it, of how many.
+pub fn warned(rows: &[Row]) -> Vec<(Warning, usize, usize)> {
+    let totals: Vec<&Row> = rows.iter().filter(|row| row.is_total()).collect();
+    let has = |row: &&&Row, warning| Warning::parse(&row.warnings).any(|found| found == warning);
+    let count = |warning| totals.iter().filter(|row| has(row, warning)).count();
+    let counted = Warning::ALL.into_iter().map(|warning| (warning, count(warning), totals.len()));
+    counted.filter(|(_, count, _)| *count > 0).collect()
+}
+
 /// Errors and warnings, each with advice.
 pub fn remarks(rows: &[Row]) -> String {
     let mut text = String::new();
@@ -87,12 +100,8 @@ pub fn remarks(rows: &[Row]) -> String {
         let kind = if row.verified == Some(false) { "WRONG HITS" } else { "no figures" };
         text += &format!("\n{kind}: {} {}/{}{kernel}: {}", row.scene, row.builder, row.width, row.error);
     }
-    let totals: Vec<&Row> = rows.iter().filter(|row| row.is_total()).collect();
-    for warning in Warning::ALL {
-        let count = totals.iter().filter(|row| Warning::parse(&row.warnings).any(|w| w == warning)).count();
-        if count > 0 {
-            text += &format!("\n{}: {count} of {} rows; {}", warning.name(), totals.len(), warning.advice());
-        }
+    for (warning, count, of) in warned(rows) {
+        text += &format!("\n{}: {count} of {of} rows; {}", warning.name(), warning.advice());
     }
     if text.is_empty() { text } else { text + "\n" }
 }
