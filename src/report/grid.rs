@@ -93,7 +93,7 @@ mod tests {
     fn cells_stay_cells() {
         let mut grid = Grid::new(["builder", "verdict"]);
         grid.push(vec!["lbvh".into(), "a|b\nc".into()]);
-        assert_eq!(grid.markdown().lines().last(), Some("| lbvh    | a\\|b c |"));
+        assert_eq!(grid.markdown().lines().last(), Some("| lbvh    |  a\\|b c |"));
     }
 
     #[test]

@@ -109,7 +109,7 @@ mod tests {
         type At = (usize, usize);
 
         fn root(&self) -> Option<(usize, usize)> {
-            (self.0.len() > 0).then_some((0, self.0.len()))
+            (!self.0.is_empty()).then_some((0, self.0.len()))
         }
 
         fn open(&self, (first, len): (usize, usize), prims: &mut Vec<u32>) -> Opened<(usize, usize)> {

@@ -6,7 +6,7 @@ use crate::bench::memory;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::statistics::Summary;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, pools};
+use crate::cli::options::{all_threads, check_place, pools};
 use crate::cli::output::say;
 use crate::report::grid::short;
 use std::path::PathBuf;
@@ -54,6 +54,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let (Some(output), true) = (&arguments.output, cells.len() > 1) {
         let remedy = "holds one tree; give --builder and --width";
         return Err(Failure::Bad(format!("--output {}: {remedy}", output.display())));
+    }
+    if let Some(output) = &arguments.output {
+        check_place(output)?;
     }
     let scene = PlannedScene::find(&arguments.scene)?.load()?;
     for remark in scene.remarks() {

@@ -86,7 +86,7 @@ pub fn total_time(advice: &Advice) -> Option<Drawing> {
 }
 
 /// Where each winner begins to be the best, in million rays within `ends`.
-fn marks<'a>(advice: &'a Advice, ends: (f64, f64)) -> Vec<(&'a Known, f64)> {
+fn marks(advice: &Advice, ends: (f64, f64)) -> Vec<(&Known, f64)> {
     let winners = advice.winners();
     let mut marks: Vec<(&Known, f64)> = Vec::new();
     for (i, (known, from)) in winners.iter().enumerate() {

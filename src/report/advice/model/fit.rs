@@ -88,10 +88,8 @@ fn solve(inputs: &[Vec<f64>], outputs: &[f64], ridge: f64) -> Vec<f64> {
     for pivot in 0..n {
         for row in 0..n {
             if row != pivot {
-                let factor = matrix[row][pivot] / matrix[pivot][pivot];
-                for column in pivot..=n {
-                    matrix[row][column] -= factor * matrix[pivot][column];
-                }
+                let (factor, eliminated) = (matrix[row][pivot] / matrix[pivot][pivot], matrix[pivot].clone());
+                matrix[row].iter_mut().zip(&eliminated).skip(pivot).for_each(|(x, y)| *x -= factor * y);
             }
         }
     }
