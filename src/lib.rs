@@ -84,11 +84,11 @@
 //! 4. [`trace`] records a path tracer's rays once per view and traces them through any tree;
 //! 5. [`query`] is the same for an application;
 //! 6. `embree` does the same with the distribution's Embree (feature `embree`);
-//! 7. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots and `cli` into
-//!    commands (feature `harness`).
+//! 7. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots; `experiments`
+//!    has the paper's other figures and its experiments, and `cli` turns all of it into commands (feature `harness`).
 //!
 //! Imports run down this list: `geometry`, `scene`, `bvh`, `simd`, `memory`, `parallel`, `builders`, `embree`, `trace`,
-//! `query`, `bench`, `report`, `cli`.
+//! `query`, `bench`, `report`, `experiments`, `cli`.
 
 #![deny(missing_docs)]
 
@@ -111,6 +111,8 @@ pub use query::{Bvh, BvhConfig};
 pub mod bench;
 #[cfg(feature = "harness")]
 pub mod cli;
+#[cfg(feature = "harness")]
+pub mod experiments;
 #[cfg(feature = "harness")]
 pub mod report;
 

@@ -4,11 +4,13 @@
 mod failure;
 mod options;
 mod output;
+mod paper;
 mod progress;
 mod run_summary;
 mod verbs;
 
 use clap::{Parser, Subcommand};
+use paper::heatmap;
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
@@ -29,6 +31,7 @@ enum Verb {
     Bench(bench::Arguments),
     Build(build::Arguments),
     Render(render::Arguments),
+    Heatmap(heatmap::Arguments),
     Verify(verify::Arguments),
     Scenes(scenes::Arguments),
     Table(table::Arguments),
@@ -69,6 +72,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Bench(arguments) => bench::run(arguments),
         Verb::Build(arguments) => build::run(arguments),
         Verb::Render(arguments) => render::run(arguments),
+        Verb::Heatmap(arguments) => heatmap::run(arguments),
         Verb::Verify(arguments) => verify::run(arguments),
         Verb::Scenes(arguments) => scenes::run(arguments),
         Verb::Table(arguments) => table::run(arguments),

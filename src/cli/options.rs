@@ -4,6 +4,7 @@ use super::failure::Failure;
 use crate::bench::cell::Cell;
 use crate::bench::contender;
 use crate::bench::pools::Pools;
+use crate::scene::Scene;
 
 /// Processors of this machine: the default of `--threads`.
 pub fn all_threads() -> usize {
@@ -42,6 +43,18 @@ pub fn cell(builder: &str, width: Option<u32>) -> Result<Cell, Failure> {
         Failure::Bad(format!("--width {width}: {builder} builds trees of width {}", widths.join(" and ")))
     };
     found.map(|&cell| cell.clone()).ok_or_else(no_width)
+}
+
+/// The index of the view that `--view` asks for.
+///
+/// # Errors
+/// The scene has none of that index.
+pub fn view(scene: &Scene, wanted: usize) -> Result<usize, Failure> {
+    let (name, views) = (&scene.name, scene.views.len());
+    if wanted < views {
+        return Ok(wanted);
+    }
+    Err(Failure::Bad(format!("--view {wanted}: {name} has {views} views; give 0 to {}", views - 1)))
 }
 
 /// Reads "5%" as 0.05.

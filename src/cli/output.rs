@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use std::io::Write;
+use std::path::Path;
 
 /// Prints to standard output. A closed pipe (`phr table | head`) is no error.
 ///
@@ -14,4 +15,19 @@ pub fn say(text: &str) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// Refuses a place that cannot be written before any work is done.
+///
+/// # Errors
+/// A folder, or a place in none.
+pub fn check_place(path: &Path) -> Result<(), Failure> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if path.is_dir() {
+        return Err(Failure::Bad(format!("{}: is a directory; give a file name", path.display())));
+    }
+    if !folder.is_dir() {
+        return Err(Failure::Bad(format!("{}: no such folder; make it first", folder.display())));
+    }
+    Ok(())
 }

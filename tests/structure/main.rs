@@ -39,6 +39,7 @@ const ORDER: &[&str] = &[
     "query",
     "bench",
     "report",
+    "experiments",
     "cli",
 ];
 

@@ -4,9 +4,9 @@ use crate::bench::contender::{BuildRequest, Contender, TreeUnderKernel};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
 use crate::cli::options::{self, all_threads, pools};
-use crate::cli::output::say;
+use crate::cli::output::{check_place, say};
 use crate::trace::{self, Image, PathSettings};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Render a view of a scene through a builder's tree to a PNG file
 #[derive(Debug, clap::Args)]
@@ -44,14 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let cell = options::cell(&arguments.builder, None)?;
     check_place(&arguments.output)?;
     let scene = PlannedScene::find(&arguments.scene)?.load()?;
-    let Some(view) = scene.views.get(arguments.view) else {
-        let (name, views) = (&scene.name, scene.views.len());
-        let wanted = arguments.view;
-        return Err(Failure::Bad(format!(
-            "--view {wanted}: {name} has {views} views; give 0 to {}",
-            views - 1
-        )));
-    };
+    let view = &scene.views[options::view(&scene, arguments.view)?];
     let request =
         BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &cell.kernels[..1], wants_facts: false };
     let mut contender = Contender::of(&cell).map_err(Failure::Wrong)?;
@@ -68,16 +61,4 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     image.write_png(&arguments.output)?;
     say(&format!("{}: {} view {}, {}", arguments.output.display(), scene.name, arguments.view, cell.builder))
-}
-
-/// Refuses a place that cannot be written before any work is done.
-fn check_place(path: &Path) -> Result<(), Failure> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if path.is_dir() {
-        return Err(Failure::Bad(format!("{}: is a directory; give a file name", path.display())));
-    }
-    if !folder.is_dir() {
-        return Err(Failure::Bad(format!("{}: no such folder; make it first", folder.display())));
-    }
-    Ok(())
 }
