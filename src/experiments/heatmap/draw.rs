@@ -10,8 +10,10 @@ use crate::report::plot::svg::Anchor;
 
 /// Panels side by side at most.
 const ABREAST: usize = 4;
-/// The least extent of a panel, pixels; smaller ones are enlarged.
+/// About the least extent of a panel, pixels; smaller ones are enlarged.
 const LEAST: usize = 400;
+/// The least width of the picture: its heading must fit.
+const LEAST_WIDTH: usize = 760;
 /// Room left of the first panel and between two.
 const GAP: usize = 24;
 const TOP: usize = 76;
@@ -30,11 +32,11 @@ pub fn draw(panels: &[Panel]) -> Result<Vec<u8>, RasterError> {
         return Err(RasterError::Size { width: 0, height: 0 });
     };
     let size = first.size as usize;
-    let enlarged = LEAST.div_ceil(size).max(1);
+    let enlarged = ((LEAST + size / 2) / size).max(1);
     let side = size * enlarged;
     let abreast = panels.len().min(ABREAST);
     let lines = panels.len().div_ceil(ABREAST);
-    let width = GAP + abreast * (side + GAP);
+    let width = (GAP + abreast * (side + GAP)).max(LEAST_WIDTH);
     let bar_top = TOP + lines * (TITLE + side + BELOW);
     let title = format!("Traversal steps of primary rays: {}, view {}", first.scene, first.view);
     let about = format!(
@@ -62,21 +64,19 @@ pub fn draw(panels: &[Panel]) -> Result<Vec<u8>, RasterError> {
             |i: usize| colour(f64::from(steps[i / side / enlarged * size + i % side / enlarged]), row.scale);
         patches.push(Patch { at: (x, y + TITLE), width: side, rgb: (0..side * side).map(enlarge).collect() });
     }
-    let bar = side.max(width / 2 - GAP);
+    // The other half has room for words.
+    let bar = width / 2 - GAP;
     let along: Vec<[u8; 3]> =
         (0..bar).map(|i| colour(i as f64 / (bar - 1) as f64 * f64::from(first.scale), first.scale)).collect();
     patches.push(Patch { at: (GAP, bar_top), width: bar, rgb: along.repeat(BAR) });
     for tick in 0..=4 {
         let steps = f64::from(first.scale) * f64::from(tick) / 4.0;
         let x = GAP as f64 + (bar - 1) as f64 * f64::from(tick) / 4.0;
-        let (anchor, text) = match tick {
-            0 => (Anchor::Start, "0".to_owned()),
-            4 => (Anchor::End, format!("{steps} steps and more")),
-            _ => (Anchor::Middle, format!("{steps}")),
-        };
         svg.line(&[(x, (bar_top + BAR) as f64), (x, (bar_top + BAR + 5) as f64)], INK, 1.0, "");
-        svg.text((x, (bar_top + BAR + 20) as f64), anchor, SMALL, INK, &text, "");
+        svg.text((x, (bar_top + BAR + 20) as f64), Anchor::Middle, SMALL, INK, &steps.to_string(), "");
     }
+    let beside = ((GAP + bar + 14) as f64, (bar_top + BAR - 4) as f64);
+    svg.text(beside, Anchor::Start, SMALL, INK, "steps; more than the most have its colour", "");
     png_with(&svg.finish(), 1.0, &patches)
 }
 

@@ -1,7 +1,7 @@
 //! What a heat map is drawn from: a CSV with a line per builder, and beside it the counts of all pixels as a grey PNG of
 //! 16 bits, one builder below the other, without loss.
 
-use crate::bench::files::{RecordsError, write_whole};
+use crate::bench::files::{RecordsError, read_csv_file, write_csv, write_whole};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -72,13 +72,8 @@ pub fn places(png: &Path) -> [PathBuf; 2] {
 /// An unwritable place.
 pub fn write(png: &Path, panels: &[Panel]) -> Result<(), HeatmapError> {
     let [csv_path, counts_path] = places(png);
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let malformed = |source| RecordsError::Malformed { path: csv_path.clone(), source };
-    for panel in panels {
-        writer.serialize(&panel.row).map_err(malformed)?;
-    }
-    let bytes = writer.into_inner().map_err(|error| malformed(error.into_error().into()))?;
-    write_whole(&csv_path, &bytes)?;
+    let rows: Vec<&HeatmapRow> = panels.iter().map(|panel| &panel.row).collect();
+    write_csv(&csv_path, &rows)?;
     let counts = encoded(panels)
         .map_err(|error| HeatmapError::Counts { path: counts_path.clone(), reason: error.to_string() })?;
     Ok(write_whole(&counts_path, &counts)?)
@@ -104,17 +99,8 @@ fn encoded(panels: &[Panel]) -> Result<Vec<u8>, png::EncodingError> {
 /// Missing or malformed files, and counts of other sizes than the CSV tells.
 pub fn read(png: &Path) -> Result<Vec<Panel>, HeatmapError> {
     let [csv_path, counts_path] = places(png);
-    let file = std::fs::File::open(&csv_path).map_err(|source| RecordsError::Io {
-        path: csv_path.clone(),
-        source,
-        remedy: "run `phr heatmap` without --redraw first",
-    })?;
-    let rows: Result<Vec<HeatmapRow>, csv::Error> =
-        csv::Reader::from_reader(file).into_deserialize().collect();
-    let rows = rows.map_err(|source| RecordsError::Malformed { path: csv_path.clone(), source })?;
-    let Some(size) = rows.first().map(|row| row.size) else {
-        return Err(RecordsError::Empty { path: csv_path }.into());
-    };
+    let rows: Vec<HeatmapRow> = read_csv_file(&csv_path, "run `phr heatmap` without --redraw first")?;
+    let size = rows[0].size;
     let failed = |reason: String| HeatmapError::Counts { path: counts_path.clone(), reason };
     let (across, down, samples) = decoded(&counts_path).map_err(&failed)?;
     if rows.iter().any(|row| row.size != size) || (across, down) != (size, size * rows.len() as u32) {

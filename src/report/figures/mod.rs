@@ -3,6 +3,7 @@
 
 pub mod interval;
 mod place;
+mod scenes;
 
 use crate::bench::cell::place;
 use crate::bench::rounds::{ByRound, paired};
@@ -10,6 +11,7 @@ use crate::bench::row::{ALL, NO_KERNEL, REBUILD, Row};
 use crate::bench::statistics::{Ratio, Summary};
 use interval::{Noise, SceneRatio};
 pub use place::Place;
+pub use scenes::{scenes, scenes_of};
 
 /// A tree of the table: builder and width.
 pub type Tree<'a> = (&'a str, u32);
@@ -103,17 +105,6 @@ pub fn kernels<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Vec<String> {
     let mut names: Vec<String> = traced.map(|row| row.kernel.clone()).collect();
     names.sort_by(|a, b| (order(a), a).cmp(&(order(b), b)));
     names.dedup();
-    names
-}
-
-/// The scenes of `rows`, in their order.
-pub fn scenes(rows: &[Row]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for row in rows {
-        if !names.contains(&row.scene) {
-            names.push(row.scene.clone());
-        }
-    }
     names
 }
 

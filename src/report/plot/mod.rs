@@ -12,6 +12,7 @@ pub mod labels;
 pub mod pareto;
 pub mod raster;
 pub mod svg;
+pub mod ticks;
 
 use super::figures::Under;
 use crate::bench::row::Row;
