@@ -10,7 +10,7 @@
 //! * `registry`: builders by name.
 //!
 //! `builder` and `config_error` are what they share, `naive` is the oracle of the tests, `steps` has single steps for
-//! benchmarks.
+//! benchmarks and the splits of a build for pictures.
 
 mod aac;
 mod binary;
@@ -40,5 +40,5 @@ pub use lbvh::direct::Lbvh;
 pub use optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
 pub use phr::{Extensions, LocalThreshold, Phr, PhrConfig};
 pub use prims::presplit::PresplitConfig;
-pub use registry::{ABLATION, NAMES, WITHOUT, by_name, on_request};
+pub use registry::{ABLATION, CutConfig, NAMES, WITHOUT, by_name, cuts_of, on_request};
 pub use wide::optimal::CollapseCosts;

@@ -192,6 +192,25 @@ pub fn by_name<const N: usize>(name: &str) -> Option<Box<dyn Builder<N>>> {
     Some(build(name, config).expect("the registry's parameters are in range, as a test tells"))
 }
 
+/// The configuration of a builder over cuts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CutConfig {
+    /// Of PHR.
+    Phr(PhrConfig),
+    /// Of Hunt's method.
+    Hunt(HuntConfig),
+}
+
+/// The cuts of the builder called `name`, before its tree is optimised where it is; `None` of builders without cuts.
+pub fn cuts_of(name: &str) -> Option<CutConfig> {
+    match REGISTRY.iter().find(|(known, _)| *known == name).copied().or_else(|| without(name))?.1 {
+        Config::Phr(config) => Some(CutConfig::Phr(config)),
+        Config::OptimisedPhr(config) => Some(CutConfig::Phr(config.phr)),
+        Config::Hunt(config) => Some(CutConfig::Hunt(config)),
+        Config::Lbvh | Config::Aac(_) => None,
+    }
+}
+
 fn build<const N: usize>(name: &'static str, config: Config) -> Result<Box<dyn Builder<N>>, ConfigError> {
     Ok(match config {
         Config::Lbvh => Box::<Lbvh<N>>::default(),

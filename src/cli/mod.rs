@@ -10,7 +10,7 @@ mod run_summary;
 mod verbs;
 
 use clap::{Parser, Subcommand};
-use paper::heatmap;
+use paper::{arguments, experiment, heatmap};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
@@ -32,6 +32,7 @@ enum Verb {
     Build(build::Arguments),
     Render(render::Arguments),
     Heatmap(heatmap::Arguments),
+    Experiment(arguments::Arguments),
     Verify(verify::Arguments),
     Scenes(scenes::Arguments),
     Table(table::Arguments),
@@ -73,6 +74,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Build(arguments) => build::run(arguments),
         Verb::Render(arguments) => render::run(arguments),
         Verb::Heatmap(arguments) => heatmap::run(arguments),
+        Verb::Experiment(arguments) => experiment::run(arguments),
         Verb::Verify(arguments) => verify::run(arguments),
         Verb::Scenes(arguments) => scenes::run(arguments),
         Verb::Table(arguments) => table::run(arguments),

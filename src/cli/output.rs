@@ -31,3 +31,13 @@ pub fn check_place(path: &Path) -> Result<(), Failure> {
     }
     Ok(())
 }
+
+/// Makes a folder for results, if there is none yet.
+///
+/// # Errors
+/// An unwritable place.
+pub fn new_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| {
+        Failure::Bad(format!("{}: {error}; give a writable folder with --out", folder.display()))
+    })
+}

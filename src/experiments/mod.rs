@@ -1,6 +1,8 @@
 //! The paper's other figures and its experiments. Each measures, keeps what it measured as CSV, and draws from that alone:
 //! the same file gives the same picture, byte for byte.
 //!
-//! * [`heatmap`], Figure 1: traversal steps of one view.
+//! * [`heatmap`], Figure 1: traversal steps of one view;
+//! * [`cut_size`], Figure 4: sizes of cuts by depth.
 
+pub mod cut_size;
 pub mod heatmap;

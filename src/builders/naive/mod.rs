@@ -10,4 +10,4 @@ mod meshes;
 mod recursion;
 pub(crate) mod splits;
 mod subtree;
-mod wide;
+pub(crate) mod wide;

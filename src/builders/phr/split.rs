@@ -4,7 +4,7 @@
 use super::clip::open;
 use super::cut::{Cut, CutBuilder, CutLevel, Side};
 use super::memory::CutScratch;
-use super::policy::CutPolicy;
+use super::policy::{CutPolicy, SeenSplit};
 use super::recursion::CutRecursion;
 use crate::builders::binary::kind::{Kind, leaf_is_cheaper};
 use crate::builders::binary::node::Node;
@@ -67,9 +67,25 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
             return [Some(Cut { kind: Kind::SoftLeaf, ..cut }), None];
         }
 
-        // Refine.
+        // Refine, which may change the sides: what is to be seen of them is copied.
         let references = sides[0].count + sides[1].count;
-        [0, 1].map(|i| self.refine(&cut, clips[i], references, &mut sides[i], arena))
+        let seen =
+            if P::SEES { sides.each_ref().map(|side| side.nodes.clone()) } else { [const { Vec::new() }; 2] };
+        let refined = [0, 1].map(|i| self.refine(&cut, clips[i], references, &mut sides[i], arena));
+        if P::SEES {
+            self.policy.see(&SeenSplit {
+                depth: cut.depth,
+                axis: spatial.map_or(object.axis, |split| split.axis),
+                plane: spatial.map(|split| split.plane),
+                cut: &arena[cut.range()],
+                sides: seen.each_ref().map(|nodes| &nodes[..]),
+                clips,
+                refined: refined
+                    .each_ref()
+                    .map(|cut| cut.as_ref().map_or(&[][..], |cut| &arena[cut.range()])),
+            });
+        }
+        refined
     }
 
     /// Opens what must be opened before a cut can be split: a lone node, whatever the threshold; all nodes, near the

@@ -1,3 +1,6 @@
 //! The verbs of the paper's other figures and its experiments.
 
+pub mod arguments;
+mod cut_size;
+pub mod experiment;
 pub mod heatmap;

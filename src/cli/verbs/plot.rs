@@ -71,12 +71,17 @@ pub fn draw(drawings: &[Drawing], folder: &Path) -> Result<Vec<PathBuf>, Failure
 }
 
 /// Fails at the first SVG in `folder` that differs from its drawing.
-fn check(drawings: &[Drawing], folder: &Path) -> Result<(), Failure> {
+///
+/// # Errors
+/// That file.
+pub fn check(drawings: &[Drawing], folder: &Path) -> Result<(), Failure> {
     for drawing in drawings {
         let svg = folder.join(drawing.name).with_extension("svg");
         if std::fs::read_to_string(&svg).unwrap_or_default() != drawing.svg {
             let svg = svg.display();
-            return Err(Failure::Wrong(format!("{svg}: not the figure of these rows; run `phr plot`")));
+            return Err(Failure::Wrong(format!(
+                "{svg}: not the figure of these rows; draw it again with `phr plot` or --redraw"
+            )));
         }
     }
     Ok(())
