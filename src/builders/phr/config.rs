@@ -45,6 +45,9 @@ pub struct Extensions {
     pub spatial_bias: Option<f32>,
     /// Where a spatial split cuts a node of a single triangle, the triangle is clipped and not only its box.
     pub clip_triangles: bool,
+    /// Sides of splits are weighed by the triangles below their nodes in place of the nodes, the alternative that the paper
+    /// names in 4.2. For an experiment: splits are found in plain code.
+    pub triangle_counts: bool,
     /// Cuts of at most this many references, whose boxes are too small for spatial splits, are split down to leaves
     /// in one go by sweeps over all of them.
     pub subtree_sweep: Option<u32>,
@@ -71,6 +74,7 @@ impl Extensions {
         local_threshold: None,
         spatial_bias: None,
         clip_triangles: false,
+        triangle_counts: false,
         subtree_sweep: None,
         collapse: None,
     };
