@@ -2,7 +2,7 @@
 //! Everything that can be wrong with a request is found here, before anything is timed or written.
 
 use super::cell::{Cell, Kernel};
-use super::contender;
+use super::contender::{self, Variant};
 use super::error::PlanError;
 use super::planned_scene::{PlannedScene, Source};
 use super::settings::Settings;
@@ -33,6 +33,8 @@ pub struct Request {
     pub folder: Option<PathBuf>,
     /// Builders by name; all if empty.
     pub builders: Vec<String>,
+    /// Builders with parameters of their own; all others must be given by name beside them.
+    pub variants: Vec<Variant>,
     /// Children per node of the trees; any if not given.
     pub width: Option<u32>,
     /// Only what matches "scene builder width kernel".
@@ -52,6 +54,8 @@ pub struct Plan {
     pub shard: Option<Shard>,
     /// Names of the scenes of all shards.
     pub all_scenes: Vec<String>,
+    /// Builders among the cells that have parameters of their own.
+    pub variants: Vec<Variant>,
     /// The settings.
     pub settings: Settings,
 }
@@ -77,12 +81,13 @@ impl Plan {
                 return Err(PlanError::SameName(scene.name.clone()));
             }
         }
-        let mut cells = cells(&request.builders, request.settings.build_only)?;
+        let mut cells = cells(request)?;
         cells.retain(|cell| request.width.is_none_or(|width| cell.width == width));
         let mut plan = Self {
             scenes: Vec::new(),
             shard: request.shard,
             all_scenes: Vec::new(),
+            variants: request.variants.clone(),
             settings: request.settings.clone(),
         };
         for scene in scenes {
@@ -129,9 +134,9 @@ impl Plan {
     }
 }
 
-/// The cells of the builders asked for, in the table's order.
-fn cells(builders: &[String], build_only: bool) -> Result<Vec<Cell>, PlanError> {
-    let all = contender::cells(build_only);
+/// The cells of the builders asked for, in the table's order, those with parameters of their own last.
+fn cells(Request { builders, variants, settings, .. }: &Request) -> Result<Vec<Cell>, PlanError> {
+    let all = contender::cells(settings.build_only);
     for name in builders {
         if !all.iter().any(|cell| cell.builder == *name) {
             let mut known: Vec<&str> = all.iter().map(|cell| cell.builder.as_str()).collect();
@@ -139,11 +144,16 @@ fn cells(builders: &[String], build_only: bool) -> Result<Vec<Cell>, PlanError> 
             return Err(PlanError::NoSuchBuilder { name: name.clone(), known: known.join(", ") });
         }
     }
-    let wanted = |cell: &Cell| match builders {
-        [] => !crate::builders::on_request().any(|name| name == cell.builder),
+    let wanted = |cell: &Cell| match &builders[..] {
+        [] => variants.is_empty() && !crate::builders::on_request().any(|name| name == cell.builder),
         _ => builders.contains(&cell.builder),
     };
-    Ok(all.into_iter().filter(wanted).collect())
+    let with_parameters = variants.iter().flat_map(|variant| [4, 8].map(|width| variant.cell(width)));
+    let mut with_parameters: Vec<Cell> = with_parameters.collect();
+    if settings.build_only {
+        with_parameters.iter_mut().for_each(|cell| cell.kernels.clear());
+    }
+    Ok(all.into_iter().filter(wanted).chain(with_parameters).collect())
 }
 
 /// The cell with the kernels that pass the filter, or `None` if none does.
@@ -177,6 +187,7 @@ mod tests {
             set: None,
             folder: None,
             builders: Vec::new(),
+            variants: Vec::new(),
             width: None,
             filter: filter.map(|filter| Regex::new(filter).unwrap()),
             shard: None,

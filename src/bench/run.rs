@@ -141,7 +141,8 @@ impl Run<'_> {
         }
         let invalid = rays.iter().map(|view| view.invalid as u64).sum();
         let index = recorder.scene(planned, scene, cells, rays.len(), invalid)?;
-        let mut bench = Bench::new(SceneTraces::new(scene, &rays, reference, settings, pools, self.stop));
+        let traces = SceneTraces::new(scene, &rays, reference, settings, pools, self.stop);
+        let mut bench = Bench::new(traces).with(&self.plan.variants);
         let start = Instant::now();
         let scenes = self.plan.all_scenes.len();
         for round in 0.. {

@@ -2,6 +2,7 @@
 //! failed checks in exit code 1, an undecided comparison in 3, Ctrl-C in 130.
 
 mod failure;
+mod measuring;
 mod options;
 mod output;
 mod paper;

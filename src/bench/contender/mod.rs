@@ -9,6 +9,7 @@ mod ours;
 pub mod pools;
 mod repeated;
 mod tree_under_kernel;
+mod variant;
 #[cfg(not(feature = "embree"))]
 mod without_embree;
 
@@ -19,6 +20,7 @@ pub use embree::isas as embree_isas;
 pub use embree::{Embree, REFERENCE_KERNEL, library, reference};
 pub use ours::Ours;
 pub use tree_under_kernel::TreeUnderKernel;
+pub use variant::{Configuration, Variant};
 #[cfg(not(feature = "embree"))]
 pub use without_embree::{Embree, REFERENCE_KERNEL, library, reference};
 

@@ -6,22 +6,18 @@ use crate::bench::merge::SHARDS;
 use crate::bench::moment::Moment;
 use crate::bench::plan::{Plan, Request, Set};
 use crate::bench::recorder::RecordOptions;
-use crate::bench::row::Row;
-use crate::bench::run::Run;
 use crate::bench::settings::Settings;
 use crate::bench::shard::Shard;
 use crate::cli::failure::Failure;
+use crate::cli::measuring::{command_line, make, verdict};
 use crate::cli::options::{all_threads, percent};
 use crate::cli::output::say;
-use crate::cli::progress::Bar;
 use crate::cli::run_summary::{TABLE, run_summary};
 use crate::report::figures::Under;
 use crate::report::plot;
 use crate::report::table;
 use regex::Regex;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Build and trace scenes with every builder, in interleaved rounds, and write rows, table and plot to results/NAME/
 ///
@@ -156,6 +152,7 @@ impl Arguments {
             set: self.set(),
             folder: self.folder.clone(),
             builders: self.builders.clone(),
+            variants: Vec::new(),
             width: self.width,
             filter: self.filter.as_ref().map(regex).transpose()?,
             shard: self.shard,
@@ -199,59 +196,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let remedy = "wait for a quiet hour or run without --when-quiet";
         return Err(Failure::Inconclusive(format!("{reason}; {remedy}")));
     }
-    let stop = Arc::new(AtomicBool::new(false));
-    let heard = Arc::clone(&stop);
-    ctrlc::set_handler(move || {
-        // A second Ctrl-C ends at once: the files on disk are whole at any time.
-        if heard.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    })?;
     let program = std::env::current_exe().ok();
-    let run = Run {
-        plan: &plan,
-        program: program.as_deref(),
-        records: RecordOptions {
-            folder: &folder,
-            resume: arguments.resume,
-            host: &arguments.host,
-            arguments: command_line(),
-        },
-        stop: &stop,
+    let records = RecordOptions {
+        folder: &folder,
+        resume: arguments.resume,
+        host: &arguments.host,
+        arguments: command_line(),
     };
-    let mut bar = Bar::new();
-    let outcome = run.make(&mut bar)?;
-    bar.finish();
-    if outcome.rows.is_empty() {
-        return Err(Failure::Interrupted("stopped before the first visit was done; no rows".into()));
-    }
+    let outcome = make(&plan, records, program.as_deref())?;
     let document = table::document(&outcome.rows, outcome.complete);
     write_whole(&folder.join(TABLE), document.as_bytes())?;
     say(&table::closing(&outcome.rows))?;
     let plots = draw(&plot::figures(&outcome.rows, &Under::best(&outcome.rows)), &folder)?;
     say(&run_summary(&outcome.rows, &folder, &plots))?;
     verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)
-}
-
-/// The exit code's reason.
-fn verdict(rows: &[Row], failures: usize, complete: bool, folder: &Path) -> Result<(), Failure> {
-    if failures > 0 {
-        let first = rows
-            .iter()
-            .find(|row| row.verified == Some(false))
-            .or_else(|| rows.iter().find(|row| !row.error.is_empty()));
-        let first = first.map_or_else(String::new, |row| {
-            format!("first {} {}/{}: {}", row.scene, row.builder, row.width, row.error)
-        });
-        return Err(Failure::Wrong(format!("{failures} builders failed or have wrong hits; {first}")));
-    }
-    if !complete {
-        let folder = folder.display();
-        return Err(Failure::Interrupted(format!(
-            "{folder}: stopped; finished visits are kept, continue with --resume"
-        )));
-    }
-    Ok(())
 }
 
 /// The plan in words.
@@ -283,13 +241,4 @@ fn outline(plan: &Plan, folder: &Path) -> String {
         "{visits} visits in {rounds} rounds{more}, {threads} threads, {rays}, into {}",
         folder.display()
     )
-}
-
-/// The arguments without the folders of this machine.
-fn command_line() -> Vec<String> {
-    let without_folder = |argument: String| match argument.rsplit_once('/') {
-        Some((_, file)) if !argument.starts_with("--filter") => file.to_owned(),
-        _ => argument,
-    };
-    std::env::args().skip(1).map(without_folder).collect()
 }

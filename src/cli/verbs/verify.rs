@@ -54,6 +54,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         set: None,
         folder: None,
         builders: arguments.builders.clone(),
+        variants: Vec::new(),
         width: None,
         shard: None,
         filter: None,
