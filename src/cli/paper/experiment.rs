@@ -1,7 +1,7 @@
 //! `phr experiment`: the paper's experiments, and the figures that look into a build.
 
 use super::arguments::{Arguments, FINDINGS};
-use super::cut_size;
+use super::{cut_size, split};
 use crate::bench::files::write_whole;
 use crate::bench::plan::{Plan, Request, Set};
 use crate::bench::recorder::RecordOptions;
@@ -20,9 +20,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.name == cut_size::NAME {
         return cut_size::run(arguments);
     }
+    if arguments.name == split::NAME {
+        return split::run(arguments);
+    }
     let Some(experiment) = contest::by_name(&arguments.name) else {
         let mut known: Vec<&str> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();
-        known.push(cut_size::NAME);
+        known.extend([cut_size::NAME, split::NAME]);
         return Err(Failure::Bad(format!(
             "no experiment is called {}; there are {}",
             arguments.name,

@@ -4,3 +4,4 @@ pub mod arguments;
 mod cut_size;
 pub mod experiment;
 pub mod heatmap;
+mod split;
