@@ -3,6 +3,7 @@
 use super::environment::moment::Moment;
 use super::environment::{ENVIRONMENT, Environment, Machine, Program, State};
 use super::files::{RecordsError, read_json, write_json};
+use super::phases::{self, PHASES};
 use super::rounds::ROUNDS;
 use super::row::{self, ROWS, Row, SCHEMA};
 use super::rows::{self, Header};
@@ -19,7 +20,7 @@ use crate::scene::Scene;
 use std::path::Path;
 
 /// Files that the command makes from the rows when a run ends.
-const MADE_OF_ROWS: [&str; 7] = [
+const MADE_OF_ROWS: [&str; 9] = [
     "table1.md",
     "figure6.svg",
     "figure6.png",
@@ -27,6 +28,8 @@ const MADE_OF_ROWS: [&str; 7] = [
     "figure6-scenes.png",
     "growth.svg",
     "growth.png",
+    "phases.svg",
+    "phases.png",
 ];
 
 /// Where and how a run is recorded.
@@ -107,7 +110,7 @@ impl<'a> Recorder<'a> {
         recorder.write_environment()?;
         if !options.resume {
             // No file of an older run may be taken for part of this one.
-            for file in MADE_OF_ROWS.into_iter().chain([ROWS, ROUNDS, SAMPLES]) {
+            for file in MADE_OF_ROWS.into_iter().chain([ROWS, ROUNDS, PHASES, SAMPLES]) {
                 let path = folder.join(file);
                 if path.exists() {
                     let remedy = "give another folder with --out";
@@ -204,6 +207,7 @@ impl<'a> Recorder<'a> {
     /// Brings samples and rows on disk up to date.
     pub fn save(&self) -> Result<(), RunError> {
         self.samples.write(self.folder)?;
+        phases::write(self.folder, &phases::of_samples(&self.samples))?;
         row::write_all(self.folder, &self.rows())?;
         Ok(())
     }

@@ -4,6 +4,7 @@ use super::plot::draw;
 use crate::bench::files::write_whole;
 use crate::bench::merge::SHARDS;
 use crate::bench::moment::Moment;
+use crate::bench::phases;
 use crate::bench::plan::{Plan, Request, Set};
 use crate::bench::recorder::RecordOptions;
 use crate::bench::settings::Settings;
@@ -207,7 +208,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let document = table::document(&outcome.rows, outcome.complete);
     write_whole(&folder.join(TABLE), document.as_bytes())?;
     say(&table::closing(&outcome.rows))?;
-    let plots = draw(&plot::figures(&outcome.rows, &Under::best(&outcome.rows)), &folder)?;
+    let plots =
+        draw(&plot::figures(&outcome.rows, &phases::read(&folder)?, &Under::best(&outcome.rows)), &folder)?;
     say(&run_summary(&outcome.rows, &folder, &plots))?;
     verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)
 }
