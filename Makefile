@@ -1,5 +1,6 @@
-# make bench        the table and the plot on the built-in scenes, into results/builtin: under nine minutes from an empty
-#                   clone on two cores, compilation included
+# make bench        the table, the plots and the page on the built-in scenes, into results/builtin: under nine minutes from
+#                   an empty clone on two cores, compilation included
+# make report       the page of results/builtin again, report.html; RESULTS=DIR for another folder
 # make bench-full   the same with more rays and rounds
 # make bench-paper  the same on the paper's nine scenes or their stand-ins, into results/paper-scenes: hours
 # make bench-builders
@@ -27,6 +28,8 @@
 # make test         everything that is checked before a change is taken: formatting, lints, the library
 #                   without any feature, the harness without Embree, all tests and the documentation's examples
 #
+# make faults       kills a run fifty times at random moments and resumes it, fills its disk, and cuts its results at every
+#                   byte: some minutes (the tests have a short version)
 # make sanitize     the tests of our kernels and of the library's queries under AddressSanitizer and under valgrind, and
 #                   the portable kernel's under Miri where the nightly toolchain has it
 # make test-slurm   a run spread over a Slurm cluster of this one machine (cluster/submit), a task of it killed and
@@ -41,6 +44,7 @@ SCENES ?= $(wildcard ../shared/scenes/*.ply.zst)
 ROUNDS ?= 3
 MIN_SECONDS ?= 60
 SIZE ?= 160
+RESULTS ?= results/builtin
 TARGETS = results/targets
 FULL = results/full
 REFERENCE = results/reference
@@ -65,12 +69,17 @@ KERNEL_TESTS = --test trace_agreement --test trace_batches --test trace_watertig
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: test-slurm sanitize bench bench-scaling bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
+.PHONY: faults test-slurm sanitize bench bench-scaling bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr bench --set builtin --rounds 3 --size 96 $(ARGS)
+
+# The page of the folder RESULTS again.
+report: packages
+	$(CARGO) build --release --bin phr
+	./target/release/phr report $(RESULTS)
 
 bench-full: packages
 	$(CARGO) build --release --bin phr
@@ -121,6 +130,7 @@ bench-reference: packages
 	./target/release/phr table $(REFERENCE) > $(REFERENCE)/table1.md
 	./target/release/phr plot $(REFERENCE)
 	./target/release/phr plot $(REFERENCE)/growth
+	./target/release/phr advise --fit $(REFERENCE) --model src/report/advice/model/model.json
 	./target/release/phr readme README.md RESULTS.md
 
 bench-paper: packages
@@ -141,18 +151,22 @@ embree-ndebug: packages
 	done
 	./target/release/phr reduce results/ndebug-full results/ndebug
 
+test: PACKAGES += chromium chromium-driver
 test: packages
 	$(CARGO) fmt --all --check
-	$(CARGO) clippy --workspace --all-targets -- -D warnings
+	$(CARGO) clippy --workspace --all-targets --features phr/peers -- -D warnings
 	$(CARGO) clippy -p phr --lib --no-default-features -- -D warnings
 	$(CARGO) clippy -p phr --lib --bins --no-default-features --features harness -- -D warnings
 ifeq ($(NEXTEST),yes)
-	$(CARGO) nextest run --workspace
-	$(CARGO) test --workspace --doc
+	$(CARGO) nextest run --workspace --features phr/peers
+	$(CARGO) test --workspace --doc --features phr/peers
 else
-	$(CARGO) test --workspace
+	$(CARGO) test --workspace --features phr/peers
 endif
 	@echo "tested: format, lints, the library alone, the harness without Embree, all tests, the documentation's examples"
+
+faults: packages
+	PHR_KILLS=50 $(CARGO) test -p phr --test faults -- --nocapture
 
 # Rust's stable compiler has the sanitizer, but not the switch for it.
 sanitize: PACKAGES = valgrind

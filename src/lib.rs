@@ -83,12 +83,13 @@
 //! 3. a [`bvh::WideBvh`], whose cost [`bvh`] measures;
 //! 4. [`trace`] records a path tracer's rays once per view and traces them through any tree;
 //! 5. [`query`] is the same for an application;
-//! 6. `embree` does the same with the distribution's Embree (feature `embree`);
+//! 6. `embree` does the same with the distribution's Embree (feature `embree`), `peers` builds with other crates (feature
+//!    `peers`);
 //! 7. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots; `experiments`
 //!    has the paper's other figures and its experiments, and `cli` turns all of it into commands (feature `harness`).
 //!
-//! Imports run down this list: `geometry`, `scene`, `bvh`, `simd`, `memory`, `parallel`, `builders`, `embree`, `trace`,
-//! `query`, `bench`, `report`, `experiments`, `cli`.
+//! Imports run down this list: `geometry`, `scene`, `bvh`, `simd`, `memory`, `parallel`, `builders`, `embree`, `peers`,
+//! `trace`, `query`, `bench`, `report`, `experiments`, `cli`.
 
 #![deny(missing_docs)]
 
@@ -99,6 +100,8 @@ pub mod embree;
 pub mod geometry;
 mod memory;
 mod parallel;
+#[cfg(feature = "peers")]
+pub mod peers;
 pub mod query;
 pub mod random;
 pub mod scene;

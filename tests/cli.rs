@@ -94,8 +94,17 @@ fn a_run_writes_verified_rows_and_its_table() {
     let drawn = ["figure6", "figure6-own", "figure6-paper", "figure6-scenes"];
     let figures: Vec<String> =
         drawn.iter().flat_map(|name| [format!("{name}.png"), format!("{name}.svg")]).collect();
-    let mut expected =
-        vec![ENVIRONMENT, ROUNDS, ROWS, SAMPLES, PHASES, "phases.png", "phases.svg", "table1.md"];
+    let mut expected = vec![
+        ENVIRONMENT,
+        ROUNDS,
+        ROWS,
+        SAMPLES,
+        PHASES,
+        "phases.png",
+        "phases.svg",
+        "report.html",
+        "table1.md",
+    ];
     if cfg!(feature = "embree") {
         expected.extend(figures.iter().map(String::as_str));
     }
@@ -104,10 +113,17 @@ fn a_run_writes_verified_rows_and_its_table() {
 
     let told = text(&output.stdout);
     let summary = &told[told.find("## out: 1 scene").expect("a summary at the end")..];
-    for part in ["fastest build:", "fastest trace:", "table: out/table1.md", "rows: out/rows.csv", "plot: "] {
+    for part in [
+        "In sheet on 2 threads",
+        "Build and rays together, ",
+        "table: out/table1.md",
+        "rows:  out/rows.csv",
+        "plots: ",
+        "page:  out/report.html",
+    ] {
         assert!(summary.contains(part), "no {part:?} in {summary}");
     }
-    assert_eq!(summary.contains("plot: out/figure6.svg"), cfg!(feature = "embree"), "{summary}");
+    assert_eq!(summary.contains("plots: out/figure6.png"), cfg!(feature = "embree"), "{summary}");
 
     let rows = row::read(&out).unwrap();
     let totals: Vec<&Row> = rows.iter().filter(|row| row.is_total() && row.verified == Some(true)).collect();
@@ -280,9 +296,18 @@ fn bad_input_is_one_line_and_code_2() {
         (&["bench", "sheet.ply", "--resume", "--out", "folder"], &[ENVIRONMENT, "--resume"]),
         (&["bench", "--set", "paper", "--scenes", "nowhere"], &["nowhere", "--scenes"]),
         (&["build", "missing.ply"], &["missing.ply"]),
+        (&["bench", "sheet.ply", "--tree", "sheet.ply"], &["sheet.ply: not a saved tree"]),
+        (&["build", "sheet.ply", "-o", "x.phrtree"], &["--output x.phrtree", "--builder"]),
+        (&["build", "sheet.ply", "--builder", "lbvh", "-o", "no/x"], &["no/x", "No such file"]),
         (&["build", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["build", "sheet.ply", "--builder", "phr-hq", "--width", "5"], &["--width 5", "phr-hq"]),
         (&["build", "sheet.ply", "--threads", "0"], &["--threads 0"]),
+        (&["build", "sheet.ply", "--threads", "20000"], &["--threads 20000", "1024"]),
+        (&["render", "sheet.ply", "-o", "x.png", "--threads", "20000"], &["--threads 20000"]),
+        (&["bench", "sheet.ply", "--name", "../../x"], &["--name ../../x"]),
+        (&["bench", "sheet.ply", "--name", ".."], &["--name .."]),
+        (&["bench", "sheet.ply", "--host", "=cmd"], &["--host =cmd"]),
+        (&["build", "sheet.ply", "--max-memory", "1k"], &["sheet.ply", "--max-memory"]),
         (&["render", generated, "-o", "x.png", "--view", "99"], &["--view 99", generated]),
         (&["render", "sheet.ply", "-o", "nowhere/x.png"], &["nowhere", "folder"]),
         (&["render", "sheet.ply", "-o", "folder"], &["folder", "directory"]),
@@ -290,6 +315,8 @@ fn bad_input_is_one_line_and_code_2() {
         (&["verify", "missing.ply"], &["missing.ply"]),
         (&["verify", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["table", "nowhere"], &["nowhere", "phr bench"]),
+        (&["report", "nowhere"], &["nowhere", "phr bench"]),
+        (&["report", "folder"], &[ROWS, "phr bench"]),
         (&["table", "folder"], &[ROWS, "phr bench"]),
         (&["table", "sheet.ply"], &["sheet.ply"]),
     ];
@@ -327,6 +354,29 @@ fn single_verbs_do_their_work() {
     let build = phr(&folder, &["build", "sheet.ply", "--builder", "phr-hq"]);
     let told = text(&build.stdout);
     assert!(build.status.success() && told.contains("SAH cost") && told.contains("1152 triangles"), "{told}");
+
+    let build =
+        phr(&folder, &["build", "sheet.ply", "--builder", "phr-hq", "--width", "8", "-o", "x.phrtree"]);
+    assert!(build.status.success(), "{}", text(&build.stderr));
+    let scene = phr::scene::load(&folder.join("sheet.ply")).unwrap();
+    let saved = phr::bvh::Bvh8::load(&scene.mesh, &folder.join("x.phrtree")).unwrap();
+    assert_eq!(saved.validate(&scene.mesh), Ok(()));
+    let bench = phr(&folder, &tiny("sheet.ply", &["--rounds", "1", "--tree", "x.phrtree"]));
+    assert!(bench.status.success(), "{}", text(&bench.stderr));
+    let rows = row::read(&folder.join("out")).unwrap();
+    let loaded: Vec<&Row> = rows.iter().filter(|row| row.builder == "saved:x" && row.is_total()).collect();
+    assert!(loaded.iter().any(|row| row.verified == Some(true)), "{loaded:?}");
+    assert!(
+        loaded.iter().all(|row| row.width == 8 && row.is_good() && row.builder_config.contains("phr-hq"))
+    );
+    let generated = phr::scene::builtin()[0].name;
+    let other = phr(&folder, &["bench", generated, "--tree", "x.phrtree"]);
+    assert_eq!(other.status.code(), Some(2));
+    assert!(
+        text(&other.stderr).contains("the tree of another mesh (1152 triangles"),
+        "{}",
+        text(&other.stderr)
+    );
 
     let render = phr(&folder, &["render", "sheet.ply", "-o", "x.png", "--size", "16", "--samples", "2"]);
     assert!(render.status.success(), "{}", text(&render.stderr));

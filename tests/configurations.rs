@@ -3,9 +3,9 @@
 
 use glam::Vec3;
 use phr::builders::{
-    Aac, AacConfig, AuxiliaryConfig, Build, Builder, Clusters, CollapseCosts, ConfigError, Extensions, Hunt,
-    HuntConfig, LocalThreshold, NAMES, OptimiseConfig, OptimisedPhr, OptimisedPhrConfig, Phr, PhrConfig,
-    PresplitConfig, by_name,
+    Aac, AacConfig, AuxiliaryConfig, AuxiliaryTree, BinnedSahConfig, Build, Builder, Clusters, CollapseCosts,
+    ConfigError, Extensions, Hunt, HuntConfig, LocalThreshold, NAMES, OptimiseConfig, OptimisedPhr,
+    OptimisedPhrConfig, Phr, PhrConfig, Ploc, PlocConfig, PresplitConfig, by_name,
 };
 use phr::geometry::{Hit, Mesh, Ray, Tracer};
 use phr::random::SplitMix64;
@@ -82,6 +82,17 @@ fn phr(random: &mut SplitMix64) -> PhrConfig {
                 clusters: maybe(random, &[clusters]),
                 calibration: maybe(random, &[1e3, 0.3, 0.0]),
             },
+            auxiliary_tree: one(
+                random,
+                &[
+                    AuxiliaryTree::Lbvh,
+                    AuxiliaryTree::Lbvh,
+                    AuxiliaryTree::Lbvh,
+                    AuxiliaryTree::Ploc(PlocConfig { radius: 5 }),
+                    AuxiliaryTree::Aac(AacConfig::FAST),
+                    AuxiliaryTree::BinnedSah(BinnedSahConfig { bins: 16 }),
+                ],
+            ),
             cut_share: maybe(random, &[0.1, 1.0, 0.0]),
             local_threshold: maybe(random, &[local]),
             spatial_bias: maybe(random, &[1.07, 0.0, 5.0]),
@@ -94,7 +105,7 @@ fn phr(random: &mut SplitMix64) -> PhrConfig {
 }
 
 fn builder<const N: usize>(random: &mut SplitMix64) -> Result<Box<dyn Builder<N>>, ConfigError> {
-    Ok(match random.below(8) {
+    Ok(match random.below(9) {
         0 => Box::new(Hunt::new(
             "hunt",
             HuntConfig {
@@ -117,7 +128,8 @@ fn builder<const N: usize>(random: &mut SplitMix64) -> Result<Box<dyn Builder<N>
                 },
             },
         )?),
-        3 => by_name(one(random, NAMES)).expect("a name of the list"),
+        3 => Box::new(Ploc::new(PlocConfig { radius: one(random, &[1, 2, 25, 128, 0, 129]) })?),
+        4 => by_name(one(random, NAMES)).expect("a name of the list"),
         _ => Box::new(Phr::new("phr", phr(random))?),
     })
 }
@@ -202,4 +214,10 @@ fn refusals_name_the_parameter_its_value_and_its_range() {
     assert_eq!(error, "alpha = NaN is out of range; give 0.0 to 16.0");
     let error = Aac::<4>::new(AacConfig { delta: 0, epsilon: 0.2 }).err().unwrap().to_string();
     assert_eq!(error, "delta = 0 is out of range; give 1 to 64");
+    let error = Ploc::<8>::new(PlocConfig { radius: 0 }).err().unwrap().to_string();
+    assert_eq!(error, "radius = 0 is out of range; give 1 to 128");
+    let auxiliary_tree = AuxiliaryTree::BinnedSah(BinnedSahConfig { bins: 65 });
+    let extensions = Extensions { auxiliary_tree, ..Extensions::NONE };
+    let error = refused(PhrConfig { extensions, ..PhrConfig::HQ });
+    assert_eq!(error, "bins = 65 is out of range; give 2 to 64");
 }

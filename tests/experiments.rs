@@ -46,14 +46,14 @@ fn an_experiment_is_a_verified_run_with_findings_and_figures() {
     let folder = folder.path();
     let run = ["experiment", "spatial-splits", "scalable-2k", "scalable-3k", "--rounds", "2", "--size", "8"];
     let text = told(folder, &[&run[..], &["--views", "1", "--threads", "2"]].concat());
-    assert!(text.contains("phr-hq[spatial_threshold=inf] relative to phr-hq: build"), "{text}");
+    assert!(text.contains("phr-hq[spatial_threshold=off] relative to phr-hq: build"), "{text}");
     assert!(text.contains("2 to 20 % slower without spatial splits"), "{text}");
     let results = folder.join("results/experiments/spatial-splits");
     let rows = row::read(&results).unwrap();
     let mut builders: Vec<&str> = rows.iter().map(|row| row.builder.as_str()).collect();
     builders.sort_unstable();
     builders.dedup();
-    let off = "[spatial_threshold=inf]";
+    let off = "[spatial_threshold=off]";
     assert_eq!(builders, ["phr-fast", &format!("phr-fast{off}"), "phr-hq", &format!("phr-hq{off}")]);
     let traced = rows.iter().filter(|row| row.is_total() && row.is_compared());
     assert!(traced.clone().count() >= 8 && traced.clone().all(|row| row.verified == Some(true)));
@@ -109,7 +109,7 @@ fn cuts_and_splits_are_drawn_from_their_csv() {
 fn what_cannot_be_done_is_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("empty")).unwrap();
-    let mut cases: Vec<(&[&str], &[&str])> = vec![
+    let cases: Vec<(&[&str], &[&str])> = vec![
         (&["experiment", "nothing"], &["no experiment is called nothing", "grid", "cut-size", "split"]),
         (&["experiment", "grid", "missing.ply"], &["missing.ply"]),
         (&["experiment", "grid", "scalable-2k", "--width", "5"], &["--width 5", "4 or 8"]),
@@ -123,9 +123,6 @@ fn what_cannot_be_done_is_refused_in_one_line() {
         (&["heatmap", "scalable-2k", "-o", "map.png", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["heatmap", "--redraw", "-o", "map.png"], &["map.csv", "--redraw"]),
     ];
-    if !phr::builders::on_request().any(|name| name.contains("-aux-")) {
-        cases.push((&["experiment", "auxiliary-trees", "scalable-2k"], &["auxiliary-trees", "no builder"]));
-    }
     for (arguments, wanted) in cases {
         let output = phr(folder.path(), arguments);
         let told = String::from_utf8_lossy(&output.stderr);

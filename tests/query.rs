@@ -38,6 +38,22 @@ fn a_bvh_is_shared_among_threads() {
 }
 
 #[test]
+fn a_loaded_tree_answers_as_the_saved_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.phrtree");
+    let mesh = soup(500, 3);
+    let rays = rays(&mesh, 1000, 4);
+    for bvh in both(&mesh) {
+        bvh.save(&mesh, &path).unwrap();
+        let loaded = Bvh::load(&mesh, &path).unwrap();
+        assert_eq!(loaded.bytes(), bvh.bytes());
+        assert!(rays.iter().all(|ray| loaded.intersect(ray) == bvh.intersect(ray)));
+        let other = Bvh::load(&soup(500, 5), &path);
+        assert!(matches!(other, Err(BvhError::Saved(why)) if why.contains("another mesh")));
+    }
+}
+
+#[test]
 fn a_hit_has_its_coordinates_and_its_normal() {
     for bvh in triangles() {
         let hit = bvh.intersect(&DOWN).unwrap();
@@ -92,6 +108,32 @@ fn distances_are_in_units_of_the_direction() {
             assert!((hit.t * length - 2.0).abs() < 1e-5, "{length}: {hit:?}");
         }
     }
+}
+
+/// Where the products of the test leave the range of `f32` there may be no hit, but never a wrong distance.
+#[test]
+fn no_hit_has_a_distance_that_is_none() {
+    let large = vec![[0.0, 0.0, 0.0], [1e10, 0.0, 0.0], [0.0, 1e10, 0.0]];
+    let large = both(&Mesh::new(large, vec![[0, 1, 2]]).unwrap().0);
+    let above = Ray { org: Vec3::new(1e9, 1e9, 2e9), ..DOWN };
+    let mut hits = 0;
+    // From within the boxes, where short directions count as those of 1e-18.
+    let up = Ray { org: Vec3::new(0.5, 0.5, -1.0), dir: Vec3::Z, ..DOWN };
+    let small = triangles();
+    let of_small = small.iter().flat_map(|bvh| [(bvh, DOWN, 2.0), (bvh, up, 1.0)]);
+    for (bvh, down, height) in of_small.chain(large.iter().map(|bvh| (bvh, above, 2e9))) {
+        for length in [1e-44f32, 1e-42, 1e-40, 1e-39, 1e-38, 1e-37, 1e-30, 1e12, 1e17, 1e18, 1.8e18] {
+            let ray = Ray { dir: down.dir * length, ..down };
+            let mut batch = [None; 40];
+            bvh.intersect_batch(&[ray; 40], &mut batch);
+            for hit in batch.into_iter().chain([bvh.intersect(&ray)]).flatten() {
+                let reached = f64::from(hit.t) * f64::from(length);
+                assert!((reached / height - 1.0).abs() < 1e-3, "{length:e}: {hit:?}");
+                hits += 1;
+            }
+        }
+    }
+    assert!(hits > 600, "most lengths are no trouble: {hits}");
 }
 
 #[test]

@@ -383,7 +383,7 @@ fn every_column_and_marker_is_described() {
     }
     let markers = [
         "table", "table1", "means", "scenes", "run", "value", "summary", "targets", "growth", "ablation",
-        "kernels", "scaling",
+        "kernels", "scaling", "advice",
     ];
     for marker in markers {
         assert!(described.contains(&format!("| `{marker}: ")), "{marker}");

@@ -163,3 +163,33 @@ fn hashes_forgive_last_bits_but_not_more() {
     assert_ne!(hit_hash(&swapped), hash);
     assert_ne!(hit_hash(&hits[1..]), hash);
 }
+
+/// From some 1e13 on the products of the test overflow, in all trees alike.
+#[test]
+fn scenes_too_large_for_the_test_are_not_called_wrong() {
+    let small = soup(400, 3);
+    for scale in [1e6f32, 1e12, 1e13, 1e14, 1e15, 1e16] {
+        let vertices = small.vertices().iter().map(|v| v.map(|x| x * scale)).collect();
+        let mesh = phr::geometry::Mesh::new(vertices, small.triangles().to_vec()).unwrap().0;
+        let rays: Vec<Ray> = rays(&small, 2000, 4)
+            .into_iter()
+            .map(|ray| Ray {
+                org: ray.org * scale,
+                dir: ray.dir.normalize(),
+                tnear: ray.tnear * scale,
+                ..ray
+            })
+            .map(|ray| Ray { tfar: f32::INFINITY, ..ray })
+            .collect();
+        let (four, eight) = (median_tree::<4>(&mesh, 4), median_tree::<8>(&mesh, 4));
+        let (four, eight) = (phr::trace::BvhTracer::new(&four), phr::trace::BvhTracer::new(&eight));
+        let (a, b) = (closest(&four, &rays), closest(&eight, &rays));
+        let verdict = compare_closest(&mesh, &rays, &a, &b);
+        assert!(verdict.is_ok(), "{scale:e}: {verdict}");
+        // As Embree gives them.
+        let infinite: Vec<Hit> =
+            a.iter().map(|hit| if hit.is_hit() { *hit } else { Hit { prim: 7, ..*hit } }).collect();
+        let verdict = compare_closest(&mesh, &rays, &infinite, &infinite);
+        assert_eq!(verdict.equal, rays.len(), "{scale:e}: {verdict}");
+    }
+}

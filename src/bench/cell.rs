@@ -43,9 +43,29 @@ pub struct Cell {
     pub width: u32,
     /// Kernels that trace its tree; none if only builds are timed.
     pub kernels: Vec<Kernel>,
+    /// What the builder is, by the name of [`crate::builders::Recipe`], where its own name does not say: a configuration
+    /// from a file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recipe: Option<String>,
 }
 
 impl Cell {
+    /// A builder of the registry or of Embree's at a width, traced by `kernels`.
+    pub fn new(builder: &str, width: u32, kernels: &[Kernel]) -> Self {
+        Self { builder: builder.into(), width, kernels: kernels.into(), recipe: None }
+    }
+
+    /// Its place among the cells of a table: builders in their order, changed ones after the builder they were, by width.
+    pub fn order(&self) -> (usize, &str, u32) {
+        let changes = self.builder.split_once('[').map_or("", |(_, changes)| changes);
+        (place(&self.builder), changes, self.width)
+    }
+
+    /// The name by which the builder is made.
+    pub fn made_by(&self) -> &str {
+        self.recipe.as_deref().unwrap_or(&self.builder)
+    }
+
     /// The text that `--filter` is matched against.
     pub fn line(&self, scene: &str, kernel: &str) -> String {
         format!("{scene} {} {} {kernel}", self.builder, self.width)
@@ -61,11 +81,12 @@ impl Cell {
 }
 
 /// The order of the table: the paper's, with our other builders beside their relatives.
-pub const ORDER: [&str; 13] = [
+pub const ORDER: [&str; 14] = [
     "lbvh",
     "embree-morton",
     "hunt-50",
     "aac",
+    "ploc",
     "embree-sah",
     "hunt-500",
     "embree-fast-spatial",
@@ -77,7 +98,8 @@ pub const ORDER: [&str; 13] = [
     "phr-best",
 ];
 
-/// A builder's place in the table; builders not in [`ORDER`] come last.
+/// A builder's place in the table, a changed one's that of the builder it was; builders not in [`ORDER`] come last.
 pub fn place(builder: &str) -> usize {
+    let builder = builder.split('[').next().unwrap_or_default();
     ORDER.iter().position(|name| *name == builder).unwrap_or(ORDER.len())
 }

@@ -1,6 +1,7 @@
 //! Why a run could not be planned, made or reduced: one line each, with the remedy.
 
 use super::files::RecordsError;
+use crate::builders::RecipeError;
 use crate::scene::SceneError;
 use std::path::PathBuf;
 
@@ -11,7 +12,7 @@ pub enum PlanError {
     #[error("{0}: no such file, nor a generated scene of that name; `phr scenes` lists those")]
     NoSuchScene(String),
     /// A folder in place of a file.
-    #[error("{}: is a directory; name a scene file in it (.obj or .ply, plain, .gz or .zst)", .0.display())]
+    #[error("{}: is a directory; name a scene file in it (.ply, .obj, .stl, .gltf or .glb, plain, .gz or .zst)", .0.display())]
     Directory(PathBuf),
     /// Two scenes of the same name.
     #[error("two scenes are called {0}; rename one of the files")]
@@ -26,6 +27,32 @@ pub enum PlanError {
         name: String,
         /// The builders of this program.
         known: String,
+    },
+    /// Not a builder of that width.
+    #[error("--width {width}: {builder} builds trees of width {widths}")]
+    NoSuchWidth {
+        /// The builder.
+        builder: String,
+        /// The width asked for.
+        width: u32,
+        /// Its widths.
+        widths: String,
+    },
+    /// A builder that cannot be changed so.
+    #[error(transparent)]
+    Recipe(#[from] RecipeError),
+    /// Two changed builders of the same name.
+    #[error("two changed builders are called {0}; leave one out")]
+    SameBuilder(String),
+    /// A file that is no builder's configuration.
+    #[error(
+        "{}: {reason}; write {{\"name\": NAME, \"base\": BUILDER, \"fields\": {{\"FIELD\": VALUE}}}}", path.display()
+    )]
+    Config {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
     },
     /// A count that must be positive.
     #[error("--{0} 0: nothing would be measured; give 1 or more")]

@@ -106,9 +106,7 @@ impl Run<'_> {
         let settings = &self.plan.settings;
         progress.at(&format!("{}: loading", planned.name));
         let scene = planned.load()?;
-        if scene.dropped.total() > 0 {
-            progress.note(&format!("{}: {}", scene.name, scene.dropped));
-        }
+        scene.remarks().iter().for_each(|remark| progress.note(remark));
         if settings.build_only {
             return self.rounds(
                 &Measured { planned, cells, scene: &scene, reference: None },
@@ -141,8 +139,7 @@ impl Run<'_> {
         }
         let invalid = rays.iter().map(|view| view.invalid as u64).sum();
         let index = recorder.scene(planned, scene, cells, rays.len(), invalid)?;
-        let traces = SceneTraces::new(scene, &rays, reference, settings, pools, self.stop);
-        let mut bench = Bench::new(traces).with(&self.plan.variants);
+        let mut bench = Bench::new(SceneTraces::new(scene, &rays, reference, settings, pools, self.stop));
         let start = Instant::now();
         let scenes = self.plan.all_scenes.len();
         for round in 0.. {
@@ -158,7 +155,8 @@ impl Run<'_> {
                 if samples.error.is_none() && !samples.visits.iter().any(|visit| visit.round == round) {
                     let (name, builder, width) = (&planned.name, &cell.builder, cell.width);
                     progress.at(&format!("{name}: {builder}/{width}, round {}", round + 1));
-                    if let Some(program) = self.program.filter(|_| samples.visits.is_empty()) {
+                    let is_built = !contender::saved::is_saved(&cell.builder);
+                    if let Some(program) = self.program.filter(|_| is_built && samples.visits.is_empty()) {
                         match memory::measure(program, &scene.mesh, cell, settings.threads) {
                             Ok(memory) => samples.memory = Some(memory),
                             Err(reason) => {
@@ -216,7 +214,7 @@ mod tests {
 
     #[test]
     fn each_round_has_an_order_of_its_own_that_repeats() {
-        let cell = |width| Cell { builder: "b".into(), width, kernels: Vec::new() };
+        let cell = |width| Cell::new("b", width, &[]);
         let cells: Vec<Cell> = (0..12).map(cell).collect();
         let order = |scene: &str, round| {
             super::order(&cells, scene, 1, round).iter().map(|cell| cell.width).collect::<Vec<_>>()

@@ -43,7 +43,7 @@ pub struct Build<const N: usize> {
 /// number of threads.
 pub trait Builder<const N: usize>: Send {
     /// The name used in commands and records, e.g. `phr-fast`.
-    fn name(&self) -> &'static str;
+    fn name(&self) -> &str;
 
     /// The parameters, for the records.
     fn config(&self) -> serde_json::Value;

@@ -1,20 +1,21 @@
 //! Builders: from an indexed mesh to a traversable [`Bvh4`](crate::bvh::Bvh4). The modules, in reading order:
 //!
 //! * `prims`: references to triangles; needles are presplit;
-//! * `binary`: binary trees; `wide`: wide trees (paper 4.5, 4.6);
+//! * `binary`: binary trees; `wide`: wide trees (paper 4.5, 4.6), also of trees made elsewhere;
 //! * `lbvh`: the auxiliary BVH (4.7), and the builder `lbvh`;
 //! * `split`: object splits (4.2) and spatial splits (4.4) of a cut;
 //! * `phr`: cuts, their refinement (4.1, 4.3) and the recursion over them: the builders `phr-*`;
-//! * `hunt`, `aac`: the builders the paper compares with;
+//! * `hunt`: a method the paper compares with, as `aac`;
+//! * `clusters`: binary trees of clusters, merged bottom-up by `aac` and `ploc`, made wide;
 //! * `optimise`: `phr-best`;
-//! * `registry`: builders by name.
+//! * `registry`: builders by name, with some fields of their configuration changed or none.
 //!
 //! `builder` and `config_error` are what they share, `naive` is the oracle of the tests, `steps` has single steps for
 //! benchmarks and the splits of a build for pictures.
 
-mod aac;
 mod binary;
 mod builder;
+mod clusters;
 mod config_error;
 mod hunt;
 mod lbvh;
@@ -31,14 +32,17 @@ pub mod steps;
 mod testing;
 mod wide;
 
-pub use aac::{Aac, AacConfig};
 pub use builder::{Build, Builder, Counts, Phase};
+pub use clusters::aac::{Aac, AacConfig};
+pub use clusters::ploc::{Ploc, PlocConfig};
 pub use config_error::ConfigError;
 pub use hunt::{Hunt, HuntConfig};
 pub use lbvh::auxiliary::{AuxiliaryConfig, Clusters};
 pub use lbvh::direct::Lbvh;
 pub use optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
-pub use phr::{Extensions, LocalThreshold, Phr, PhrConfig};
+pub use phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, Phr, PhrConfig};
 pub use prims::presplit::PresplitConfig;
-pub use registry::{ABLATION, CutConfig, NAMES, WITHOUT, by_name, cuts_of, on_request};
+pub use registry::recipe::{Recipe, RecipeError, by_name};
+pub use registry::{ABLATION, CutConfig, NAMES, OVER, WITHOUT, cuts_of, on_request};
+pub use wide::foreign::{ForeignTree, Opened, widened};
 pub use wide::optimal::CollapseCosts;

@@ -7,28 +7,54 @@
 use super::{Child, Link, WideBvh};
 use crate::geometry::{Mesh, Polygon};
 use rayon::prelude::*;
+use std::cell::Cell;
 
 /// Most triangles sampled, evenly spaced along the cumulative area. A fixed number keeps the cost of
 /// measuring bounded; meshes with fewer triangles are measured whole.
 const SAMPLES: usize = 1 << 16;
 
+/// Nodes visited for all samples, at most: where geometry overlaps so much that a sample is inside of most boxes, fewer
+/// samples are taken.
+const VISITS: u64 = 1 << 29;
+/// Samples, evenly spaced, that tell how many nodes each visits; none fewer are taken.
+const PILOTS: usize = 64;
+
 /// The end-point overlap of `tree` over `mesh`; 0 for trees of one leaf and surfaces without area.
 pub fn epo<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh) -> f64 {
+    within(tree, mesh, VISITS)
+}
+
+/// The same, by about so many visits to nodes.
+fn within<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh, visits: u64) -> f64 {
     let order = LeafOrder::of(tree, mesh.len());
-    let samples = samples(mesh);
-    let overlap: f64 = samples
-        .par_iter()
-        .with_min_len(64)
-        .map(|&(prim, weight)| {
-            let triangle = Polygon::triangle(mesh.corners(prim));
-            let area = triangle.area();
-            let visit = Visit { tree, order: &order, leaves: order.leaves_of(prim) };
-            if area > 0.0 { weight * visit.below(tree.root, tree.bounds, &triangle) / area } else { 0.0 }
-        })
-        .collect::<Vec<_>>()
-        .iter()
-        .sum();
-    overlap
+    let mut samples = samples(mesh);
+    let of = |&(prim, weight): &(u32, f64)| {
+        let triangle = Part::of(Polygon::triangle(mesh.corners(prim)));
+        let visit = Visit { tree, order: &order, leaves: order.leaves_of(prim), nodes: Cell::new(0) };
+        let overlap = if triangle.area > 0.0 {
+            weight * visit.below(tree.root, tree.bounds, &triangle) / triangle.area
+        } else {
+            0.0
+        };
+        (overlap, visit.nodes.get())
+    };
+    let pilots: u64 = spaced(&samples, PILOTS).par_iter().map(|sample| of(sample).1).sum();
+    let each = pilots / PILOTS.min(samples.len()).max(1) as u64;
+    let affordable = (visits / each.max(1)) as usize;
+    let mut taken = 1.0;
+    if affordable < samples.len() {
+        samples = spaced(&samples, affordable.max(PILOTS));
+        taken = samples.iter().map(|(_, weight)| weight).sum();
+    }
+    let overlaps: Vec<f64> = samples.par_iter().with_min_len(64).map(|sample| of(sample).0).collect();
+    let overlap: f64 = overlaps.iter().sum();
+    if taken > 0.0 { overlap / taken } else { 0.0 }
+}
+
+/// `count` of `samples`, evenly spaced, or all.
+fn spaced(samples: &[(u32, f64)], count: usize) -> Vec<(u32, f64)> {
+    let count = count.min(samples.len());
+    (0..count).map(|i| samples[i * samples.len() / count]).collect()
 }
 
 /// Triangles and their share of the whole area (which add up to 1).
@@ -114,18 +140,39 @@ impl LeafOrder {
     }
 }
 
+/// A part of a triangle with its area.
+struct Part {
+    polygon: Polygon,
+    area: f64,
+}
+
+impl Part {
+    fn of(polygon: Polygon) -> Self {
+        Self { polygon, area: polygon.area() }
+    }
+}
+
 struct Visit<'a, const N: usize> {
     tree: &'a WideBvh<N>,
     order: &'a LeafOrder,
     leaves: &'a [(u32, u32)],
+    /// Nodes visited.
+    nodes: Cell<u64>,
 }
 
 impl<const N: usize> Visit<'_, N> {
     /// Cost-weighted area of the triangle inside the boxes of `link`'s subtree that do not hold it.
     /// `part` is the rest of it inside the parent's box, which contains this one.
-    fn below(&self, link: Link, bounds: crate::geometry::Aabb, part: &Polygon) -> f64 {
-        let part = part.clipped(bounds);
-        if part.is_empty() {
+    fn below(&self, link: Link, bounds: crate::geometry::Aabb, part: &Part) -> f64 {
+        self.nodes.set(self.nodes.get() + 1);
+        let clipped;
+        let part = if part.polygon.is_inside(bounds) {
+            part
+        } else {
+            clipped = Part::of(part.polygon.clipped(bounds));
+            &clipped
+        };
+        if part.polygon.is_empty() {
             return 0.0;
         }
         match link.get() {
@@ -133,14 +180,14 @@ impl<const N: usize> Visit<'_, N> {
             Child::Inner(index) => {
                 let (begin, end) = self.order.interval[index];
                 let holds = self.leaves.iter().any(|&(_, leaf)| begin <= leaf && leaf < end);
-                let own = if holds { 0.0 } else { part.area() };
+                let own = if holds { 0.0 } else { part.area };
                 let node = &self.tree.nodes[index];
-                own + node.children().map(|(bounds, child)| self.below(child, bounds, &part)).sum::<f64>()
+                own + node.children().map(|(bounds, child)| self.below(child, bounds, part)).sum::<f64>()
             }
             Child::Leaf { first, count } => {
                 let number = self.order.leaf_of_block[first];
                 let holds = self.leaves.iter().any(|&(_, leaf)| leaf == number);
-                if holds { 0.0 } else { part.area() * count as f64 }
+                if holds { 0.0 } else { part.area * count as f64 }
             }
         }
     }
@@ -150,6 +197,36 @@ impl<const N: usize> Visit<'_, N> {
 mod tests {
     use super::*;
     use crate::bvh::{Bvh4, TriangleBlock, WideNode};
+
+    /// Each of 2^12 triangles in the same place lies in all leaves but its own.
+    #[test]
+    fn identical_triangles_are_measured_by_fewer_samples() {
+        let count = 1usize << 12;
+        let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]];
+        let (mesh, _) = Mesh::new(vertices, vec![[0, 1, 2]; count]).unwrap();
+        let mut blocks = vec![TriangleBlock::EMPTY; count];
+        blocks.iter_mut().zip(0..).for_each(|(block, prim)| block.set(0, mesh.corners(prim), prim));
+        // Six levels of four children each, all of the same box.
+        let mut nodes: Vec<WideNode<4>> = Vec::new();
+        let mut level: Vec<Link> = (0..count).map(|first| Link::leaf(first, 1)).collect();
+        while level.len() > 1 {
+            let begin = nodes.len();
+            for children in level.chunks(4) {
+                let mut node = WideNode::<4>::EMPTY;
+                for (slot, &link) in children.iter().enumerate() {
+                    node.set(slot, mesh.bounds(), link);
+                }
+                nodes.push(node);
+            }
+            level = (begin..nodes.len()).map(Link::inner).collect();
+        }
+        let inner = nodes.len() as f64;
+        let tree = Bvh4 { root: level[0], bounds: mesh.bounds(), nodes, blocks };
+        let expected = (count - 1) as f64 + inner - 6.0;
+        for visits in [VISITS, 1 << 20, 1] {
+            assert!((within(&tree, &mesh, visits) / expected - 1.0).abs() < 1e-9, "{visits}");
+        }
+    }
 
     /// Two triangles of area 1/2 in leaves of their own; the second's box is swollen to hold the first.
     #[test]

@@ -4,6 +4,8 @@ mod block;
 mod epo;
 pub(crate) mod limits;
 mod link;
+mod links;
+pub mod saved;
 mod statistics;
 mod validate;
 mod wide;

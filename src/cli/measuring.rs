@@ -10,11 +10,16 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Makes a run, with a progress bar; `program` measures the bytes of builds.
+/// Makes a run, which `bar` shows; `program` measures the bytes of builds.
 ///
 /// # Errors
 /// Those of [`Run::make`]; stopped before the first visit.
-pub fn make(plan: &Plan, records: RecordOptions<'_>, program: Option<&Path>) -> Result<Outcome, Failure> {
+pub fn make(
+    plan: &Plan,
+    records: RecordOptions<'_>,
+    program: Option<&Path>,
+    mut bar: Bar,
+) -> Result<Outcome, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     let heard = Arc::clone(&stop);
     ctrlc::set_handler(move || {
@@ -23,7 +28,6 @@ pub fn make(plan: &Plan, records: RecordOptions<'_>, program: Option<&Path>) -> 
             std::process::exit(130);
         }
     })?;
-    let mut bar = Bar::new();
     let outcome = Run { plan, records, program, stop: &stop }.make(&mut bar)?;
     bar.finish();
     if outcome.rows.is_empty() {
@@ -54,13 +58,4 @@ pub fn verdict(rows: &[Row], failures: usize, complete: bool, folder: &Path) -> 
         )));
     }
     Ok(())
-}
-
-/// The arguments without the folders of this machine.
-pub fn command_line() -> Vec<String> {
-    let without_folder = |argument: String| match argument.rsplit_once('/') {
-        Some((_, file)) if !argument.starts_with("--filter") => file.to_owned(),
-        _ => argument,
-    };
-    std::env::args().skip(1).map(without_folder).collect()
 }

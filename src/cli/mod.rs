@@ -6,17 +6,20 @@ mod measuring;
 mod options;
 mod output;
 mod paper;
+mod plan_outline;
 mod progress;
 mod run_summary;
 mod verbs;
 
+use crate::bench::planned_scene::limit;
+use crate::scene::Limits;
 use clap::{Parser, Subcommand};
 use paper::{arguments, experiment, heatmap};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
-    ablation, bench, build, compare, kernels, memory, merge, plot, readme, reduce, render, scaling, scenes,
-    table, targets, turns, verify,
+    ablation, advise, advise::tune, bench, build, child::memory, child::turns, compare, kernels, pages,
+    pages::table, plot, records::merge, records::reduce, render, scaling, scenes, targets, verify,
 };
 
 /// Progressive Hierarchical Refinement: BVH builders, measured beside Embree's with the same rays.
@@ -25,6 +28,9 @@ use verbs::{
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,
+    /// Most memory that the mesh of a scene file may take, as 512M or 4G [default: what the machine has]
+    #[arg(long, global = true, value_name = "SIZE", value_parser = options::size)]
+    max_memory: Option<u64>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -35,6 +41,8 @@ enum Verb {
     Heatmap(heatmap::Arguments),
     Experiment(arguments::Arguments),
     Verify(verify::Arguments),
+    Advise(advise::Arguments),
+    Tune(tune::Arguments),
     Scenes(scenes::Arguments),
     Table(table::Arguments),
     Plot(plot::Arguments),
@@ -46,7 +54,8 @@ enum Verb {
     Scaling(scaling::Arguments),
     Reduce(reduce::Arguments),
     Merge(merge::Arguments),
-    Readme(readme::Arguments),
+    Readme(pages::readme::Arguments),
+    Report(pages::report::Arguments),
     Memory(memory::Arguments),
     #[command(hide = true)]
     Turns(turns::Arguments),
@@ -70,6 +79,9 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
     if let Err(reason) = crate::simd::Isa::check_environment() {
         return failure::Failure::Bad(reason).report();
     }
+    if let Some(memory) = arguments.max_memory {
+        limit(Limits { memory });
+    }
     let result = match &arguments.verb {
         Verb::Bench(arguments) => bench::run(arguments),
         Verb::Build(arguments) => build::run(arguments),
@@ -77,6 +89,8 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Heatmap(arguments) => heatmap::run(arguments),
         Verb::Experiment(arguments) => experiment::run(arguments),
         Verb::Verify(arguments) => verify::run(arguments),
+        Verb::Advise(arguments) => advise::run(arguments),
+        Verb::Tune(arguments) => tune::run(arguments),
         Verb::Scenes(arguments) => scenes::run(arguments),
         Verb::Table(arguments) => table::run(arguments),
         Verb::Plot(arguments) => plot::run(arguments),
@@ -87,7 +101,8 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Compare(arguments) => compare::run(arguments),
         Verb::Kernels(arguments) => kernels::run(arguments),
         Verb::Scaling(arguments) => scaling::run(arguments),
-        Verb::Readme(arguments) => readme::run(arguments),
+        Verb::Readme(arguments) => pages::readme::run(arguments),
+        Verb::Report(arguments) => pages::report::run(arguments),
         Verb::Memory(arguments) => memory::run(arguments),
         Verb::Turns(arguments) => turns::run(arguments),
     };

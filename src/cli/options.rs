@@ -2,9 +2,11 @@
 
 use super::failure::Failure;
 use crate::bench::cell::Cell;
-use crate::bench::contender;
+use crate::bench::chosen::Chosen;
 use crate::bench::pools::Pools;
+use crate::bench::settings::MOST_THREADS;
 use crate::scene::Scene;
+use std::path::Path;
 
 /// Processors of this machine: the default of `--threads`.
 pub fn all_threads() -> usize {
@@ -19,6 +21,9 @@ pub fn pools(threads: usize) -> Result<Pools, Failure> {
     if threads == 0 {
         return Err(Failure::Bad("--threads 0: nothing could run; give 1 or more".into()));
     }
+    if threads > MOST_THREADS {
+        return Err(Failure::Bad(format!("--threads {threads}: more than {MOST_THREADS}; give less")));
+    }
     let build = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = build.map_err(|error| Failure::Bad(format!("--threads {threads}: {error}; give fewer")))?;
     Ok(pool.into())
@@ -29,20 +34,83 @@ pub fn pools(threads: usize) -> Result<Pools, Failure> {
 /// # Errors
 /// No such builder, or none of that width.
 pub fn cell(builder: &str, width: Option<u32>) -> Result<Cell, Failure> {
-    let cells = contender::cells(false);
-    let of_builder: Vec<&Cell> = cells.iter().filter(|cell| cell.builder == builder).collect();
-    if of_builder.is_empty() {
-        let mut known: Vec<&str> = cells.iter().map(|cell| cell.builder.as_str()).collect();
-        known.dedup();
-        return Err(Failure::Bad(format!("no builder is called {builder}; there are {}", known.join(", "))));
+    let none: [&Path; 0] = [];
+    let cells = Chosen::new(&[builder.to_owned()], &[], &none)?.single_cells(width)?;
+    Ok(cells.into_iter().next().unwrap_or_else(|| unreachable!("each builder has a cell")))
+}
+
+/// Refuses a place for a file that cannot be written, before any work is done.
+///
+/// # Errors
+/// A folder, or a place in none.
+pub fn check_place(path: &Path) -> Result<(), Failure> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if path.is_dir() {
+        return Err(Failure::Bad(format!("{}: is a directory; give a file name", path.display())));
     }
-    let found = of_builder.iter().find(|cell| width.is_none_or(|width| cell.width == width));
-    let no_width = || {
-        let widths: Vec<String> = of_builder.iter().map(|cell| cell.width.to_string()).collect();
-        let width = width.unwrap_or_default();
-        Failure::Bad(format!("--width {width}: {builder} builds trees of width {}", widths.join(" and ")))
+    if !folder.is_dir() {
+        return Err(Failure::Bad(format!("{}: no such folder; make it first", folder.display())));
+    }
+    Ok(())
+}
+
+/// Widths of trees that an option asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Widths(pub Vec<u32>);
+
+/// Reads "4", "8" or "both".
+///
+/// # Errors
+/// Anything else.
+pub fn widths(text: &str) -> Result<Widths, String> {
+    match text {
+        "4" => Ok(Widths(vec![4])),
+        "8" => Ok(Widths(vec![8])),
+        "both" => Ok(Widths(vec![4, 8])),
+        _ => Err("give 4, 8 or both".into()),
+    }
+}
+
+/// Reads a number of rays: "50M", "1G", "3e8".
+///
+/// # Errors
+/// Anything else.
+pub fn rays(text: &str) -> Result<f64, String> {
+    let units = [("k", 1e3), ("M", 1e6), ("G", 1e9), ("T", 1e12)];
+    let found = units.iter().find_map(|(suffix, unit)| Some((text.strip_suffix(suffix)?, *unit)));
+    let (number, unit) = found.unwrap_or((text, 1.0));
+    let value = number.trim().parse::<f64>().ok().map(|number| number * unit);
+    value
+        .filter(|value| (1.0..=1e15).contains(value))
+        .ok_or_else(|| "give a number of rays from 1 on, as 50M, 1G or 3e8".into())
+}
+
+/// The arguments without the folders of this machine.
+pub fn command_line() -> Vec<String> {
+    let without_folder = |argument: String| match argument.rsplit_once('/') {
+        Some((_, file)) if !argument.starts_with("--filter") => file.to_owned(),
+        _ => argument,
     };
-    found.map(|&cell| cell.clone()).ok_or_else(no_width)
+    std::env::args().skip(1).map(without_folder).collect()
+}
+
+/// Reads a size in bytes: "500000", "512M", "4G".
+///
+/// # Errors
+/// Anything else.
+pub fn size(text: &str) -> Result<u64, String> {
+    let unit = text.trim_start_matches(|letter: char| letter.is_ascii_digit());
+    let factor = match unit.to_ascii_lowercase().trim_end_matches("ib") {
+        "" => Some(1),
+        "k" => Some(1 << 10),
+        "m" => Some(1 << 20),
+        "g" => Some(1 << 30),
+        "t" => Some(1 << 40),
+        _ => None,
+    };
+    let number = text[..text.len() - unit.len()].parse::<u64>().ok();
+    let size = number.zip(factor).and_then(|(number, factor): (u64, u64)| number.checked_mul(factor));
+    size.filter(|size| *size > 0).ok_or_else(|| "give a size, as 512M or 4G".into())
 }
 
 /// The index of the view that `--view` asks for.

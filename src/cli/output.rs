@@ -17,21 +17,6 @@ pub fn say(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Refuses a place that cannot be written before any work is done.
-///
-/// # Errors
-/// A folder, or a place in none.
-pub fn check_place(path: &Path) -> Result<(), Failure> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if path.is_dir() {
-        return Err(Failure::Bad(format!("{}: is a directory; give a file name", path.display())));
-    }
-    if !folder.is_dir() {
-        return Err(Failure::Bad(format!("{}: no such folder; make it first", folder.display())));
-    }
-    Ok(())
-}
-
 /// Makes a folder for results, if there is none yet.
 ///
 /// # Errors

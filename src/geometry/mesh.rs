@@ -87,6 +87,8 @@ impl Mesh {
             }
         });
         let mut padded_vertices = vertices;
+        // No more: `push` might double what millions of vertices take.
+        padded_vertices.reserve_exact(1);
         padded_vertices.push([0.0; 3]);
         Ok((Self { padded_vertices, triangles }, dropped))
     }

@@ -30,6 +30,12 @@ impl Polygon {
         self
     }
 
+    /// True if all of it is inside `bounds`: clipping would change nothing.
+    pub fn is_inside(&self, bounds: Aabb) -> bool {
+        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        self.corners[..self.len].iter().all(|corner| (corner.cmpge(min) & corner.cmple(max)).all())
+    }
+
     /// Keeps the part where `sign * (x[axis] - plane) >= 0`.
     fn cut(&mut self, axis: usize, plane: f64, sign: f64) {
         let input = *self;
@@ -89,6 +95,7 @@ mod tests {
             Polygon::triangle([Vec3A::ZERO, Vec3A::new(4.0, 0.0, 1.0), Vec3A::new(1.0, 3.0, -2.0)]);
         let space = Aabb::new(Vec3A::splat(-10.0), Vec3A::splat(10.0));
         assert_eq!(triangle.clipped(space).area(), triangle.area());
+        assert!(triangle.is_inside(space) && !triangle.is_inside(Aabb { max: Vec3A::ONE, ..space }));
         let (mut left, mut right) = (space, space);
         left.max.x = 1.5;
         right.min.x = 1.5;

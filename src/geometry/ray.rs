@@ -56,6 +56,12 @@ impl Hit {
     /// A miss.
     pub const MISS: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, prim: Self::NONE };
 
+    /// The hit, or a miss if its distance is no positive number: the products of the test left the range of `f32`.
+    #[inline(always)]
+    pub(crate) fn measured(self) -> Self {
+        if self.is_hit() & (self.t > 0.0) & (self.t < f32::INFINITY) { self } else { Self::MISS }
+    }
+
     /// True if a triangle was hit.
     #[inline]
     pub fn is_hit(&self) -> bool {

@@ -2,11 +2,13 @@
 
 use super::{BvhConfig, BvhError, Hit};
 use crate::builders;
+use crate::bvh::saved::{SavedError, header_of};
 use crate::bvh::{Bvh4, Bvh8, TriangleBlock, WideBvh};
 use crate::geometry::{self, Mesh, Ray, Tracer};
 use crate::trace::ProvenTree;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::path::Path;
 use std::slice::{from_mut, from_ref};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -95,6 +97,29 @@ impl Bvh {
     pub fn occluded_batch(&self, rays: &[Ray], occluded: &mut [bool]) {
         assert_eq!(rays.len(), occluded.len(), "as many answers as rays");
         self.trace_batch(|tracer| tracer.any(rays, occluded));
+    }
+
+    /// Saves the tree, which was built over `mesh`, at `path`: [`saved`](crate::bvh::saved) describes the format.
+    ///
+    /// # Errors
+    /// An unwritable place.
+    pub fn save(&self, mesh: &Mesh, path: &Path) -> Result<(), SavedError> {
+        match &self.tree {
+            Tree::Four(tree) => tree.get().save(mesh, "", path),
+            Tree::Eight(tree) => tree.get().save(mesh, "", path),
+        }
+    }
+
+    /// Loads the tree of either width that was saved at `path` for `mesh`, on the current rayon pool.
+    ///
+    /// # Errors
+    /// [`BvhError::Saved`]: a file that is damaged, or holds the tree of another mesh.
+    pub fn load(mesh: &Mesh, path: &Path) -> Result<Self, BvhError> {
+        let unusable = |error: SavedError| BvhError::Saved(error.to_string());
+        match header_of(path).map_err(unusable)?.width {
+            4 => Bvh4::load(mesh, path).map_err(unusable)?.try_into(),
+            _ => Bvh8::load(mesh, path).map_err(unusable)?.try_into(),
+        }
     }
 
     /// Bytes of the tree and of what finds a triangle in it.

@@ -27,6 +27,9 @@ pub enum BvhError {
     /// No builder makes nodes of so many children.
     #[error("no tree has nodes of {0} children; give 4 or 8")]
     NoSuchWidth(usize),
+    /// A saved tree that cannot be loaded.
+    #[error("{0}")]
+    Saved(String),
     /// The tree's links lead out of it or in circles, or it is too deep.
     #[error("malformed tree: {0}; check it by WideBvh::validate")]
     Malformed(String),

@@ -4,8 +4,10 @@
 //!
 //! * **Interval**: a hit at `t` counts if `tnear < t <= tfar`, as in Embree. `tfar` may be infinite; a ray whose interval
 //!   is empty (`tfar <= tnear`) misses.
-//! * **Direction**: any length; `t` is in units of it, so that the hit lies at `org + t * dir`. Components may be zero, of
-//!   either sign, or denormal; a ray whose direction is zero misses.
+//! * **Direction**: any length from 1e-18 on (shorter ones mostly miss); `t` is in units of it, so that the hit lies at `org + t * dir`. Components may be zero, of
+//!   either sign, or denormal; a ray whose direction is zero misses. Where the products of direction and edges leave the
+//!   range of `f32` (all components below 1e-38, say) closest hits are missed; no hit has a distance that is infinite, zero
+//!   or NaN.
 //! * **Faces**: both sides of a triangle are hit. The normal is not turned towards the ray.
 //! * **Edges** belong to their triangles, but rounding decides: a ray at an edge may slip between the two triangles that
 //!   share it, or past a triangle that it touches at the border of a box it runs along. Of hits at the same distance any

@@ -16,6 +16,10 @@ impl Grid {
     /// Adds a row; missing cells are empty.
     pub fn push(&mut self, mut cells: Vec<String>) {
         cells.resize(self.header.len(), String::new());
+        for cell in cells.iter_mut().filter(|cell| cell.contains(['|', '\n', '\r'])) {
+            // A reason may quote anything.
+            *cell = cell.replace(['\n', '\r'], " ").replace('|', "\\|");
+        }
         self.rows.push(cells);
     }
 
@@ -83,6 +87,13 @@ mod tests {
 | phr-hq  |    1 |
 ";
         assert_eq!(grid.markdown(), expected);
+    }
+
+    #[test]
+    fn cells_stay_cells() {
+        let mut grid = Grid::new(["builder", "verdict"]);
+        grid.push(vec!["lbvh".into(), "a|b\nc".into()]);
+        assert_eq!(grid.markdown().lines().last(), Some("| lbvh    | a\\|b c |"));
     }
 
     #[test]

@@ -2,9 +2,7 @@
 //! Figure 6, and geometric, which is the right one for ratios. The worst scene is named.
 
 use super::figures::interval::{self, Interval, Noise, Over, SceneRatio};
-use super::figures::{
-    BASELINE, Figure, NATIVE, OWN, SceneFigures, Tree, Under, kernels, scenes, tree_name, trees,
-};
+use super::figures::{BASELINE, Figure, NATIVE, OWN, SceneFigures, Tree, Under, kernels, tree_name, trees};
 use super::grid::Grid;
 use super::paper;
 use crate::bench::row::Row;
@@ -22,8 +20,18 @@ impl Ratios {
 
     /// The ratios of a run to `base`, without scenes that lack the figure of either tree.
     pub fn to(base: Tree<'_>, rows: &[Row], tree: Tree<'_>, figure: Figure, under: &Under) -> Self {
-        let ratio = |name: &String| SceneFigures::of(rows, name).noisy_ratio_to(base, tree, figure, under);
-        Self(scenes(rows).iter().filter_map(ratio).collect())
+        Self::among(&SceneFigures::all(rows), base, tree, figure, under)
+    }
+
+    /// The ratios to `base` in `of_scenes`, without scenes that lack the figure of either tree.
+    pub fn among(
+        of_scenes: &[SceneFigures<'_>],
+        base: Tree<'_>,
+        tree: Tree<'_>,
+        figure: Figure,
+        under: &Under,
+    ) -> Self {
+        Self(of_scenes.iter().filter_map(|scene| scene.noisy_ratio_to(base, tree, figure, under)).collect())
     }
 
     /// The ratios in the paper.
@@ -44,6 +52,11 @@ impl Ratios {
     /// The mean for ratios.
     pub fn geometric(&self) -> Option<f64> {
         geometric_mean(&self.values())
+    }
+
+    /// What an interval is over: scenes and rounds, or rounds alone where there is one scene.
+    pub fn over(&self) -> Over {
+        if self.0.len() > 1 { Over::ScenesAndRounds } else { Over::Rounds }
     }
 
     /// The interval of the geometric mean.

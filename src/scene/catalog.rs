@@ -78,8 +78,9 @@ const PAPER: [PaperScene; 9] = [
     },
 ];
 
-/// File extensions of scenes, the preferred first.
-const ENDINGS: [&str; 6] = [".ply", ".ply.zst", ".ply.gz", ".obj", ".obj.zst", ".obj.gz"];
+/// File extensions of scenes, the preferred first, each also with those of compression.
+const ENDINGS: [&str; 5] = [".ply", ".obj", ".glb", ".gltf", ".stl"];
+const COMPRESSED: [&str; 3] = ["", ".zst", ".gz"];
 
 /// The nine scenes, in the paper's order.
 pub fn paper() -> &'static [PaperScene] {
@@ -94,7 +95,9 @@ pub fn paper_scene_in(dir: &Path, scene: &PaperScene) -> Option<PathBuf> {
         let name = path.file_name()?.to_str()?.to_ascii_lowercase();
         scene.file_names.iter().enumerate().find_map(|(i, stem)| {
             let ending = name.strip_prefix(stem)?;
-            ENDINGS.iter().position(|e| *e == ending).map(|j| (i, j))
+            let format = ENDINGS.iter().position(|format| ending.starts_with(format))?;
+            let compression = COMPRESSED.iter().position(|end| *end == &ending[ENDINGS[format].len()..])?;
+            Some((i, format, compression))
         })
     };
     entries

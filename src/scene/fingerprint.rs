@@ -11,11 +11,16 @@ const CHUNK: usize = 1 << 16;
 /// 16 hex digits. The vertices' bits and then the triangles, each in chunks of 2^16 triples; a chunk is
 /// hashed by rotate, xor and multiply over 64-bit words, and the chunks' hashes in turn.
 pub fn of(mesh: &Mesh) -> String {
+    format!("{:016x}", value(mesh))
+}
+
+/// The same as a number.
+pub(crate) fn value(mesh: &Mesh) -> u64 {
     let vertices = mesh.vertices().par_chunks(CHUNK).map(|c| chunk(c.iter().map(|v| v.map(f32::to_bits))));
     let triangles = mesh.triangles().par_chunks(CHUNK).map(|c| chunk(c.iter().copied()));
     let hashes: Vec<u64> = vertices.chain(triangles).collect();
     let counts = [mesh.vertices().len() as u64, mesh.len() as u64];
-    format!("{:016x}", mix(counts.into_iter().chain(hashes).fold(0, step)))
+    mix(counts.into_iter().chain(hashes).fold(0, step))
 }
 
 fn chunk(triples: impl Iterator<Item = [u32; 3]>) -> u64 {

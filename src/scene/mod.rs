@@ -5,27 +5,16 @@
 
 mod catalog;
 #[cfg(feature = "files")]
-mod error;
+mod files;
 mod fingerprint;
 mod generate;
-#[cfg(feature = "files")]
-mod load;
 mod model;
-#[cfg(feature = "files")]
-mod obj;
-#[cfg(feature = "files")]
-mod ply;
-#[cfg(feature = "files")]
-mod ply_rows;
-#[cfg(feature = "files")]
-mod raw_mesh;
 mod views;
 
 pub use catalog::{PaperScene, paper, paper_scene_in};
 #[cfg(feature = "files")]
-pub use error::SceneError;
+pub use files::{Limits, SceneError, load, load_within};
+pub(crate) use fingerprint::value as mesh_fingerprint;
 pub use generate::{Generator, builtin, generator, generators, scalable, scalable_name, scalable_triangles};
-#[cfg(feature = "files")]
-pub use load::load;
-pub use model::Scene;
+pub use model::{Contents, Scene};
 pub use views::{InvalidView, View, views_around};

@@ -4,6 +4,35 @@ use super::fingerprint;
 use super::views::{View, views_around};
 use crate::geometry::{Dropped, Mesh};
 
+/// What a scene file holds besides usable triangles.
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Contents {
+    /// Objects and groups that became one mesh: `o` and `g` lines of OBJ, solids of STL, primitives of glTF in the places
+    /// of their nodes; 1 in PLY, 0 in generated scenes.
+    pub objects: usize,
+    /// Points left out.
+    pub points: usize,
+    /// Lines left out: one for each element or primitive of them.
+    pub lines: usize,
+    /// Faces and primitives left out that have no whole triangle.
+    pub empty: usize,
+    /// What of the file was not applied, in words.
+    pub remarks: Vec<String>,
+}
+
+impl Contents {
+    /// One line for each thing left out.
+    fn told(&self) -> impl Iterator<Item = String> + '_ {
+        let Self { points, lines, empty, .. } = self;
+        let left_out = (points + lines + empty > 0).then(|| {
+            format!(
+                "left out as no triangles: {points} points, {lines} lines, {empty} without a whole triangle"
+            )
+        });
+        left_out.into_iter().chain(self.remarks.iter().cloned())
+    }
+}
+
 /// A scene ready to be built and rendered.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -13,6 +42,8 @@ pub struct Scene {
     pub mesh: Mesh,
     /// Triangles left out, by reason.
     pub dropped: Dropped,
+    /// What its file held besides.
+    pub contents: Contents,
     /// At least one camera.
     pub views: Vec<View>,
     /// 16 hex digits of a hash of the mesh (vertices and triangles), which identifies the geometry.
@@ -26,6 +57,12 @@ impl Scene {
     pub fn new(name: String, mesh: Mesh, dropped: Dropped, views: Vec<View>, source: String) -> Self {
         let views = if views.is_empty() { views_around(&mesh) } else { views };
         let sha = fingerprint::of(&mesh);
-        Self { name, mesh, dropped, views, sha, source }
+        Self { name, mesh, dropped, contents: Contents::default(), views, sha, source }
+    }
+
+    /// What of its file is not in the mesh, a line each; nothing where all is.
+    pub fn remarks(&self) -> Vec<String> {
+        let dropped = (self.dropped.total() > 0).then(|| self.dropped.to_string());
+        dropped.into_iter().chain(self.contents.told()).map(|line| format!("{}: {line}", self.name)).collect()
     }
 }

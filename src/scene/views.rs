@@ -69,6 +69,11 @@ const MARGIN: f64 = 1.05;
 /// where the scene is less than half as high in Z as along either other axis, as terrains and buildings with
 /// Z up are. An interior without openings is seen from outside only: give such scenes a `views.json`.
 pub fn views_around(mesh: &Mesh) -> Vec<View> {
+    around(mesh, None)
+}
+
+/// The same, with the axis that the scene's format calls up, if it does.
+pub(super) fn around(mesh: &Mesh, up: Option<Vec3>) -> Vec<View> {
     let bounds = mesh.bounds();
     let bounds = if bounds.is_empty() {
         crate::geometry::Aabb::new(Default::default(), Default::default())
@@ -77,7 +82,7 @@ pub fn views_around(mesh: &Mesh) -> Vec<View> {
     };
     let (min, max) = (glam::Vec3::from(bounds.min).as_dvec3(), glam::Vec3::from(bounds.max).as_dvec3());
     let (center, half) = ((min + max) / 2.0, (max - min) / 2.0);
-    let z_up = half.z < 0.5 * half.x.min(half.y);
+    let z_up = up.map_or(half.z < 0.5 * half.x.min(half.y), |up| up == Vec3::Z);
     let up = if z_up { glam::DVec3::Z } else { glam::DVec3::Y };
     let (side, front) =
         if z_up { (glam::DVec3::X, -glam::DVec3::Y) } else { (glam::DVec3::X, glam::DVec3::Z) };
@@ -115,11 +120,12 @@ pub fn views_around(mesh: &Mesh) -> Vec<View> {
 /// or entry.
 #[cfg(feature = "files")]
 pub(super) fn beside(scene: &std::path::Path, name: &str) -> Result<Vec<View>, super::SceneError> {
-    use super::error::Fault;
+    use super::files::{Fault, read_small};
     const REMEDY: &str =
         r#"write {"SCENE": [{"eye": [x, y, z], "target": [x, y, z], "up": [x, y, z], "fov_y_deg": a}]}"#;
+    const MOST_BYTES: u64 = 64 << 20;
     let path = scene.with_file_name("views.json");
-    let text = match std::fs::read(&path) {
+    let text = match read_small(&path, MOST_BYTES) {
         Ok(text) => text,
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
         Err(source) => return Err(super::SceneError::Unreadable { path, source }),

@@ -4,8 +4,10 @@ use crate::bench::build_times::BuildTimes;
 use crate::bench::cell::Kernel;
 use crate::bench::pools::Pools;
 use crate::bench::tree_facts::TreeFacts;
+use crate::bvh::saved::SavedError;
 use crate::bvh::{Bvh4, Bvh8};
 use crate::geometry::{Mesh, Tracer};
+use std::path::Path;
 
 /// A request to a contender.
 #[derive(Clone, Copy)]
@@ -18,6 +20,8 @@ pub struct BuildRequest<'a> {
     pub kernels: &'a [Kernel],
     /// Whether to compute the facts of the tree; untimed.
     pub wants_facts: bool,
+    /// Whether to time fresh builds alone.
+    pub fresh_only: bool,
 }
 
 /// A tree of either width in our form.
@@ -40,6 +44,19 @@ impl From<Bvh8> for EitherWidth {
     }
 }
 
+impl EitherWidth {
+    /// Saves the tree, which `builder` built over `mesh`.
+    ///
+    /// # Errors
+    /// An unwritable place.
+    pub fn save(&self, mesh: &Mesh, builder: &str, path: &Path) -> Result<(), SavedError> {
+        match self {
+            Self::Four(tree) => tree.save(mesh, builder, path),
+            Self::Eight(tree) => tree.save(mesh, builder, path),
+        }
+    }
+}
+
 /// A tree as its contender built it.
 pub struct BuiltTree<'a> {
     /// How long the builds took.
@@ -52,4 +69,14 @@ pub struct BuiltTree<'a> {
     pub(super) tree: Result<EitherWidth, String>,
     /// Embree's own scene, where Embree built it.
     pub(super) native: Option<Box<dyn Tracer + 'a>>,
+}
+
+impl BuiltTree<'_> {
+    /// The tree in our form.
+    ///
+    /// # Errors
+    /// Why it is unavailable.
+    pub fn tree(&self) -> Result<&EitherWidth, &str> {
+        self.tree.as_ref().map_err(String::as_str)
+    }
 }

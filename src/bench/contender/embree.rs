@@ -23,11 +23,9 @@ pub const REFERENCE_KERNEL: Kernel = Kernel::EmbreeNative;
 
 /// Embree's builders in both widths.
 pub fn cells() -> Vec<Cell> {
-    let cell = |builder: EmbreeBuilder, width: Width| Cell {
-        builder: builder.name().into(),
-        width: width.lanes() as u32,
-        kernels: if cfg!(feature = "graft") { Kernel::ALL.into() } else { vec![Kernel::EmbreeNative] },
-    };
+    let kernels: &[Kernel] = if cfg!(feature = "graft") { &Kernel::ALL } else { &[Kernel::EmbreeNative] };
+    let cell =
+        |builder: EmbreeBuilder, width: Width| Cell::new(builder.name(), width.lanes() as u32, kernels);
     EmbreeBuilder::ALL.iter().flat_map(|&builder| Width::ALL.map(|width| cell(builder, width))).collect()
 }
 
@@ -65,6 +63,13 @@ impl Embree {
     pub fn build<'a>(&mut self, request: &BuildRequest<'a>) -> Result<BuiltTree<'a>, String> {
         let BuildRequest { mesh, pools, .. } = *request;
         let config = self.config(pools.all.current_num_threads());
+        if request.fresh_only {
+            let device = Device::new(&config).map_err(message)?;
+            let (fresh, scene) = fresh(&device, mesh).map_err(message)?;
+            let times = BuildTimes { fresh, ..BuildTimes::default() };
+            let tree = self.read_for(request, &scene);
+            return Ok(BuiltTree { times, facts: None, mesh, tree, native: Some(Box::new(scene)) });
+        }
         let inspection = match request.wants_facts {
             true => Some(embree::inspect(mesh, &config).map_err(message)?),
             false => None,
@@ -96,8 +101,7 @@ impl Embree {
             one_thread,
         };
 
-        let is_read = request.wants_facts || request.kernels.iter().any(|&it| it != Kernel::EmbreeNative);
-        let mut tree = if is_read { read(&scene, self.width) } else { Err("not asked for".into()) };
+        let mut tree = self.read_for(request, &scene);
         let mut facts = None;
         if let Some(printed) = &inspection {
             let statistics = tree.as_ref().ok().map(|tree| pools.all.install(|| statistics(tree, mesh)));
@@ -124,6 +128,12 @@ impl Embree {
         let scene = device.prepare(mesh).and_then(Prepared::commit).map_err(message)?;
         let tree = Err("it was not read".into());
         Ok(BuiltTree { times: BuildTimes::default(), facts: None, mesh, tree, native: Some(Box::new(scene)) })
+    }
+
+    /// The tree of `scene` in our form, where the request needs it.
+    fn read_for(&self, request: &BuildRequest<'_>, scene: &EmbreeScene<'_>) -> Result<EitherWidth, String> {
+        let is_read = request.wants_facts || request.kernels.iter().any(|&it| it != Kernel::EmbreeNative);
+        if is_read { read(scene, self.width) } else { Err("not asked for".into()) }
     }
 
     /// The SAH cost of a scene's tree, where it is asked for and the tree can be read.

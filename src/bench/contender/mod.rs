@@ -1,4 +1,5 @@
-//! The contenders: our builders, and Embree's where this program was built with Embree. A [`Contender`] builds
+//! The contenders: our builders, Embree's where this program was built with Embree, and those of other crates with the
+//! feature `peers`. A [`Contender`] builds
 //! and returns a [`BuiltTree`]; put under kernels ([`TreeUnderKernel`]), it is traced.
 
 mod built_tree;
@@ -6,10 +7,12 @@ mod caught;
 #[cfg(feature = "embree")]
 mod embree;
 mod ours;
+#[cfg(feature = "peers")]
+mod peers;
 pub mod pools;
 mod repeated;
+pub mod saved;
 mod tree_under_kernel;
-mod variant;
 #[cfg(not(feature = "embree"))]
 mod without_embree;
 
@@ -20,11 +23,11 @@ pub use embree::isas as embree_isas;
 pub use embree::{Embree, REFERENCE_KERNEL, library, reference};
 pub use ours::Ours;
 pub use tree_under_kernel::TreeUnderKernel;
-pub use variant::{Configuration, Variant};
 #[cfg(not(feature = "embree"))]
 pub use without_embree::{Embree, REFERENCE_KERNEL, library, reference};
 
-use super::cell::{Cell, place};
+use super::cell::{Cell, Kernel, place};
+use crate::builders::Recipe;
 use crate::geometry::Mesh;
 use crate::simd::Isa;
 use crate::trace;
@@ -40,6 +43,9 @@ pub enum Contender {
     Eight(Ours<8>),
     /// One of Embree's builders.
     Embree(Embree),
+    /// A builder of another crate.
+    #[cfg(feature = "peers")]
+    Peer(Box<dyn peers::Contestant>),
 }
 
 impl Contender {
@@ -48,12 +54,14 @@ impl Contender {
     /// # Errors
     /// No such builder, in one line.
     pub fn of(cell: &Cell) -> Result<Self, String> {
-        let name = &cell.builder;
+        let name = cell.made_by();
         let ours = match cell.width {
-            4 => Ours::by_name(name).map(Self::Four),
-            8 => Ours::by_name(name).map(Self::Eight),
+            4 => Ours::by_name(name).or_else(|| saved::by_name(name)).map(Self::Four),
+            8 => Ours::by_name(name).or_else(|| saved::by_name(name)).map(Self::Eight),
             _ => None,
         };
+        #[cfg(feature = "peers")]
+        let ours = ours.or_else(|| peers::of(cell).map(Self::Peer));
         ours.map_or_else(|| Embree::new(cell).map(Self::Embree), Ok)
     }
 
@@ -67,6 +75,8 @@ impl Contender {
             Self::Four(ours) => ours.build(request),
             Self::Eight(ours) => ours.build(request),
             Self::Embree(embree) => embree.build(request),
+            #[cfg(feature = "peers")]
+            Self::Peer(peer) => peer.build(request),
         }
     }
 
@@ -79,18 +89,37 @@ impl Contender {
             Self::Four(ours) => ours.once(mesh, pool),
             Self::Eight(ours) => ours.once(mesh, pool),
             Self::Embree(embree) => embree.once(mesh, pool),
+            #[cfg(feature = "peers")]
+            Self::Peer(peer) => peer.once(mesh, pool),
         }
     }
 }
 
 /// All cells of this program, in the table's order.
 pub fn cells(build_only: bool) -> Vec<Cell> {
-    let mut cells: Vec<Cell> = ours::cells(&embree::kernels_of_ours()).chain(embree::cells()).collect();
+    let kernels = embree::kernels_of_ours();
+    let mut cells: Vec<Cell> =
+        ours::cells(&kernels).chain(saved::cells(&kernels)).chain(embree::cells()).collect();
+    #[cfg(feature = "peers")]
+    cells.extend(peers::cells(&kernels));
     cells.sort_by_key(|cell| (place(&cell.builder), cell.width));
     if build_only {
         cells.iter_mut().for_each(|cell| cell.kernels.clear());
     }
     cells
+}
+
+/// The cells of a builder of ours made by `recipe`, called `name`, in both widths.
+pub fn cells_of(name: &str, recipe: &Recipe, build_only: bool) -> [Cell; 2] {
+    let kernels = if build_only { Vec::new() } else { embree::kernels_of_ours() };
+    let made_by = recipe.name();
+    let recipe = (name != made_by).then_some(made_by);
+    [4, 8].map(|width| Cell { recipe: recipe.clone(), ..Cell::new(name, width, &kernels) })
+}
+
+/// The kernels that trace our trees here, the fairest first.
+pub fn kernels_of_ours() -> Vec<Kernel> {
+    embree::kernels_of_ours()
 }
 
 /// The instruction sets in use, for the records: of kernels and builders, ours and Embree's (null without it).

@@ -80,8 +80,8 @@ impl<'a> Trees<'a> {
 impl<'a> Tree<'a> {
     fn build(mesh: &'a Mesh, cell: &Cell, by_all: bool, pool: &ThreadPool) -> Result<Self, String> {
         let ours = match cell.width {
-            8 => built::<8>(mesh, &cell.builder, pool).map(EitherWidth::Eight),
-            _ => built::<4>(mesh, &cell.builder, pool).map(EitherWidth::Four),
+            8 => built::<8>(mesh, cell.made_by(), pool).map(EitherWidth::Eight),
+            _ => built::<4>(mesh, cell.made_by(), pool).map(EitherWidth::Four),
         };
         if let Some(tree) = ours {
             return Ok(Self {

@@ -14,7 +14,7 @@ use std::process::{Command, Stdio};
 pub fn measure(program: &Path, mesh: &Mesh, cell: &Cell, threads: usize) -> Result<BuildMemory, String> {
     let failed = |error: std::io::Error| format!("{} memory: {error}", program.display());
     let mut child = Command::new(program)
-        .args(["memory", "--builder", &cell.builder])
+        .args(["memory", "--builder", cell.made_by()])
         .args(["--width", &cell.width.to_string(), "--threads", &threads.to_string()])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

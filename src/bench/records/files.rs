@@ -4,6 +4,15 @@ use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+/// What was written when a run ended, kept in `environment.json`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Written {
+    /// Rows of `rows.csv`.
+    pub rows: usize,
+    /// Lines of `rounds.csv` without its header.
+    pub rounds: usize,
+}
+
 /// Why records could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordsError {
@@ -31,6 +40,45 @@ pub enum RecordsError {
         /// The file.
         path: PathBuf,
     },
+    /// A file that does not end with a line's end.
+    #[error("{}: ends within a line, it was cut; fetch it again or run `phr bench` again", path.display())]
+    Unended {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Fewer or more lines than the run wrote.
+    #[error(
+        "{}: {found} rows, where its run wrote {written}; fetch the folder again or run `phr bench` again",
+        path.display()
+    )]
+    Cut {
+        /// The file.
+        path: PathBuf,
+        /// Rows in it.
+        found: usize,
+        /// Rows that were written.
+        written: usize,
+    },
+    /// `rounds.csv` tells of a row that is not there.
+    #[error("{}: no row of {row}, of which rounds.csv tells; fetch the folder again", path.display())]
+    RowMissing {
+        /// The file.
+        path: PathBuf,
+        /// Scene, builder and width.
+        row: String,
+    },
+    /// A figure that none can be.
+    #[error("{}: line {line}: {column} is {value:e}; run `phr bench` again", path.display())]
+    Figure {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The column.
+        column: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// Written with other columns.
     #[error("{}: schema {found}, this program reads {expected}; run `phr bench` again", path.display())]
     Schema {
@@ -56,12 +104,31 @@ pub enum RecordsError {
 /// # Errors
 /// No such file, or no such content.
 pub fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, RecordsError> {
-    let bytes = std::fs::read(path).map_err(|source| RecordsError::Io {
-        path: path.to_owned(),
-        source,
-        remedy: "there is no run to resume; run without --resume",
-    })?;
+    let bytes = read(path, "there is no run to resume; run without --resume")?;
     serde_json::from_slice(&bytes).map_err(|source| RecordsError::Json { path: path.to_owned(), source })
+}
+
+/// Reads a text file, refusing one that ends within a line: its last row may be half a row.
+///
+/// # Errors
+/// No such file, or a cut one.
+pub fn read_lines(path: &Path, remedy: &'static str) -> Result<Vec<u8>, RecordsError> {
+    let bytes = read(path, remedy)?;
+    // A quoted field may hold a line's end.
+    let is_quoted = bytes.iter().filter(|byte| **byte == b'"').count() % 2 == 1;
+    match bytes.last() {
+        None => Ok(bytes),
+        Some(b'\n') if !is_quoted => Ok(bytes),
+        Some(_) => Err(RecordsError::Unended { path: path.to_owned() }),
+    }
+}
+
+/// Reads a regular file; a pipe might never end.
+fn read(path: &Path, remedy: &'static str) -> Result<Vec<u8>, RecordsError> {
+    let no_file = || std::io::Error::new(std::io::ErrorKind::InvalidInput, "not a regular file");
+    let is_file = std::fs::metadata(path).map(|metadata| metadata.is_file());
+    let bytes = is_file.and_then(|is_file| if is_file { std::fs::read(path) } else { Err(no_file()) });
+    bytes.map_err(|source| RecordsError::Io { path: path.to_owned(), source, remedy })
 }
 
 /// Writes `value` as JSON to the file `path`, whole or not at all.
@@ -99,8 +166,7 @@ pub fn read_csv<T: for<'a> Deserialize<'a>>(
     remedy: &'static str,
 ) -> Result<Vec<T>, RecordsError> {
     let path = if results.is_dir() { results.join(name) } else { results.to_owned() };
-    let bytes =
-        std::fs::read(&path).map_err(|source| RecordsError::Io { path: path.clone(), source, remedy })?;
+    let bytes = read_lines(&path, remedy)?;
     let malformed = |source| RecordsError::Malformed { path: path.clone(), source };
     let rows: Vec<T> =
         csv::Reader::from_reader(&bytes[..]).deserialize().collect::<Result<_, _>>().map_err(malformed)?;
@@ -139,9 +205,9 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RecordsError> {
         file.sync_data()?;
         std::fs::rename(&part, path)
     };
-    write().map_err(|source| RecordsError::Io {
-        path: path.to_owned(),
-        source,
-        remedy: "give a writable folder with --out",
+    write().map_err(|source| {
+        // On a full disk what was written of it would only be in the way. That it cannot be removed is no news.
+        let _ = std::fs::remove_file(&part);
+        RecordsError::Io { path: path.to_owned(), source, remedy: "give a writable folder with --out" }
     })
 }

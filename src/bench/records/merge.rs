@@ -165,8 +165,8 @@ fn write(parts: &[&Part], scenes: &[String], folder: &Path) -> Result<PathBuf, R
     environment.before = parts.iter().flat_map(|part| part.environment.before.clone()).collect();
     environment.after = parts.last().and_then(|part| part.environment.after.clone());
     environment.notes = parts.iter().flat_map(|part| part.environment.notes.clone()).collect();
-    row::write_all(folder, &rows)?;
     phases::write(folder, &phases)?;
+    environment.written = Some(row::write_all(folder, &rows)?);
     write_json(&folder.join(ENVIRONMENT), &environment)?;
     Ok(folder.to_owned())
 }

@@ -107,7 +107,7 @@ mod tests {
             VisitSamples { round, place: 0, builds, timings: Vec::new(), cpu_time: Default::default() }
         };
         let cell = CellSamples {
-            cell: Cell { builder: "lbvh".into(), width: 4, kernels: Vec::new() },
+            cell: Cell::new("lbvh", 4, &[]),
             facts: TreeFacts::default(),
             checks: Vec::new(),
             visits: vec![visit(0, 2.0), visit(1, 9.0), visit(2, 3.0)],

@@ -2,7 +2,7 @@
 
 use super::environment::moment::Moment;
 use super::environment::{ENVIRONMENT, Environment, Machine, Program, State};
-use super::files::{RecordsError, read_json, write_json};
+use super::files::{RecordsError, Written, read_json, write_json};
 use super::phases::{self, PHASES};
 use super::rounds::ROUNDS;
 use super::row::{self, ROWS, Row, SCHEMA};
@@ -10,7 +10,7 @@ use super::rows::{self, Header};
 use super::samples::{CellSamples, SAMPLES, Samples, SceneSamples};
 use super::tree_facts::TreeFacts;
 use super::warnings::Warning;
-use crate::bench::cell::{Cell, place};
+use crate::bench::cell::Cell;
 use crate::bench::contender;
 use crate::bench::error::RunError;
 use crate::bench::plan::Plan;
@@ -20,7 +20,7 @@ use crate::scene::Scene;
 use std::path::Path;
 
 /// Files that the command makes from the rows when a run ends.
-const MADE_OF_ROWS: [&str; 9] = [
+const MADE_OF_ROWS: [&str; 11] = [
     "table1.md",
     "figure6.svg",
     "figure6.png",
@@ -30,6 +30,8 @@ const MADE_OF_ROWS: [&str; 9] = [
     "growth.png",
     "phases.svg",
     "phases.png",
+    "threads.svg",
+    "threads.png",
 ];
 
 /// Where and how a run is recorded.
@@ -87,6 +89,7 @@ impl<'a> Recorder<'a> {
             before: Vec::new(),
             after: None,
             notes: Vec::new(),
+            written: None,
             machine,
         };
         let mut samples = Samples { schema: SCHEMA, run_id: environment.run_id.clone(), scenes: Vec::new() };
@@ -94,6 +97,11 @@ impl<'a> Recorder<'a> {
             let old: Environment = read_json(&folder.join(ENVIRONMENT))?;
             same(&old, &environment, folder)?;
             samples = Samples::read(folder)?;
+            if samples.run_id != old.run_id {
+                // A kill can fall between the first files of a new run and the removal of the last one's.
+                let what = format!("run than {SAMPLES}");
+                return Err(RunError::Resume { folder: folder.to_owned(), what });
+            }
             environment.run_id = old.run_id;
             environment.before = old.before;
             environment.notes = old.notes;
@@ -143,6 +151,7 @@ impl<'a> Recorder<'a> {
                 source: planned.origin(),
                 triangles: scene.mesh.len() as u64,
                 dropped: scene.dropped,
+                remarks: scene.remarks(),
                 views,
                 invalid_rays,
                 cells: Vec::new(),
@@ -154,6 +163,14 @@ impl<'a> Recorder<'a> {
             return Err(RunError::Resume { folder: self.folder.to_owned(), what });
         }
         for cell in cells {
+            let is_other = |known: &CellSamples| {
+                let (known, cell) = (&known.cell, &cell);
+                (&known.builder, known.width) == (&cell.builder, cell.width) && known.recipe != cell.recipe
+            };
+            if samples.cells.iter().any(is_other) {
+                let what = format!("configuration called {}", cell.builder);
+                return Err(RunError::Resume { folder: self.folder.to_owned(), what });
+            }
             if !samples.cells.iter().any(|known| known.cell == *cell) {
                 samples.cells.push(CellSamples {
                     cell: cell.clone(),
@@ -165,7 +182,7 @@ impl<'a> Recorder<'a> {
                 });
             }
         }
-        samples.cells.sort_by_key(|cell| (place(&cell.cell.builder), cell.cell.width));
+        samples.cells.sort_by(|a, b| a.cell.order().cmp(&b.cell.order()));
         Ok(index)
     }
 
@@ -205,11 +222,10 @@ impl<'a> Recorder<'a> {
     }
 
     /// Brings samples and rows on disk up to date.
-    pub fn save(&self) -> Result<(), RunError> {
+    pub fn save(&self) -> Result<Written, RunError> {
         self.samples.write(self.folder)?;
         phases::write(self.folder, &phases::of_samples(&self.samples))?;
-        row::write_all(self.folder, &self.rows())?;
-        Ok(())
+        Ok(row::write_all(self.folder, &self.rows())?)
     }
 
     fn write_environment(&self) -> Result<(), RunError> {
@@ -223,9 +239,7 @@ impl<'a> Recorder<'a> {
         self.environment.after = Some(Moment::now(self.threads));
         let mut notes = Vec::new();
         for scene in &self.samples.scenes {
-            if scene.dropped.total() > 0 {
-                notes.push(format!("{}: {}", scene.name, scene.dropped));
-            }
+            notes.extend(scene.remarks.iter().cloned());
             if scene.invalid_rays > 0 {
                 let count = scene.invalid_rays;
                 notes.push(format!("{}: {count} rays left out that Embree would not accept", scene.name));
@@ -234,7 +248,7 @@ impl<'a> Recorder<'a> {
         notes.append(&mut self.imprecise);
         self.environment.notes = notes;
         if !self.samples.scenes.is_empty() {
-            self.save()?;
+            self.environment.written = Some(self.save()?);
         }
         self.write_environment()
     }

@@ -71,7 +71,7 @@ pub fn reduce(from: &Path, to: &Path) -> Result<Vec<PathBuf>, ReduceError> {
         let phases = phases::read(&part)?;
         reduced.push((part, rows, phases));
     }
-    let mut written = Vec::new();
+    let mut folders = Vec::new();
     for (part, rows, phases) in reduced {
         let below = if part == from { None } else { part.file_name() };
         let folder = below.map_or_else(|| to.to_owned(), |name| to.join(name));
@@ -80,14 +80,14 @@ pub fn reduce(from: &Path, to: &Path) -> Result<Vec<PathBuf>, ReduceError> {
             source,
             remedy: "give a writable place",
         })?;
+        let written = Some(row::write_all(&folder, &rows)?);
         if let Some(environment) = environment(&part)? {
-            write_json(&folder.join(ENVIRONMENT), &environment)?;
+            write_json(&folder.join(ENVIRONMENT), &Environment { written, ..environment })?;
         }
-        row::write_all(&folder, &rows)?;
         phases::write(&folder, &phases)?;
-        written.push(folder);
+        folders.push(folder);
     }
-    Ok(written)
+    Ok(folders)
 }
 
 /// True if `to`, which need not exist, is the folder of `from` or in it.

@@ -2,7 +2,7 @@
 //! interleaved, so that two builders' times of one round are a pair: ratios are taken within it, and intervals drawn
 //! from whole rounds. Small enough to be committed, as `samples.json` is not.
 
-use super::files::{RecordsError, write_whole};
+use super::files::{RecordsError, read_lines, write_whole};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -65,11 +65,12 @@ struct Line {
 
 const FIGURES: [&str; 3] = ["build", "trace", "frame"];
 
-/// Writes the file in `folder`, whole or not at all; where no row has rounds, an older file is removed.
+/// Writes the file in `folder`, whole or not at all; where no row has rounds, an older file is removed. Returns the lines
+/// below its header.
 ///
 /// # Errors
 /// An unwritable place.
-pub fn write(folder: &Path, rows: &[(RowKey, &RowRounds)]) -> Result<(), RecordsError> {
+pub fn write(folder: &Path, rows: &[(RowKey, &RowRounds)]) -> Result<usize, RecordsError> {
     let path = folder.join(ROUNDS);
     let malformed = |source| RecordsError::Malformed { path: path.clone(), source };
     let mut writer = csv::Writer::from_writer(Vec::new());
@@ -87,23 +88,30 @@ pub fn write(folder: &Path, rows: &[(RowKey, &RowRounds)]) -> Result<(), Records
             Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
                 Err(RecordsError::Io { path, source, remedy: "give another folder with --out" })
             }
-            _ => Ok(()),
+            _ => Ok(0),
         };
     }
     let bytes = writer.into_inner().map_err(|error| malformed(error.into_error().into()))?;
-    write_whole(&path, &bytes)
+    write_whole(&path, &bytes)?;
+    Ok(lines)
 }
 
-/// Reads the file at `path`; nothing where there is none, as beside rows of older programs.
+/// Reads the file at `path`, and how many lines it has below its header; nothing where there is none, as beside rows of
+/// older programs.
 ///
 /// # Errors
 /// A file of another content.
-pub fn read(path: &Path) -> Result<Vec<(RowKey, RowRounds)>, RecordsError> {
+pub fn read(path: &Path) -> Result<(Vec<(RowKey, RowRounds)>, usize), RecordsError> {
     let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source };
-    let Ok(file) = std::fs::File::open(path) else { return Ok(Vec::new()) };
+    if !path.exists() {
+        return Ok((Vec::new(), 0));
+    }
+    let bytes = read_lines(path, "give a results folder written by `phr bench`")?;
     let mut rows: Vec<(RowKey, RowRounds)> = Vec::new();
-    for line in csv::Reader::from_reader(file).deserialize() {
+    let mut lines = 0;
+    for line in csv::Reader::from_reader(&bytes[..]).deserialize() {
         let line: Line = line.map_err(malformed)?;
+        lines += 1;
         let unusable = || {
             let what =
                 format!("{} {}/{}: unusable {} times", line.scene, line.builder, line.width, line.figure);
@@ -120,7 +128,7 @@ pub fn read(path: &Path) -> Result<Vec<(RowKey, RowRounds)>, RecordsError> {
             *[&mut of_row.build, &mut of_row.trace, &mut of_row.frame][figure] = times;
         }
     }
-    Ok(rows)
+    Ok((rows, lines))
 }
 
 impl Line {
@@ -139,7 +147,7 @@ impl Line {
     /// The times; `None` unless there is one positive time for each round.
     fn times(&self) -> Option<ByRound> {
         let rounds: Option<Vec<u32>> = self.rounds.split(' ').map(|round| round.parse().ok()).collect();
-        let positive = |ms: &f64| *ms > 0.0 && ms.is_finite();
+        let positive = |ms: &f64| *ms > 0.0 && *ms <= 1e15;
         let ms: Option<Vec<f64>> = self.ms.split(' ').map(|ms| ms.parse().ok().filter(positive)).collect();
         let (rounds, ms) = (rounds?, ms?);
         (rounds.len() == ms.len()).then(|| rounds.into_iter().zip(ms).collect())
@@ -171,10 +179,10 @@ mod tests {
         let rows = [(key("a, b", "none"), builds), (key("a, b", "phr"), traces)];
         let borrowed: Vec<_> = rows.iter().map(|(key, times)| (key.clone(), times)).collect();
         write(folder.path(), &borrowed).unwrap();
-        assert_eq!(read(&folder.path().join(ROUNDS)).unwrap(), rows);
+        assert_eq!(read(&folder.path().join(ROUNDS)).unwrap(), (rows.into(), 4));
         write(folder.path(), &[]).unwrap();
         assert!(!folder.path().join(ROUNDS).exists(), "an older file is not mistaken for this run's");
-        assert_eq!(read(&folder.path().join(ROUNDS)).unwrap(), []);
+        assert_eq!(read(&folder.path().join(ROUNDS)).unwrap(), (vec![], 0));
     }
 
     #[test]

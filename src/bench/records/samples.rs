@@ -146,6 +146,9 @@ pub struct SceneSamples {
     pub triangles: u64,
     /// Triangles left out.
     pub dropped: Dropped,
+    /// What its file had that is not in the mesh, a line each.
+    #[serde(default)]
+    pub remarks: Vec<String>,
     /// Views traced.
     pub views: usize,
     /// Rays left out because Embree would not accept them.

@@ -145,7 +145,7 @@ pub fn answer(
 fn build(scene: &Scene, pools: &Pools, line: &str) -> Result<f64, String> {
     let words = line.split_once(' ').and_then(|(builder, width)| Some((builder, width.parse().ok()?)));
     let (builder, width) = words.ok_or_else(|| format!("{line}: write BUILDER WIDTH"))?;
-    let contender = Contender::of(&Cell { builder: builder.into(), width, kernels: Vec::new() })?;
+    let contender = Contender::of(&Cell::new(builder, width, &[]))?;
     let mut durations = Vec::new();
     while !is_enough(&durations) {
         let start = Instant::now();

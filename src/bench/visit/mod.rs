@@ -5,7 +5,7 @@ mod traces;
 
 use crate::bench::build_times::BuildTimes;
 use crate::bench::cell::Cell;
-use crate::bench::contender::{BuildRequest, BuiltTree, Contender, TreeUnderKernel, Variant};
+use crate::bench::contender::{BuildRequest, BuiltTree, Contender, TreeUnderKernel};
 use crate::bench::cpu_time::CpuClock;
 use crate::bench::samples::{CellSamples, KernelChecks, VisitSamples};
 use crate::bench::tree_facts::TreeFacts;
@@ -18,7 +18,6 @@ const PASSES: usize = 3;
 /// A scene under measurement.
 pub struct Bench<'a> {
     traces: SceneTraces<'a>,
-    variants: &'a [Variant],
 }
 
 /// When a cell is visited.
@@ -54,17 +53,7 @@ impl From<String> for Unfinished {
 impl<'a> Bench<'a> {
     /// Visits trace and compare by `traces`.
     pub fn new(traces: SceneTraces<'a>) -> Self {
-        Self { traces, variants: &[] }
-    }
-
-    /// Cells may also be of `variants`.
-    pub fn with(self, variants: &'a [Variant]) -> Self {
-        Self { variants, ..self }
-    }
-
-    fn contender(&self, cell: &Cell) -> Result<Contender, String> {
-        let variant = self.variants.iter().find(|variant| variant.name == cell.builder);
-        variant.map_or_else(|| Contender::of(cell), |variant| variant.contender(cell.width))
+        Self { traces }
     }
 
     /// Visits `cell` in its `turn` and adds the samples to `samples`. A builder that fails leaves its reason
@@ -73,8 +62,7 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// [`Stopped`] if the run was told to stop meanwhile.
     pub fn visit(&mut self, cell: &Cell, turn: Turn, samples: &mut CellSamples) -> Result<(), Stopped> {
-        let visited = self
-            .contender(cell)
+        let visited = Contender::of(cell)
             .map_err(Unfinished::Failed)
             .and_then(|mut contender| self.visit_contender(&mut contender, cell, turn, samples));
         match visited {
@@ -105,7 +93,7 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// A builder that failed, in one line.
     pub fn verify(&mut self, cell: &Cell) -> Result<Vec<KernelChecks>, String> {
-        let mut contender = self.contender(cell)?;
+        let mut contender = Contender::of(cell)?;
         let built = self.build(&mut contender, cell, true)?;
         let trees = self.under_kernels(&built, cell)?;
         Ok(trees.iter().filter_map(|tree| self.traces.check(tree).ok()).collect())
@@ -121,7 +109,7 @@ impl<'a> Bench<'a> {
         'a: 'b,
     {
         let (mesh, pools) = (&self.traces.scene.mesh, self.traces.pools);
-        contender.build(&BuildRequest { mesh, pools, kernels: &cell.kernels, wants_facts })
+        contender.build(&BuildRequest { mesh, pools, kernels: &cell.kernels, wants_facts, fresh_only: false })
     }
 
     fn under_kernels<'b>(

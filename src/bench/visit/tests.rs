@@ -76,7 +76,7 @@ fn trace(
 }
 
 fn cell(builder: &str) -> Cell {
-    Cell { builder: builder.into(), width: 4, kernels: vec![Kernel::Phr] }
+    Cell::new(builder, 4, &[Kernel::Phr])
 }
 
 fn samples() -> CellSamples {

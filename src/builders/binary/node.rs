@@ -14,6 +14,8 @@ pub(crate) struct Node(
 
 impl Node {
     const LEAF: u32 = 1 << 31;
+    /// Of a link to a pair that has no place yet; there are never as many pairs.
+    const UNPLACED: u32 = 1 << 30;
 
     /// A node without meaning, to size arrays with.
     pub const ZERO: Self = Self(TaggedBox::ZERO);
@@ -92,6 +94,23 @@ impl Node {
         } else {
             Self(TaggedBox::new(self.bounds(), [self.link() + pairs, self.count()]))
         }
+    }
+
+    /// The parent of this node and `other`, the pair at `index` of those without a place, or, if `other` is this node,
+    /// itself: there is no branch, as none could foresee which clusters are merged.
+    #[inline(always)]
+    pub fn merged_if(&self, is_merged: bool, other: &Self, index: usize) -> Self {
+        let link = if is_merged { Self::UNPLACED | index as u32 } else { self.link() };
+        let count = self.count() + if is_merged { other.count() } else { 0 };
+        Self(TaggedBox::new(self.bounds().union(other.bounds()), [link, count]))
+    }
+
+    /// The same subtree where the pairs without a place begin at `first`.
+    #[inline(always)]
+    pub fn placed(self, first: u32) -> Self {
+        let is_placed = self.link() & (Self::LEAF | Self::UNPLACED) != Self::UNPLACED;
+        let link = if is_placed { self.link() } else { (self.link() & !Self::UNPLACED) + first };
+        Self(self.0.with_first(link))
     }
 
     /// True for a leaf: a run of references that the tree does not partition.

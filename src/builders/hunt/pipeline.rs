@@ -17,7 +17,7 @@ use crate::geometry::Mesh;
 use crate::simd::Isa;
 
 /// Parameters of Hunt's method.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct HuntConfig {
     /// Nodes of every cut, as far as there are enough; 2 to 65536.
     pub cut_length: usize,

@@ -6,6 +6,7 @@
 //! partitioned by the middle of their own centroids' bounds, so that 32 bits suffice for any scene.
 
 use super::area_scale::AreaScale;
+use super::key::MortonKey;
 use super::sort::{MortonOrder, SortBits};
 use super::top_tree::{TopTree, result_of};
 use super::treelet::{LbvhTreelet, LeafRule};
@@ -13,6 +14,7 @@ use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::builder::{Phase, Stopwatch};
 use crate::builders::prims::presplit::PresplitConfig;
+use crate::builders::prims::refs::PrimRefs;
 use crate::bvh::limits::MIDDLE_DEPTH;
 use crate::geometry::Mesh;
 use crate::memory::huge_pages;
@@ -21,7 +23,7 @@ use crate::parallel::ordered_append;
 
 /// Which subtrees of the auxiliary BVH are leaves beside those of few references: near the leaves nothing is lost
 /// by opening them all at once, where they are small.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Clusters {
     /// Most references of a cluster.
     pub most: u32,
@@ -30,7 +32,7 @@ pub struct Clusters {
 }
 
 /// Variants of the auxiliary BVH; each changes the tree.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AuxiliaryConfig {
     /// Codes are sorted by their highest 12 bits alone, as in the paper. Within a bucket the other bits are in no order, so
     /// that no search finds where they change (the paper does not say what becomes of it): its run, in the order of the
@@ -90,8 +92,25 @@ pub(crate) struct Auxiliary {
 impl Auxiliary {
     /// Builds the LBVH of `mesh`.
     pub fn build(&mut self, mesh: &Mesh, config: &AuxiliaryConfig) -> Vec<Phase> {
+        let treelets = std::mem::take(&mut self.treelets);
+        let (_, depth) = config.sort();
+        let phases = self.grow(mesh, config, |refs, keys, rule, tree| {
+            linear(refs, keys, depth, rule, &mut tree.pairs, &treelets)
+        });
+        self.treelets = treelets;
+        phases
+    }
+
+    /// Sorts the references of `mesh`, and has `grow` make the tree over one or more of them, of which it returns the root:
+    /// leaves are small by the rule, and runs of the keys, which are put into the order of the tree.
+    pub fn grow(
+        &mut self,
+        mesh: &Mesh,
+        config: &AuxiliaryConfig,
+        grow: impl FnOnce(&PrimRefs<'_>, &mut Vec<MortonKey>, LeafRule, &mut BinaryTree) -> Node,
+    ) -> Vec<Phase> {
         let mut watch = Stopwatch::start();
-        let (bits, depth) = config.sort();
+        let (bits, _) = config.sort();
         self.order.sort(mesh, config.presplit.as_ref(), bits, &mut self.tree.pairs, &mut watch);
         // Equal codes are partitioned by reordering keys.
         let mut keys = std::mem::take(&mut self.order.keys);
@@ -103,23 +122,7 @@ impl Auxiliary {
         self.tree.root = None;
         if !keys.is_empty() {
             let rule = config.rule(&self.scale);
-            // Of leaves of several references about half are full.
-            let pairs = keys.len().div_ceil(rule.always as usize) * if rule.always == 1 { 1 } else { 2 };
-            huge_pages::reserve(&mut self.tree.pairs, pairs + pairs / 1000 + 64);
-            let top = TopTree::new(&refs, &mut keys, depth);
-            let pairs = &mut self.tree.pairs;
-            let make = |i: usize, treelet: &mut LbvhTreelet| {
-                let (first, depth, mut keys) = top.treelet(i);
-                treelet.build(&refs, &mut keys, first, depth, rule)
-            };
-            let built = ordered_append::append(top.len(), &self.treelets, pairs, &mut Vec::new(), make);
-            let treelets: Vec<Node> =
-                built.into_iter().map(|(root, offset)| root.moved(offset[0] as u32)).collect();
-            let top_pairs = top.fold(&treelets, |children| {
-                pairs.push(children);
-                Node::inner(&children, pairs.len() - 1)
-            });
-            self.tree.root = Some(*result_of(top.root(), &treelets, &top_pairs));
+            self.tree.root = Some(grow(&refs, &mut keys, rule, &mut self.tree));
         }
         self.order.keys = keys;
         watch.lap("auxiliary tree");
@@ -127,12 +130,37 @@ impl Auxiliary {
     }
 }
 
+/// The root of the LBVH over one or more keys.
+fn linear(
+    refs: &PrimRefs<'_>,
+    keys: &mut [MortonKey],
+    depth: u32,
+    rule: LeafRule,
+    pairs: &mut Vec<[Node; 2]>,
+    treelets: &Pool<LbvhTreelet>,
+) -> Node {
+    // Of leaves of several references about half are full.
+    let most = keys.len().div_ceil(rule.always as usize) * if rule.always == 1 { 1 } else { 2 };
+    huge_pages::reserve(pairs, most + most / 1000 + 64);
+    let top = TopTree::new(refs, keys, depth);
+    let make = |i: usize, treelet: &mut LbvhTreelet| {
+        let (first, depth, mut keys) = top.treelet(i);
+        treelet.build(refs, &mut keys, first, depth, rule)
+    };
+    let built = ordered_append::append(top.len(), treelets, pairs, &mut Vec::new(), make);
+    let treelets: Vec<Node> = built.into_iter().map(|(root, offset)| root.moved(offset[0] as u32)).collect();
+    let top_pairs = top.fold(&treelets, |children| {
+        pairs.push(children);
+        Node::inner(&children, pairs.len() - 1)
+    });
+    *result_of(top.root(), &treelets, &top_pairs)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::builders::lbvh::key::{code, reference};
     use crate::builders::lbvh::partition::partition;
-    use crate::builders::prims::refs::PrimRefs;
     use crate::geometry::Aabb;
 
     fn triangles(n: usize, place: impl Fn(usize) -> [f32; 3]) -> Mesh {

@@ -10,15 +10,19 @@ use crate::memory::prefetch::line;
 /// Prefetches the pairs and the triangles below `node`, which one thread is about to build, in a tree of leaves of up to
 /// `leaf` references. Their addresses depend on loads; here many such loads are in flight at once.
 pub(crate) fn subtree(tree: &BinaryTree, keys: &[MortonKey], refs: &PrimRefs<'_>, node: &Node, leaf: u32) {
-    // In Morton order a subtree is a run; in other trees nearly so.
-    let run = tree.run(node);
-    let keys = &keys[run.start..keys.len().min(run.end)];
     // The pairs of a subtree lie in a row that ends with its root's; leaves of several references are half full.
     if let Some(pair) = node.pair() {
-        let pairs = if leaf == 1 { keys.len() } else { keys.len() / 2 }.min(pair);
+        let count = node.count() as usize;
+        let pairs = if leaf == 1 { count } else { count / 2 }.min(pair);
         (pair - pairs..pair).for_each(|pair| line(&tree.pairs, pair));
     }
-    triangles(refs.mesh, keys);
+    run(tree, keys, refs, node);
+}
+
+/// Prefetches the triangles below `node`: in Morton order a subtree is a run, in other trees nearly so.
+pub(crate) fn run(tree: &BinaryTree, keys: &[MortonKey], refs: &PrimRefs<'_>, node: &Node) {
+    let run = tree.run(node);
+    triangles(refs.mesh, &keys[run.start..keys.len().min(run.end)]);
 }
 
 /// Prefetches the triangles of a run of keys that one thread is about to use.

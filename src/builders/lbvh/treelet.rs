@@ -23,6 +23,12 @@ pub(crate) struct LeafRule {
 }
 
 impl LeafRule {
+    /// Whether `count` references in a box are a leaf.
+    #[inline]
+    pub fn is_leaf(self, count: u32, bounds: Aabb) -> bool {
+        count <= self.always || self.is_cluster(count, bounds)
+    }
+
     /// Whether `count` references in a box are a cluster; they are more than always are a leaf.
     #[inline]
     fn is_cluster(self, count: u32, bounds: Aabb) -> bool {

@@ -66,7 +66,7 @@ impl Tree {
     }
 
     /// The tree whose subtrees of at most `most` references and half `area` are leaves.
-    fn clustered(self: Rc<Self>, most: u32, area: f32) -> Rc<Self> {
+    pub fn clustered(self: Rc<Self>, most: u32, area: f32) -> Rc<Self> {
         let Content::Node([left, right]) = &self.content else { return self };
         if self.count <= most && self.bounds.half_area() <= area {
             return Self::leaf(&self.references());
@@ -81,7 +81,8 @@ impl Tree {
         }
     }
 
-    fn node(left: Rc<Self>, right: Rc<Self>) -> Rc<Self> {
+    /// The parent of two subtrees.
+    pub fn node(left: Rc<Self>, right: Rc<Self>) -> Rc<Self> {
         let bounds = left.bounds.union(right.bounds);
         let count = left.count + right.count;
         Rc::new(Self { bounds, count, content: Content::Node([left, right]) })

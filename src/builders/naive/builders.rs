@@ -2,19 +2,24 @@
 
 use super::auxiliary::lbvh;
 use super::cut::{self, Cut};
+use super::ploc;
 use super::recursion::Naive;
 use super::wide::Wide;
 use crate::builders::hunt::HuntConfig;
 use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
-use crate::builders::phr::PhrConfig;
 use crate::builders::phr::refine::Threshold;
+use crate::builders::phr::{AuxiliaryTree, PhrConfig};
 use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
 use crate::geometry::{Aabb, Mesh};
 
 /// PHR.
 pub fn phr(mesh: &Mesh, config: &PhrConfig, width: usize) -> Option<Wide> {
     let scene = mesh.bounds().half_area();
-    let (root, scale) = lbvh(mesh, &config.extensions.auxiliary)?;
+    let (linear, scale) = lbvh(mesh, &config.extensions.auxiliary)?;
+    let root = match &config.extensions.auxiliary_tree {
+        AuxiliaryTree::Ploc(config) => ploc::clusters(mesh, config)?,
+        _ => linear,
+    };
     let threshold = |depth: u32| {
         // Equation 2.
         let divisor = f64::from(config.alpha * depth as f32 + config.delta).exp2();

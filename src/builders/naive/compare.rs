@@ -4,11 +4,13 @@ use super::builders::{hunt, linear, phr};
 use super::meshes::{
     beads, clusters, coarse, concentric, geometric, grids, identical, needles, scaled, soup,
 };
+use super::ploc::ploc;
 use super::wide::Wide;
 use crate::builders::lbvh::top_tree::TREELET;
 use crate::builders::{
-    AuxiliaryConfig, Build, Builder, Clusters, CollapseCosts, Extensions, Hunt, HuntConfig, Lbvh,
-    LocalThreshold, OptimiseConfig, OptimisedPhr, OptimisedPhrConfig, Phr, PhrConfig, PresplitConfig,
+    AuxiliaryConfig, AuxiliaryTree, Build, Builder, Clusters, CollapseCosts, Extensions, Hunt, HuntConfig,
+    Lbvh, LocalThreshold, OptimiseConfig, OptimisedPhr, OptimisedPhrConfig, Phr, PhrConfig, Ploc, PlocConfig,
+    PresplitConfig,
 };
 use crate::bvh::WideBvh;
 use crate::geometry::Mesh;
@@ -42,6 +44,10 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
         (
             "spatial bias",
             PhrConfig { spatial_threshold: 1e-4, ..fast(Extensions { spatial_bias: Some(1.2), ..none }) },
+        ),
+        (
+            "over PLOC",
+            fast(Extensions { auxiliary_tree: AuxiliaryTree::Ploc(PlocConfig { radius: 8 }), ..none }),
         ),
         ("speed", PhrConfig::SPEED),
         ("quality", PhrConfig::QUALITY),
@@ -80,6 +86,9 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
 /// Cuts that one round of refinement makes, and some that take several.
 const HUNT: [HuntConfig; 2] =
     [HuntConfig { cut_length: 50, max_leaf: 8 }, HuntConfig { cut_length: 7, max_leaf: 12 }];
+
+/// The default, one whose tasks reach far into others, and the least.
+const PLOC: [PlocConfig; 3] = [PlocConfig::DEFAULT, PlocConfig { radius: 100 }, PlocConfig { radius: 1 }];
 
 fn small_meshes() -> Vec<(String, Mesh)> {
     let mut meshes = Vec::new();
@@ -142,6 +151,11 @@ fn compare<const N: usize>(what: &str, mesh: &Mesh) -> Vec<u64> {
         let what = format!("{what}, hunt {}, width {N}", config.cut_length);
         assert_same(&tree, mesh, hunt(mesh, &config, N).as_ref(), &what);
     }
+    for config in PLOC {
+        let tree = Ploc::<N>::new(config).unwrap().build(mesh).tree;
+        let what = format!("{what}, ploc {}, width {N}", config.radius);
+        assert_same(&tree, mesh, ploc(mesh, &config, N).as_ref(), &what);
+    }
     spatial_splits
 }
 
@@ -189,6 +203,9 @@ fn same_tree_everywhere<const N: usize>(what: &str, mesh: &Mesh) {
     same("lbvh", &|isa| Lbvh::with_isa(isa).build(mesh).tree);
     let best = OptimisedPhrConfig { phr: PhrConfig::HQ, optimise: OptimiseConfig::DEFAULT };
     same("optimised", &|isa| OptimisedPhr::with_isa("", best, isa).unwrap().build(mesh).tree);
+    for config in PLOC {
+        same("ploc", &|isa| Ploc::with_isa(config, isa).unwrap().build(mesh).tree);
+    }
     for config in HUNT {
         same("hunt", &|isa| Hunt::with_isa("", config, isa).unwrap().build(mesh).tree);
     }

@@ -1,5 +1,5 @@
-//! The oracle: the builders over cuts as the paper writes them down (Hendrich, Meister, Bittner 2017), as simple as they
-//! can be. The fast builders must agree with it node for node.
+//! The oracle: the builders over cuts as the paper writes them down (Hendrich, Meister, Bittner 2017), and PLOC, as simple
+//! as they can be. The fast builders must agree with it node for node.
 
 mod auxiliary;
 mod builders;
@@ -7,6 +7,7 @@ mod cheapest;
 mod compare;
 mod cut;
 mod meshes;
+mod ploc;
 mod recursion;
 pub(crate) mod splits;
 mod subtree;

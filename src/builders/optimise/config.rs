@@ -4,7 +4,7 @@ use crate::builders::config_error::{ConfigError, check};
 use crate::builders::wide::optimal::CollapseCosts;
 
 /// Parameters of the optimisation.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct OptimiseConfig {
     /// Rounds of reinsertion.
     pub rounds: u32,

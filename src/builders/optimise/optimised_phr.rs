@@ -12,7 +12,7 @@ use crate::geometry::Mesh;
 use crate::simd::Isa;
 
 /// Parameters of [`OptimisedPhr`].
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct OptimisedPhrConfig {
     /// Of the tree.
     pub phr: PhrConfig,
@@ -65,7 +65,8 @@ impl<const N: usize> Builder<N> for OptimisedPhr<N> {
 
     fn build(&mut self, mesh: &Mesh) -> Build<N> {
         let CutMemory { auxiliary, recursion: memory } = &mut self.memory;
-        let mut phases = auxiliary.build(mesh, &self.phr.extensions.auxiliary);
+        let extensions = &self.phr.extensions;
+        let mut phases = extensions.auxiliary_tree.build(auxiliary, mesh, &extensions.auxiliary, self.isa);
         let mut watch = Stopwatch::start();
         let (recursion, cut) = begin(auxiliary, mesh, &self.phr, self.isa);
         let has_root = self.optimiser.record(&recursion, cut, mesh, memory);

@@ -1,5 +1,6 @@
 //! The parameters of PHR: the paper's, and our extensions.
 
+use super::extensions::auxiliary_tree::AuxiliaryTree;
 use crate::builders::config_error::{ConfigError, check, check_option};
 use crate::builders::lbvh::auxiliary::{AuxiliaryConfig, Clusters};
 use crate::builders::prims::presplit::PresplitConfig;
@@ -7,7 +8,7 @@ use crate::builders::wide::optimal::CollapseCosts;
 use crate::bvh::limits::{BLOCK, MAX_LEAF, MAX_REFERENCES_PER_TRIANGLE, SUBTREE_MOST};
 
 /// Parameters of PHR, by the paper's symbols.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PhrConfig {
     /// alpha of equation 2: how fast cuts shrink with depth.
     pub alpha: f32,
@@ -16,7 +17,8 @@ pub struct PhrConfig {
     /// Most nodes of the initial cut (paper 4.1: "e.g. 2048").
     pub max_cut: usize,
     /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3");
-    /// with [`AuxiliaryConfig::calibration`] relative to that scale.
+    /// with [`AuxiliaryConfig::calibration`] relative to that scale. Infinite, `null` in JSON: there are no spatial splits.
+    #[serde(deserialize_with = "or_infinite")]
     pub spatial_threshold: f32,
     /// Most triangles of a leaf, 4 to 28. Up to four always are a leaf; more are one where the cost model has a leaf of
     /// several blocks cheaper than a node (the paper leaves leaves open).
@@ -28,12 +30,21 @@ pub struct PhrConfig {
     pub extensions: Extensions,
 }
 
+/// Reads a number that may be infinite, of which JSON makes `null`.
+fn or_infinite<'de, D: serde::Deserializer<'de>>(json: D) -> Result<f32, D::Error> {
+    let number: Option<f32> = serde::Deserialize::deserialize(json)?;
+    Ok(number.unwrap_or(f32::INFINITY))
+}
+
 /// What goes beyond the paper. Each changes the tree.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Extensions {
     /// Of the auxiliary BVH.
     #[serde(flatten)]
     pub auxiliary: AuxiliaryConfig,
+    /// Which builder makes the auxiliary tree (paper 5.5).
+    #[serde(default, skip_serializing_if = "AuxiliaryTree::is_lbvh")]
+    pub auxiliary_tree: AuxiliaryTree,
     /// The initial cut has this share of the triangles as nodes, at least 2048 and at most `max_cut`, however small they
     /// are: in a scene of a few huge triangles all else is smaller than a threshold taken from the scene's area.
     pub cut_share: Option<f32>,
@@ -58,7 +69,7 @@ pub struct Extensions {
 
 /// A threshold beside that of equation 2, taken from the part that is split and not from the scene: a part that is small
 /// in the scene has few nodes large enough for equation 2, however much there is in it.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LocalThreshold {
     /// It holds for sides of splits with at least this many references;
     pub references: u32,
@@ -70,6 +81,7 @@ impl Extensions {
     /// None: the paper.
     pub const NONE: Self = Self {
         auxiliary: AuxiliaryConfig::PAPER,
+        auxiliary_tree: AuxiliaryTree::Lbvh,
         cut_share: None,
         local_threshold: None,
         spatial_bias: None,
@@ -117,8 +129,9 @@ impl PhrConfig {
 
 impl Extensions {
     fn check(&self) -> Result<(), ConfigError> {
-        let Self { auxiliary, local_threshold, collapse, .. } = self;
+        let Self { auxiliary, auxiliary_tree, local_threshold, collapse, .. } = self;
         auxiliary.check()?;
+        auxiliary_tree.check()?;
         check_option("cut_share", self.cut_share, 0.0..=1.0)?;
         check_option("own_threshold.area", local_threshold.map(|local| local.area), 0.0..=f32::MAX)?;
         check_option("spatial_bias", self.spatial_bias, 0.0..=16.0)?;

@@ -29,5 +29,7 @@ mod swept;
 pub(crate) mod watched;
 
 pub use config::{Extensions, LocalThreshold, PhrConfig};
+pub use extensions::auxiliary_tree::AuxiliaryTree;
+pub use extensions::binned::BinnedSahConfig;
 pub use pipeline::Phr;
 pub(crate) use pipeline::begin;

@@ -52,7 +52,8 @@ impl<const N: usize> Builder<N> for Phr<N> {
     fn build(&mut self, mesh: &Mesh) -> Build<N> {
         let Self { config, memory: CutMemory { auxiliary, recursion: memory }, isa, .. } = self;
         // Presplit, Morton codes, sort, auxiliary BVH (4.7).
-        let mut phases = auxiliary.build(mesh, &config.extensions.auxiliary);
+        let extensions = &config.extensions;
+        let mut phases = extensions.auxiliary_tree.build(auxiliary, mesh, &extensions.auxiliary, *isa);
         let mut watch = Stopwatch::start();
         // Initial cut (4.1).
         let (recursion, cut) = begin(auxiliary, mesh, config, *isa);

@@ -4,6 +4,7 @@
 use crate::builders::binary::node::Node;
 use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::auxiliary::Auxiliary;
+use crate::builders::phr::Extensions;
 use crate::builders::phr::cut::OwnedCut;
 use crate::builders::phr::policy::{CutPolicy, SeenSplit};
 use crate::builders::phr::recursion::CutRecursion;
@@ -63,7 +64,8 @@ fn watched(
         CutConfig::Hunt(config) => config.cuts()?,
     };
     cuts.check()?;
-    auxiliary.build(mesh, &cuts.extensions.auxiliary);
+    let Extensions { auxiliary_tree, auxiliary: of_auxiliary, .. } = &cuts.extensions;
+    auxiliary_tree.build(&mut auxiliary, mesh, of_auxiliary, isa);
     Ok(match config {
         CutConfig::Phr(_) => tree(phr::begin(&auxiliary, mesh, &cuts, isa), &auxiliary, mesh, watcher),
         CutConfig::Hunt(config) => {

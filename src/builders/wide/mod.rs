@@ -6,11 +6,13 @@
 //! * [`treelet`]: the nodes and leaf blocks that one task makes;
 //! * [`binary_source`]: subtrees all of whose binary splits are known, widened at once;
 //! * [`branchless`]: the same for whole LBVH treelets, without a branch that depends on the tree;
-//! * [`optimal`]: the cheapest wide tree over a binary one, by dynamic programming.
+//! * [`optimal`]: the cheapest wide tree over a binary one, by dynamic programming;
+//! * [`foreign`]: trees that were made elsewhere, widened.
 
 pub(crate) mod binary_source;
 pub(crate) mod branchless;
 pub(crate) mod build;
+pub(crate) mod foreign;
 pub(crate) mod memory;
 pub(crate) mod open_largest;
 pub(crate) mod optimal;

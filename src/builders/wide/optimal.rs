@@ -7,7 +7,7 @@ use arrayvec::ArrayVec;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// What a wide tree costs, per area.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CollapseCosts {
     /// A visit to a wide node.
     pub node: f32,

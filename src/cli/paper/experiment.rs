@@ -2,17 +2,19 @@
 
 use super::arguments::{Arguments, FINDINGS};
 use super::{cut_size, split};
+use crate::bench::chosen::Chosen;
 use crate::bench::files::write_whole;
 use crate::bench::plan::{Plan, Request, Set};
 use crate::bench::recorder::RecordOptions;
 use crate::bench::row;
 use crate::bench::settings::Settings;
 use crate::cli::failure::Failure;
-use crate::cli::measuring::{command_line, make, verdict};
-use crate::cli::options::all_threads;
+use crate::cli::measuring::{make, verdict};
+use crate::cli::options::{all_threads, command_line};
 use crate::cli::output::say;
+use crate::cli::progress::Bar;
 use crate::cli::verbs::plot::{check, draw};
-use crate::experiments::contest::{self, EXPERIMENTS, Entrants, Experiment};
+use crate::experiments::contest::{self, EXPERIMENTS, Experiment};
 use std::path::Path;
 
 /// Runs the verb.
@@ -48,7 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         arguments: command_line(),
     };
     // The bytes of builds are no question of any experiment.
-    let outcome = make(&plan, records, None)?;
+    let outcome = make(&plan, records, None, Bar::new(false))?;
     tell(experiment, arguments, &outcome.rows, &folder)?;
     verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)
 }
@@ -57,13 +59,7 @@ fn request(experiment: &Experiment, arguments: &Arguments) -> Result<Request, Fa
     if ![4, 8].contains(&arguments.width) {
         return Err(Failure::Bad(format!("--width {}: give 4 or 8", arguments.width)));
     }
-    let Entrants { known, variants } = (experiment.entrants)();
-    if known.is_empty() && variants.is_empty() {
-        return Err(Failure::Bad(format!(
-            "{}: this program has no builder for it; see `phr build --help` for the builders there are",
-            experiment.name
-        )));
-    }
+    let none: [&Path; 0] = [];
     let settings = Settings {
         width: arguments.size,
         height: arguments.size,
@@ -83,8 +79,7 @@ fn request(experiment: &Experiment, arguments: &Arguments) -> Result<Request, Fa
         scenes: arguments.scenes.clone(),
         set: arguments.scenes.is_empty().then_some(Set::Builtin),
         folder: None,
-        builders: known,
-        variants,
+        builders: Chosen::new(&(experiment.entrants)(), &[], &none)?,
         width: Some(arguments.width),
         filter: None,
         shard: None,

@@ -4,8 +4,8 @@ use crate::bench::cell::Cell;
 use crate::bench::files::write_whole;
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
-use crate::cli::options::{self, all_threads, pools};
-use crate::cli::output::{check_place, say};
+use crate::cli::options::{self, all_threads, check_place, pools};
+use crate::cli::output::say;
 use crate::experiments::heatmap;
 use std::path::PathBuf;
 

@@ -1,41 +1,57 @@
 //! `phr bench`: times builders and traces, and writes the records.
 
+use super::pages::report::write_page;
 use super::plot::draw;
+use crate::bench::chosen::Chosen;
+use crate::bench::contender::saved::{check, offer};
 use crate::bench::files::write_whole;
 use crate::bench::merge::SHARDS;
 use crate::bench::moment::Moment;
 use crate::bench::phases;
 use crate::bench::plan::{Plan, Request, Set};
+use crate::bench::planned_scene::plain_name;
 use crate::bench::recorder::RecordOptions;
 use crate::bench::settings::Settings;
 use crate::bench::shard::Shard;
 use crate::cli::failure::Failure;
-use crate::cli::measuring::{command_line, make, verdict};
-use crate::cli::options::{all_threads, percent};
+use crate::cli::measuring::{make, verdict};
+use crate::cli::options::{all_threads, command_line, percent};
 use crate::cli::output::say;
+use crate::cli::plan_outline::outline;
+use crate::cli::progress::Bar;
 use crate::cli::run_summary::{TABLE, run_summary};
 use crate::report::figures::Under;
+use crate::report::page::PAGE;
 use crate::report::plot;
-use crate::report::table;
+use crate::report::table::{self, brief};
 use regex::Regex;
 use std::path::{Path, PathBuf};
 
-/// Build and trace scenes with every builder, in interleaved rounds, and write rows, table and plot to results/NAME/
+/// Build and trace scenes with every builder, in interleaved rounds, and write rows, table, plots and page to
+/// results/NAME/
 ///
 /// Without scenes, the built-in generated set is run.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scene files (.obj, .ply, plain or .gz or .zst) or names of generated scenes (see `phr scenes`)
+    /// Scene files (.ply, .obj, .stl, .gltf, .glb, plain or .gz or .zst) or names of generated scenes (see `phr scenes`)
     scenes: Vec<String>,
-    /// A set of scenes: builtin or paper
-    #[arg(long, value_name = "SET", value_parser = set)]
-    set: Option<Set>,
+    /// A set of scenes: builtin or paper. Or a builder with this field of its configuration changed (repeatable):
+    /// BUILDER.FIELD=VALUE, as phr-hq.delta=8; it is called phr-hq[delta=8] and stands beside those of --builder
+    #[arg(long = "set", value_name = "SET|CHANGE")]
+    sets: Vec<String>,
     /// Folder with the paper's own scene files, used by --set paper in place of the stand-ins
     #[arg(long = "scenes", value_name = "DIR")]
     folder: Option<PathBuf>,
     /// Only this builder (repeatable)
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
+    /// The builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    #[arg(long = "config", value_name = "FILE")]
+    configs: Vec<PathBuf>,
+    /// Load and trace the tree of this file too, which `phr build -o` saved for the one scene (repeatable); its build time
+    /// is that of loading it
+    #[arg(long = "tree", value_name = "FILE")]
+    trees: Vec<PathBuf>,
     /// Only trees of this width: 4 or 8 children per node
     #[arg(long, value_name = "N", value_parser = width)]
     width: Option<u32>,
@@ -94,6 +110,9 @@ pub struct Arguments {
     /// Continue a stopped run, or add rounds, scenes or builders to a run
     #[arg(long)]
     resume: bool,
+    /// Print every regime and kernel in the tables, not what matters alone
+    #[arg(long)]
+    all_columns: bool,
     /// List what would be run, one "scene builder width kernel" per line
     #[arg(long)]
     list: bool,
@@ -102,21 +121,33 @@ pub struct Arguments {
     dry_run: bool,
 }
 
-fn set(name: &str) -> Result<Set, String> {
-    match name {
-        "builtin" => Ok(Set::Builtin),
-        "paper" => Ok(Set::Paper),
-        _ => Err("there are builtin and paper".into()),
-    }
-}
+/// The sets of scenes by name.
+const SETS: [(&str, Set); 2] = [("builtin", Set::Builtin), ("paper", Set::Paper)];
 
 fn width(text: &str) -> Result<u32, String> {
     text.parse().ok().filter(|width| [4, 8].contains(width)).ok_or_else(|| "give 4 or 8".into())
 }
 
 impl Arguments {
+    /// The set of scenes.
     fn set(&self) -> Option<Set> {
-        self.set.or(self.scenes.is_empty().then_some(Set::Builtin))
+        let named = SETS.iter().find(|(name, _)| self.sets.iter().any(|set| set == name));
+        named.map(|(_, set)| *set).or(self.scenes.is_empty().then_some(Set::Builtin))
+    }
+
+    /// The builders, those with changed fields among them.
+    fn builders(&self) -> Result<Chosen, Failure> {
+        let is_set = |text: &&String| SETS.iter().any(|(name, _)| text == name);
+        if self.sets.iter().filter(is_set).count() > 1 {
+            return Err(Failure::Bad("--set names two sets of scenes; give one".into()));
+        }
+        let changes: Vec<String> = self.sets.iter().filter(|text| !is_set(text)).cloned().collect();
+        if let Some(name) = changes.iter().find(|text| !text.contains('=')) {
+            return Err(Failure::Bad(format!(
+                "--set {name}: give builtin or paper, a set of scenes, or BUILDER.FIELD=VALUE, a changed builder"
+            )));
+        }
+        Ok(Chosen::new(&self.builders, &changes, &self.configs)?)
     }
 
     fn request(&self) -> Result<Request, Failure> {
@@ -152,13 +183,30 @@ impl Arguments {
             scenes: self.scenes.clone(),
             set: self.set(),
             folder: self.folder.clone(),
-            builders: self.builders.clone(),
-            variants: Vec::new(),
+            builders: self.builders()?,
             width: self.width,
             filter: self.filter.as_ref().map(regex).transpose()?,
             shard: self.shard,
             settings,
         })
+    }
+
+    /// Refuses names that are none in a folder or a table.
+    fn check_names(&self) -> Result<(), Failure> {
+        for (option, name) in [("name", self.name.as_deref()), ("host", Some(&*self.host))] {
+            let Some(name) = name else { continue };
+            if name.is_empty()
+                || name != plain_name(name)
+                || name.contains(['/', '\\'])
+                || name.starts_with('.')
+            {
+                let name = name.escape_debug();
+                return Err(Failure::Bad(format!(
+                    "--{option} {name}: give a name of letters, digits, - and _"
+                )));
+            }
+        }
+        Ok(())
     }
 
     fn folder(&self, plan: &Plan) -> PathBuf {
@@ -183,7 +231,14 @@ impl Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let plan = Plan::new(&arguments.request()?)?;
+    arguments.check_names()?;
+    let saved = offer(&arguments.trees)?;
+    let mut request = arguments.request()?;
+    request.builders = request.builders.and(saved);
+    let plan = Plan::new(&request)?;
+    if !arguments.trees.is_empty() && plan.scenes.len() != 1 {
+        return Err(Failure::Bad("--tree: a tree is of one scene; give that scene alone".into()));
+    }
     if arguments.list {
         return say(&plan.lines().collect::<Vec<_>>().join("\n"));
     }
@@ -193,6 +248,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return say(&outline(&plan, &folder));
     }
     plan.check_files()?;
+    if !arguments.trees.is_empty() {
+        check(&plan.scenes[0].0.load()?.mesh)?;
+    }
     if let Some(reason) = arguments.when_quiet.then(|| Moment::now(plan.settings.threads).busy()).flatten() {
         let remedy = "wait for a quiet hour or run without --when-quiet";
         return Err(Failure::Inconclusive(format!("{reason}; {remedy}")));
@@ -204,43 +262,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         host: &arguments.host,
         arguments: command_line(),
     };
-    let outcome = make(&plan, records, program.as_deref())?;
+    let outcome = make(&plan, records, program.as_deref(), Bar::new(arguments.all_columns))?;
     let document = table::document(&outcome.rows, outcome.complete);
     write_whole(&folder.join(TABLE), document.as_bytes())?;
-    say(&table::closing(&outcome.rows))?;
+    say(&if arguments.all_columns {
+        table::closing(&outcome.rows)
+    } else {
+        brief::means(&outcome.rows) + &brief::legend(&outcome.rows)
+    })?;
     let plots =
         draw(&plot::figures(&outcome.rows, &phases::read(&folder)?, &Under::best(&outcome.rows)), &folder)?;
+    write_page(&folder, &folder.join(PAGE))?;
     say(&run_summary(&outcome.rows, &folder, &plots))?;
     verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)
-}
-
-/// The plan in words.
-fn outline(plan: &Plan, folder: &Path) -> String {
-    let settings = &plan.settings;
-    let mut text = String::new();
-    let mut visits = 0;
-    for (scene, cells) in &plan.scenes {
-        visits += cells.len() * settings.rounds;
-        text += &format!(
-            "{}: {}, about {} triangles, {} trees\n",
-            scene.name,
-            scene.origin(),
-            scene.triangles,
-            cells.len()
-        );
-    }
-    let rays = if settings.build_only {
-        "builds only".to_owned()
-    } else {
-        format!("{} views of {} x {} pixels", settings.views, settings.width, settings.height)
-    };
-    let (rounds, threads) = (settings.rounds, settings.threads);
-    let more = match settings.seconds {
-        0 => String::new(),
-        seconds => format!(", more where a scene takes less than {seconds} seconds"),
-    };
-    text + &format!(
-        "{visits} visits in {rounds} rounds{more}, {threads} threads, {rays}, into {}",
-        folder.display()
-    )
 }

@@ -1,13 +1,15 @@
 //! `phr build`: one scene, one builder, its phases and its tree.
 
+use crate::bench::chosen::Chosen;
 use crate::bench::contender::{self, BuildRequest, BuiltTree, Contender};
 use crate::bench::memory;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::statistics::Summary;
 use crate::cli::failure::Failure;
-use crate::cli::options::{self, all_threads, pools};
+use crate::cli::options::{all_threads, pools};
 use crate::cli::output::say;
 use crate::report::grid::short;
+use std::path::PathBuf;
 
 /// Build a scene and print the phases and the tree's statistics
 #[derive(Debug, clap::Args)]
@@ -17,9 +19,19 @@ pub struct Arguments {
     /// Builder (repeatable) [default: all]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
+    /// Also a builder with this field of its configuration changed (repeatable): BUILDER.FIELD=VALUE, as phr-hq.delta=8;
+    /// it is called phr-hq[delta=8]
+    #[arg(long = "set", value_name = "CHANGE")]
+    changes: Vec<String>,
+    /// Also the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    #[arg(long = "config", value_name = "FILE")]
+    configs: Vec<PathBuf>,
     /// Children per node, where the builder leaves a choice
     #[arg(long, value_name = "N")]
     width: Option<u32>,
+    /// File into which to save the tree, of one builder and width; `phr::Bvh::load` reads it
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
     /// Threads [default: all processors]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -28,27 +40,41 @@ pub struct Arguments {
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pools = pools(arguments.threads.unwrap_or_else(all_threads))?;
-    let cells = if arguments.builders.is_empty() {
+    let chosen = Chosen::new(&arguments.builders, &arguments.changes, &arguments.configs)?;
+    let cells = if chosen.is_empty() {
         let all = contender::cells(true);
         all.into_iter().filter(|cell| arguments.width.is_none_or(|width| cell.width == width)).collect()
     } else {
-        let cell = |name: &String| options::cell(name, arguments.width);
-        arguments.builders.iter().map(cell).collect::<Result<Vec<_>, _>>()?
+        chosen.single_cells(arguments.width)?
     };
     if cells.is_empty() {
         let width = arguments.width.unwrap_or_default();
         return Err(Failure::Bad(format!("--width {width}: no builder builds such trees; give 4 or 8")));
     }
-    let scene = PlannedScene::find(&arguments.scene)?.load()?;
-    if scene.dropped.total() > 0 {
-        eprintln!("phr: {}: {}", scene.name, scene.dropped);
+    if let (Some(output), true) = (&arguments.output, cells.len() > 1) {
+        let remedy = "holds one tree; give --builder and --width";
+        return Err(Failure::Bad(format!("--output {}: {remedy}", output.display())));
     }
-    say(&format!("{}: {} triangles ({})", scene.name, scene.mesh.len(), scene.source))?;
-    let request = BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &[], wants_facts: true };
+    let scene = PlannedScene::find(&arguments.scene)?.load()?;
+    for remark in scene.remarks() {
+        eprintln!("phr: {remark}");
+    }
+    let objects = match scene.contents.objects {
+        0 | 1 => String::new(),
+        objects => format!(" of {objects} objects"),
+    };
+    say(&format!("{}: {} triangles{objects} ({})", scene.name, scene.mesh.len(), scene.source))?;
+    let request =
+        BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &[], wants_facts: true, fresh_only: false };
     let program = std::env::current_exe()?;
     for cell in cells {
         let built = Contender::of(&cell).and_then(|mut contender| contender.build(&request));
-        let mut text = describe(&built.map_err(Failure::Wrong)?);
+        let built = built.map_err(Failure::Wrong)?;
+        if let Some(output) = &arguments.output {
+            let tree = built.tree().map_err(|reason| Failure::Wrong(reason.to_owned()))?;
+            tree.save(&scene.mesh, &cell.builder, output)?;
+        }
+        let mut text = describe(&built);
         match memory::measure(&program, &scene.mesh, &cell, pools.all.current_num_threads()) {
             Ok(memory) => {
                 text += &line("resident, peak of build", mebibytes(memory.peak_bytes));

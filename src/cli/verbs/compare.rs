@@ -87,7 +87,7 @@ fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
         precision: 0.5 * threshold,
         limit: Duration::from_secs(arguments.seconds),
     };
-    let mut bar = Bar::new();
+    let mut bar = Bar::new(false);
     bar.begin(arguments.seconds);
     let mut shown = 0;
     let measured = turns.measure(&mut |doing, spent| {

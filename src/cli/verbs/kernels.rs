@@ -4,6 +4,7 @@
 use crate::bench::kernels::row::{self, KERNELS};
 use crate::bench::kernels::{KernelSettings, measure};
 use crate::bench::planned_scene::PlannedScene;
+use crate::bench::settings::MOST_THREADS;
 use crate::cli::failure::Failure;
 use crate::cli::options;
 use crate::cli::output::say;
@@ -98,6 +99,9 @@ fn settings(arguments: &Arguments) -> Result<KernelSettings, Failure> {
         return Err(Failure::Bad(
             "--rounds, --threads, --size, --views: nothing could run; give 1 or more".into(),
         ));
+    }
+    if let Some(threads) = arguments.threads.iter().find(|&&threads| threads > MOST_THREADS) {
+        return Err(Failure::Bad(format!("--threads {threads}: more than {MOST_THREADS}; give less")));
     }
     let path = PathSettings { width: arguments.size, height: arguments.size, ..PathSettings::default() };
     let threads = if arguments.threads.is_empty() { vec![1] } else { arguments.threads.clone() };

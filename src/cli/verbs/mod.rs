@@ -1,19 +1,17 @@
 //! The verbs of the command line, each with its arguments.
 
 pub mod ablation;
+pub mod advise;
 pub mod bench;
 pub mod build;
+pub mod child;
 pub mod compare;
 pub mod kernels;
-pub mod memory;
-pub mod merge;
+pub mod pages;
 pub mod plot;
-pub mod readme;
-pub mod reduce;
+pub mod records;
 pub mod render;
 pub mod scaling;
 pub mod scenes;
-pub mod table;
 pub mod targets;
-pub mod turns;
 pub mod verify;

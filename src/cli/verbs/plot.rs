@@ -1,6 +1,6 @@
 //! `phr plot`: the figures of a run, from its CSV.
 
-use super::table::under;
+use super::pages::table::under;
 use crate::bench::files::write_whole;
 use crate::bench::{phases, row};
 use crate::cli::failure::Failure;

@@ -1,21 +1,30 @@
 //! `phr render`: a path-traced image of a scene.
 
+use crate::bench::cell::Cell;
+use crate::bench::chosen::Chosen;
 use crate::bench::contender::{BuildRequest, Contender, TreeUnderKernel};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
-use crate::cli::options::{self, all_threads, pools};
-use crate::cli::output::{check_place, say};
+use crate::cli::options::{self, all_threads, check_place, pools};
+use crate::cli::output::say;
 use crate::trace::{self, Image, PathSettings};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Render a view of a scene through a builder's tree to a PNG file
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene file or name of a generated scene
     scene: String,
-    /// Builder
-    #[arg(long, default_value = "phr-hq", value_name = "NAME")]
-    builder: String,
+    /// Builder [default: phr-hq]
+    #[arg(long, value_name = "NAME")]
+    builder: Option<String>,
+    /// The builder with this field of its configuration changed (repeatable): BUILDER.FIELD=VALUE, as phr-hq.delta=8;
+    /// it is called phr-hq[delta=8]
+    #[arg(long = "set", value_name = "CHANGE")]
+    changes: Vec<String>,
+    /// The builder of this file: {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    #[arg(long = "config", value_name = "FILE")]
+    configs: Vec<PathBuf>,
     /// PNG file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -41,12 +50,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             return Err(Failure::Bad(format!("--{option} {value}: give 1 to {}", 1 << 14)));
         }
     }
-    let cell = options::cell(&arguments.builder, None)?;
+    let cell = cell(arguments)?;
     check_place(&arguments.output)?;
     let scene = PlannedScene::find(&arguments.scene)?.load()?;
+    for remark in scene.remarks() {
+        eprintln!("phr: {remark}");
+    }
     let view = &scene.views[options::view(&scene, arguments.view)?];
-    let request =
-        BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &cell.kernels[..1], wants_facts: false };
+    let request = BuildRequest {
+        mesh: &scene.mesh,
+        pools: &pools,
+        kernels: &cell.kernels[..1],
+        wants_facts: false,
+        fresh_only: true,
+    };
     let mut contender = Contender::of(&cell).map_err(Failure::Wrong)?;
     let built = contender.build(&request).map_err(Failure::Wrong)?;
     let threads = pools.all.current_num_threads();
@@ -61,4 +78,24 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     image.write_png(&arguments.output)?;
     say(&format!("{}: {} view {}, {}", arguments.output.display(), scene.name, arguments.view, cell.builder))
+}
+
+/// The one builder asked for; a changed one may be named beside its changes.
+fn cell(arguments: &Arguments) -> Result<Cell, Failure> {
+    let changed = Chosen::new(&[], &arguments.changes, &arguments.configs)?;
+    let named = arguments
+        .builder
+        .iter()
+        .filter(|name| !arguments.changes.iter().any(|change| change.starts_with(&format!("{name}."))));
+    let none: [&Path; 0] = [];
+    let named = Chosen::new(&named.cloned().collect::<Vec<_>>(), &[], &none)?;
+    let chosen = match (changed.is_empty(), named.is_empty()) {
+        (true, _) => named.or("phr-hq").single_cells(None)?,
+        (false, true) => changed.single_cells(None)?,
+        (false, false) => Vec::new(),
+    };
+    match chosen.as_slice() {
+        [cell] => Ok(cell.clone()),
+        _ => Err(Failure::Bad("--builder, --set and --config name several builders; give one".into())),
+    }
 }

@@ -20,7 +20,7 @@ pub fn run(_: &Arguments) -> Result<(), Failure> {
         Grid::new(["stand-in (--set paper)", "triangles", "for the paper's", "found with --scenes DIR as"]);
     for original in scene::paper() {
         if let Some(stand_in) = original.stand_in() {
-            let files = original.file_names.join(", ") + " (.ply, .obj)";
+            let files = original.file_names.join(", ") + " (.ply, .obj, .glb, .gltf, .stl)";
             paper.push(vec![
                 stand_in.name.into(),
                 stand_in.triangles.to_string(),

@@ -1,5 +1,6 @@
 //! `phr verify`: are the hits of all trees those of the reference?
 
+use crate::bench::chosen::Chosen;
 use crate::bench::contender::{self, REFERENCE_KERNEL, TreeUnderKernel};
 use crate::bench::plan::{Plan, Request};
 use crate::bench::rays;
@@ -10,6 +11,7 @@ use crate::cli::failure::Failure;
 use crate::cli::options::{all_threads, pools};
 use crate::cli::output::say;
 use crate::report::grid::Grid;
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 /// Compare every builder's hits with the reference's (Embree's, where it is there)
@@ -21,6 +23,13 @@ pub struct Arguments {
     /// Only this builder (repeatable)
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
+    /// Also a builder with this field of its configuration changed (repeatable): BUILDER.FIELD=VALUE, as phr-hq.delta=8;
+    /// it is called phr-hq[delta=8]
+    #[arg(long = "set", value_name = "CHANGE")]
+    changes: Vec<String>,
+    /// Also the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    #[arg(long = "config", value_name = "FILE")]
+    configs: Vec<PathBuf>,
     /// Views per scene, at most
     #[arg(long, default_value_t = 3, value_name = "N")]
     views: usize,
@@ -53,8 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         scenes: arguments.scenes.clone(),
         set: None,
         folder: None,
-        builders: arguments.builders.clone(),
-        variants: Vec::new(),
+        builders: Chosen::new(&arguments.builders, &arguments.changes, &arguments.configs)?,
         width: None,
         shard: None,
         filter: None,
@@ -65,8 +73,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut wrong = 0;
     for (planned, cells) in &plan.scenes {
         let scene = planned.load()?;
-        if scene.dropped.total() > 0 {
-            eprintln!("phr: {}: {}", scene.name, scene.dropped);
+        for remark in scene.remarks() {
+            eprintln!("phr: {remark}");
         }
         let mut grid =
             Grid::new([&scene.name, "kernel", "rays", "equal", "ties", "edges", "near", "verdict"]);

@@ -1,6 +1,5 @@
 //! What makes an experiment: its builders, which are compared, and what the paper leads to expect.
 
-use crate::bench::contender::Variant;
 use crate::report::figures::Figure;
 
 /// An experiment.
@@ -15,21 +14,12 @@ pub struct Experiment {
     pub paper: &'static str,
     /// What the figures cannot tell; may be empty.
     pub caveat: &'static str,
-    /// The builders.
-    pub entrants: fn() -> Entrants,
+    /// The builders, by the names of [`Recipe`](crate::builders::Recipe).
+    pub entrants: fn() -> Vec<String>,
     /// Which of them are compared with which.
     pub comparisons: fn() -> Vec<Comparison>,
     /// Lines through some of them in a plot of build time against trace time, where that is drawn.
     pub families: Option<fn() -> Families>,
-}
-
-/// The builders of an experiment.
-#[derive(Clone, Debug, Default)]
-pub struct Entrants {
-    /// By the names of the registry.
-    pub known: Vec<String>,
-    /// With parameters of their own.
-    pub variants: Vec<Variant>,
 }
 
 /// A builder beside another.

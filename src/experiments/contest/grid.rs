@@ -2,7 +2,7 @@
 //! scene.
 
 use super::experiment::{Comparison, Expectation, Families};
-use crate::bench::contender::{Configuration, Variant};
+use super::variants::changed;
 use crate::bench::row::Row;
 use crate::builders::PhrConfig;
 use crate::report::figures::{Figure, SceneFigures, Under, scenes};
@@ -18,7 +18,7 @@ const DELTAS: [f32; 6] = [5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
 const EQUAL: f64 = 1.01;
 
 fn name(alpha: f32, delta: f32) -> String {
-    format!("phr-hq[alpha={alpha},delta={delta}]")
+    changed("phr-hq", &format!("alpha={alpha}+delta={delta}"))
 }
 
 fn label(alpha: f32, delta: f32) -> String {
@@ -34,12 +34,8 @@ fn preset(config: &PhrConfig) -> String {
 }
 
 /// A builder for each point.
-pub fn variants() -> Vec<Variant> {
-    let variant = |(alpha, delta)| {
-        let config = PhrConfig { alpha, delta, ..PhrConfig::HQ };
-        Variant { name: name(alpha, delta), configuration: Configuration::Phr(config) }
-    };
-    points().map(variant).collect()
+pub fn variants() -> Vec<String> {
+    points().map(|(alpha, delta)| name(alpha, delta)).collect()
 }
 
 /// What the paper compares: (0.5, 7) with PHR-HQ, (0.5, 5) with PHR-Fast.

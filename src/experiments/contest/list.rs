@@ -1,12 +1,11 @@
 //! The experiments, by the sections of the paper.
 
-use super::experiment::{Comparison, Entrants, Expectation, Experiment, Families};
+use super::experiment::{Comparison, Expectation, Experiment, Families};
 use super::grid;
 use super::variants::{
-    OfBase, SPATIAL_OFF, adaptive, auxiliary_trees, bases, bucket_sort, constant, presplit, spatial_off,
-    triangle_counts,
+    OfBase, SPATIAL_OFF, adaptive, auxiliary_trees, bases, bucket_sort, changed, constant, hunt, presplit,
+    spatial_off, triangle_counts,
 };
-use crate::bench::contender::Variant;
 use crate::report::figures::Figure;
 
 /// All of them.
@@ -37,7 +36,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
                 (0.5, 7) builds about 35 % faster than PHR-HQ and traces about 3 % faster; in Conference and Hairball \
                 (0.5, 5) builds 9 and 33 % faster than PHR-Fast and traces as fast",
         caveat: "",
-        entrants: || Entrants { known: Vec::new(), variants: grid::variants() },
+        entrants: grid::variants,
         comparisons: grid::comparisons,
         families: Some(grid::families),
     },
@@ -67,9 +66,8 @@ pub const EXPERIMENTS: &[Experiment] = &[
                 20 % less build time and slightly better trees",
         caveat: "Spatial splits are off on both sides, so that the rule of refinement alone differs.",
         entrants: || {
-            let variants = adaptive().into_iter().map(|(_, variant)| variant);
-            let variants = variants.chain(constant().into_iter().map(|(_, variant)| variant)).collect();
-            Entrants { known: vec!["phr-fast".into(), "phr-hq".into()], variants }
+            let cuts = adaptive().into_iter().chain(constant()).map(|(_, name)| name);
+            bases().into_iter().chain(cuts).collect()
         },
         comparisons: || {
             let longer = Expectation {
@@ -86,24 +84,24 @@ pub const EXPERIMENTS: &[Experiment] = &[
             };
             [(50, "phr-fast"), (500, "phr-hq")]
                 .map(|(length, base)| Comparison {
-                    changed: format!("hunt[cut_length={length}]"),
-                    base: format!("{base}[{SPATIAL_OFF}]"),
+                    changed: hunt(length),
+                    base: changed(base, SPATIAL_OFF),
                     expected: vec![longer, slower],
                 })
                 .into()
         },
         families: Some(|| {
-            let named = |all: Vec<(String, Variant)>| -> Vec<(String, String)> {
-                all.into_iter().map(|(label, variant)| (variant.name, label)).collect()
+            let named = |all: Vec<(String, String)>| -> Vec<(String, String)> {
+                all.into_iter().map(|(label, name)| (name, label)).collect()
             };
             Families {
-                base: format!("phr-fast[{SPATIAL_OFF}]"),
+                base: changed("phr-fast", SPATIAL_OFF),
                 lines: vec![
                     ("adaptive threshold, by alpha, delta".into(), named(adaptive())),
                     ("constant length, by nodes".into(), named(constant())),
                     (
                         "with spatial splits".into(),
-                        ["phr-fast", "phr-hq"].map(|name| (name.to_owned(), name.to_owned())).into(),
+                        bases().into_iter().map(|name| (name.clone(), name)).collect(),
                     ),
                 ],
             }
@@ -115,11 +113,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         about: "Needles presplit, relative to whole triangles",
         paper: "spatial splits of nodes could be combined with presplitting of triangles, which was not evaluated",
         caveat: "",
-        entrants: || {
-            let presplit = presplit().into_iter().map(|(_, variant)| variant);
-            let off = spatial_off().into_iter().map(|(_, variant)| variant);
-            Entrants { known: bases(), variants: presplit.chain(off).collect() }
-        },
+        entrants: || with_bases(presplit().into_iter().chain(spatial_off()).collect()),
         comparisons: || compared(presplit(), &[]),
         families: None,
     },
@@ -140,14 +134,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         paper: "auxiliary trees by AAC or binned SAH give costs that are a few percent lower at the same parameters, but the \
                 builds take longer than other parameters over an LBVH that give as much",
         caveat: "",
-        entrants: || {
-            let all = auxiliary_trees();
-            let mut known: Vec<String> =
-                all.iter().flat_map(|(changed, base)| [base.clone(), changed.clone()]).collect();
-            known.sort();
-            known.dedup();
-            Entrants { known, variants: Vec::new() }
-        },
+        entrants: || with_bases(auxiliary_trees()),
         comparisons: || {
             let cheaper = Expectation {
                 says: "the tree costs a few percent less",
@@ -161,8 +148,11 @@ pub const EXPERIMENTS: &[Experiment] = &[
                 range: (1.0, f64::INFINITY),
                 scenes: &[],
             };
-            let comparison = |(changed, base)| Comparison { changed, base, expected: vec![cheaper, longer] };
-            auxiliary_trees().into_iter().map(comparison).collect()
+            let mut all = compared(auxiliary_trees(), &[cheaper, longer]);
+            // The paper did not try PLOC.
+            let of_ploc = all.iter_mut().filter(|comparison| comparison.changed.ends_with("-ploc"));
+            of_ploc.for_each(|comparison| comparison.expected.clear());
+            all
         },
         families: None,
     },
@@ -173,28 +163,28 @@ pub fn by_name(name: &str) -> Option<&'static Experiment> {
     EXPERIMENTS.iter().find(|experiment| experiment.name == name)
 }
 
-fn with_bases(variants: Vec<OfBase>) -> Entrants {
-    Entrants { known: bases(), variants: variants.into_iter().map(|(_, variant)| variant).collect() }
+fn with_bases(variants: Vec<OfBase>) -> Vec<String> {
+    bases().into_iter().chain(variants.into_iter().map(|variant| variant.changed)).collect()
 }
 
 fn compared(variants: Vec<OfBase>, expected: &[Expectation]) -> Vec<Comparison> {
     let comparison =
-        |(base, changed): OfBase| Comparison { changed: changed.name, base, expected: expected.into() };
+        |OfBase { base, changed }: OfBase| Comparison { changed, base, expected: expected.into() };
     variants.into_iter().map(comparison).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builders;
+    use crate::bench::chosen::Chosen;
+    use std::path::Path;
 
     /// What is compared or drawn takes part, and every variant can be built.
     #[test]
     fn every_comparison_is_between_entrants() {
         for experiment in EXPERIMENTS {
-            let Entrants { known, variants } = (experiment.entrants)();
-            let takes_part =
-                |name: &String| known.contains(name) || variants.iter().any(|it| it.name == *name);
+            let entrants = (experiment.entrants)();
+            let takes_part = |name: &String| entrants.contains(name);
             for Comparison { changed, base, .. } in (experiment.comparisons)() {
                 assert!(takes_part(&changed) && takes_part(&base), "{}: {changed}, {base}", experiment.name);
             }
@@ -204,13 +194,13 @@ mod tests {
                     assert!(takes_part(name), "{}: {name}", experiment.name);
                 }
             }
-            for variant in &variants {
-                assert!(variant.contender(4).is_ok() && variant.contender(8).is_ok(), "{}", variant.name);
-            }
-            for (i, variant) in variants.iter().enumerate() {
-                assert!(variants[..i].iter().all(|other| other.name != variant.name), "{}", variant.name);
-            }
-            assert!(known.iter().all(|name| builders::by_name::<4>(name).is_some()));
+            // A builder that stands twice is refused, one that has another name than it is called by is not found.
+            let none: [&Path; 0] = [];
+            let cells = Chosen::new(&entrants, &[], &none).unwrap().single_cells(Some(4)).unwrap();
+            let mut cells: Vec<String> = cells.into_iter().map(|cell| cell.builder).collect();
+            let mut entrants = entrants;
+            (cells.sort(), entrants.sort());
+            assert_eq!(cells, entrants, "{}", experiment.name);
         }
         assert!(by_name("grid").is_some() && by_name("nothing").is_none());
     }

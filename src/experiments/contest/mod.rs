@@ -13,7 +13,7 @@ pub mod grid;
 pub mod list;
 pub mod variants;
 
-pub use experiment::{Entrants, Experiment};
+pub use experiment::Experiment;
 pub use findings::findings;
 pub use list::{EXPERIMENTS, by_name};
 

@@ -57,7 +57,7 @@ fn hits(tracer: &dyn Tracer, rays: &[Ray]) -> Vec<Hit> {
 fn panel(request: &Request<'_>, cell: &Cell, rays: &[Ray], reference: &[Hit]) -> Result<Panel, String> {
     let Request { scene, view, size, pools, .. } = *request;
     let (mesh, name) = (&scene.mesh, format!("{} / {}", cell.builder, cell.width));
-    let build = BuildRequest { mesh, pools, kernels: &[Kernel::Phr], wants_facts: false };
+    let build = BuildRequest { mesh, pools, kernels: &[Kernel::Phr], wants_facts: false, fresh_only: true };
     let built = Contender::of(cell)?.build(&build)?;
     let tree = TreeUnderKernel::new(&built, Kernel::Phr, pools.all.current_num_threads())?;
     let tracer =

@@ -85,7 +85,7 @@ mod tests {
             sessions: 3,
             spent: Duration::from_secs(61),
         };
-        let cell = |builder: &str| Cell { builder: builder.into(), width: 4, kernels: Vec::new() };
+        let cell = |builder: &str| Cell::new(builder, 4, &[]);
         let cells = ["slow", "same", "noisy"].map(cell);
         let judged = ByTurns::of(&measured, &cells, &["a".into(), "b".into()], 0.02);
         let verdicts: Vec<Verdict> = judged.verdicts.iter().map(|verdict| verdict.1).collect();

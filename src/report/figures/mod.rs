@@ -4,6 +4,7 @@
 pub mod interval;
 mod place;
 mod scenes;
+mod under;
 
 use crate::bench::cell::place;
 use crate::bench::rounds::{ByRound, paired};
@@ -12,6 +13,8 @@ use crate::bench::statistics::{Ratio, Summary};
 use interval::{Noise, SceneRatio};
 pub use place::Place;
 pub use scenes::{scenes, scenes_of};
+use std::collections::HashMap;
+pub use under::{GRAFTED, NATIVE, OWN, PHR, Under, kernels};
 
 /// A tree of the table: builder and width.
 pub type Tree<'a> = (&'a str, u32);
@@ -20,93 +23,6 @@ pub type Tree<'a> = (&'a str, u32);
 pub const BASELINE: Tree<'static> = ("embree-sah", 4);
 /// The width of the paper's trees.
 pub const WIDTH: u32 = 4;
-
-/// Every tree in Embree's node layout under Embree's kernel.
-pub const GRAFTED: &str = "embree-grafted";
-/// Embree's trees as Embree built them, under its kernel.
-pub const NATIVE: &str = "embree-native";
-/// Our kernel.
-pub const PHR: &str = "phr";
-/// Each tree under the kernel of whoever built it.
-pub const OWN: &str = "own";
-
-/// Under which kernel traces are compared.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Under {
-    /// All trees under one kernel, of this name.
-    One(String),
-    /// Embree's trees under [`NATIVE`], ours under [`PHR`]: tree and kernel are compared together.
-    Own,
-}
-
-impl Under {
-    /// The fairest choice: [`GRAFTED`] if the run has it, else each tree under its own kernel.
-    pub fn best(rows: &[Row]) -> Self {
-        if kernels(rows).iter().any(|kernel| kernel == GRAFTED) {
-            Self::One(GRAFTED.into())
-        } else {
-            Self::Own
-        }
-    }
-
-    /// The choice called `name`, if `rows` have figures for it.
-    ///
-    /// # Errors
-    /// One line that lists the known names.
-    pub fn by_name(name: &str, rows: &[Row]) -> Result<Self, String> {
-        let known = kernels(rows);
-        if name == OWN {
-            Ok(Self::Own)
-        } else if known.iter().any(|kernel| kernel == name) {
-            Ok(Self::One(name.into()))
-        } else {
-            Err(format!(
-                "--kernel {name}: no traces under it; there are {}",
-                [&known[..], &[OWN.into()]].concat().join(", ")
-            ))
-        }
-    }
-
-    /// The name on the command line.
-    pub fn name(&self) -> &str {
-        match self {
-            Self::One(kernel) => kernel,
-            Self::Own => OWN,
-        }
-    }
-
-    /// The kernel under which trees of `builder` are traced.
-    pub fn kernel_of(&self, builder: &str) -> &str {
-        match self {
-            Self::One(kernel) => kernel,
-            Self::Own if builder.starts_with("embree-") => NATIVE,
-            Self::Own => PHR,
-        }
-    }
-
-    /// The choice in words, for a legend.
-    pub fn about(&self) -> String {
-        match self {
-            Self::One(kernel) if kernel == GRAFTED => {
-                "all trees in Embree's node layout under Embree's kernel (embree-grafted)".into()
-            }
-            Self::One(kernel) => format!("all trees under the kernel {kernel}"),
-            Self::Own => {
-                "Embree's trees under embree-native, ours under phr: tree and kernel together".into()
-            }
-        }
-    }
-}
-
-/// Kernels with figures, the most comparable first.
-pub fn kernels<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Vec<String> {
-    let order = |name: &str| [GRAFTED, NATIVE, PHR].iter().position(|known| *known == name).unwrap_or(3);
-    let traced = rows.into_iter().filter(|row| row.is_good() && row.trace_ms_median.is_some());
-    let mut names: Vec<String> = traced.map(|row| row.kernel.clone()).collect();
-    names.sort_by(|a, b| (order(a), a).cmp(&(order(b), b)));
-    names.dedup();
-    names
-}
 
 /// A copy of the rows that `keep` accepts.
 pub fn only(rows: &[Row], keep: impl Fn(&Row) -> bool) -> Vec<Row> {
@@ -139,6 +55,8 @@ pub fn tree_named(name: &str) -> Option<Tree<'_>> {
 pub enum Figure {
     /// Time of a fresh build.
     Build,
+    /// Time of the first build of a new builder or device.
+    First,
     /// Time of a build that reuses all it can.
     Rebuild,
     /// Time on processors of fresh builds, all threads together.
@@ -164,14 +82,38 @@ pub struct SceneFigures<'a> {
 impl<'a> SceneFigures<'a> {
     /// The figures of `scene` among `rows`, from the rows with most threads.
     pub fn of(rows: &'a [Row], scene: &str) -> Self {
-        let threads = rows.iter().filter(|row| row.scene == scene).map(|row| row.threads).max();
-        let of_scene = || rows.iter().filter(|row| row.scene == scene && Some(row.threads) == threads);
+        Self::of_rows(scene, rows.iter().filter(|row| row.scene == scene).collect())
+    }
+
+    /// The figures of every scene, in the order of `rows`.
+    pub fn all(rows: &'a [Row]) -> Vec<Self> {
+        let mut places: HashMap<&str, usize> = HashMap::new();
+        let mut by_scene: Vec<(&str, Vec<&Row>)> = Vec::new();
+        for row in rows {
+            let place = *places.entry(&row.scene).or_insert(by_scene.len());
+            if place == by_scene.len() {
+                by_scene.push((&row.scene, Vec::new()));
+            }
+            by_scene[place].1.push(row);
+        }
+        by_scene.into_iter().map(|(scene, rows)| Self::of_rows(scene, rows)).collect()
+    }
+
+    fn of_rows(scene: &str, mut rows: Vec<&'a Row>) -> Self {
+        let threads = rows.iter().map(|row| row.threads).max();
+        rows.retain(|row| Some(row.threads) == threads);
         let mut views: Vec<&str> =
-            of_scene().map(|row| row.view.as_str()).filter(|&view| view != ALL).collect();
+            rows.iter().map(|row| row.view.as_str()).filter(|&view| view != ALL).collect();
         views.sort_unstable();
         views.dedup();
         let views = Some(views.len()).filter(|&views| views > 0);
-        Self { scene: scene.into(), totals: of_scene().filter(|row| row.is_total()).collect(), views }
+        rows.retain(|row| row.is_total());
+        Self { scene: scene.into(), totals: rows, views }
+    }
+
+    /// Name of the scene.
+    pub fn scene(&self) -> &str {
+        &self.scene
     }
 
     /// Rows that sum over views and kinds of rays.
@@ -228,6 +170,7 @@ impl<'a> SceneFigures<'a> {
         let traced = || self.trace(tree, under.kernel_of(tree.0));
         match figure {
             Figure::Build => self.build(tree).and_then(Row::build_ms),
+            Figure::First => self.first(tree).and_then(Row::build_ms).map_or(Place::Missing, Place::Value),
             Figure::Rebuild => {
                 self.rebuild(tree).and_then(Row::build_ms).map_or(Place::Missing, Place::Value)
             }
@@ -277,6 +220,7 @@ impl<'a> SceneFigures<'a> {
         let traced = || self.trace(tree, under.kernel_of(tree.0)).value();
         let (row, times) = match figure {
             Figure::Build => self.build(tree).value().map(|row| (row, &row.by_round.build)),
+            Figure::First => self.first(tree).map(|row| (row, &row.by_round.build)),
             Figure::Rebuild => self.rebuild(tree).map(|row| (row, &row.by_round.build)),
             Figure::Frame => traced().map(|row| (row, &row.by_round.frame)),
             Figure::Trace => traced().map(|row| (row, &row.by_round.trace)),

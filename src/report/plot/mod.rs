@@ -1,9 +1,10 @@
 //! The figures drawn from the rows of a run. A figure is a function from rows to SVG, in a module of its own, with
 //! a line in [`figures`].
 //!
-//! [`figure6`], [`growth`], [`threads`] and [`phases`] choose the points, [`pareto`] finds the front, [`chart`] draws a panel with axes and
-//! [`labels`] and [`key`], [`svg`] writes the drawing and [`raster`] turns it into PNG. It is drawn by hand: the chart crates place no labels
-//! beside crowded points, and their texts depend on the fonts of the machine, so that no file would stay the same.
+//! [`figure6`], [`growth`], [`threads`] and [`phases`] choose the points, [`total_time`] draws advice; [`pareto`] finds the
+//! front, [`chart`] draws a panel with axes and [`labels`] and [`key`], [`svg`] writes the drawing and [`raster`] turns it into
+//! PNG. It is drawn by hand: the chart crates place no labels beside crowded points, and their texts depend on the fonts of the
+//! machine, so that no file would stay the same.
 
 pub mod chart;
 pub mod figure6;
@@ -16,6 +17,7 @@ pub mod raster;
 pub mod svg;
 pub mod threads;
 pub mod ticks;
+pub mod total_time;
 
 use super::figures::Under;
 use crate::bench::phases::PhaseRow;

@@ -6,6 +6,7 @@ use crate::bench::results_dir;
 use crate::bench::row::{self, Row};
 use crate::bench::{kernels, scaling};
 use crate::report::ablation::Ablation;
+use crate::report::advice::model::judged;
 use crate::report::evidence::assertions::assertions;
 use crate::report::evidence::constants::constants;
 use crate::report::evidence::fronts::fronts;
@@ -14,13 +15,14 @@ use crate::report::figures::{Figure, Under, scenes, tree_named};
 use crate::report::kernels::page;
 use crate::report::means::{Ratios, means};
 use crate::report::summary::summary;
+use crate::report::table::details;
+use crate::report::table::table1::table1;
 use crate::report::table::{document_under, heading, remarks};
-use crate::report::table1::table1;
-use crate::report::{self, details, targets};
+use crate::report::{self, targets};
 use std::path::Path;
 
 /// The kinds of markers, each with the words that follow; `...` stands for more of the last.
-pub(super) const KINDS: [(&str, &str); 17] = [
+pub(super) const KINDS: [(&str, &str); 18] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
@@ -38,10 +40,21 @@ pub(super) const KINDS: [(&str, &str); 17] = [
     ("ablation", "RESULTS BASE BUILDER..."),
     ("kernels", "RESULTS"),
     ("scaling", "RESULTS"),
+    ("advice", "RESULTS..."),
 ];
 /// Kinds with fixed kernels, which take no `--kernel`.
-const OF_FIXED_KERNELS: [&str; 9] =
-    ["targets", "bars", "growth", "ablation", "fronts", "constants", "assertions", "kernels", "scaling"];
+const OF_FIXED_KERNELS: [&str; 10] = [
+    "targets",
+    "bars",
+    "growth",
+    "ablation",
+    "fronts",
+    "constants",
+    "assertions",
+    "kernels",
+    "scaling",
+    "advice",
+];
 /// The kind that takes `--withheld RESULTS`.
 const OF_WITHHELD: &str = "summary";
 
@@ -116,6 +129,7 @@ impl<'a> Marker<'a> {
                 let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
                 Ok(report::scaling::page(&rows))
             }
+            "advice" => self.advice(folder),
             "constants" => constants(&folder.join(self.words[0])).map_err(|reason| self.wrong(reason)),
             _ => self.of_one_run(folder),
         }
@@ -125,6 +139,14 @@ impl<'a> Marker<'a> {
     fn read_all(&self, results: &[&str], folder: &Path) -> Result<(Vec<Row>, bool), ReadmeError> {
         let paths: Vec<_> = results.iter().map(|results| folder.join(results)).collect();
         results_dir::read_all(&paths).map_err(|source| ReadmeError::Records { line: self.line, source })
+    }
+
+    /// How good instant advice is: in scenes left out, and with a second folder in withheld ones.
+    fn advice(&self, folder: &Path) -> Result<String, ReadmeError> {
+        let records = |source| ReadmeError::Records { line: self.line, source };
+        let read = |results: &&str| row::read(&folder.join(results)).map_err(records);
+        let withheld = self.words.get(1).map(read).transpose()?;
+        judged::page(&read(&self.words[0])?, withheld.as_deref()).map_err(|reason| self.wrong(reason))
     }
 
     fn of_one_run(&self, folder: &Path) -> Result<String, ReadmeError> {

@@ -66,7 +66,7 @@ pub(super) fn run<K: Kernel, C: Counter, const N: usize>(
                 if ray.is_valid() {
                     let (ray, factor) = K::scaled(ray);
                     let found = closest::<K, C, N>(K::new(setup, &ray), tree, ray.tfar, counter);
-                    *hit = Hit { t: found.t * factor, ..found };
+                    *hit = Hit { t: found.t * factor, ..found }.measured();
                 }
             }
         }

@@ -5,9 +5,11 @@ mod library;
 pub mod moment;
 mod system;
 
+use crate::bench::files::Written;
 use moment::Moment;
 use serde::{Deserialize, Serialize};
-use system::{UNKNOWN, line_of, output, text};
+pub use system::UNKNOWN;
+use system::{line_of, output, text};
 
 pub use library::Library;
 
@@ -134,6 +136,9 @@ pub struct Environment {
     pub after: Option<Moment>,
     /// Remarks for the reader of the figures.
     pub notes: Vec<String>,
+    /// Lines of the other files, once the run has ended: one of them that was cut is not taken for the whole.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub written: Option<Written>,
 }
 
 /// Memory available now, bytes, if the system reports it.

@@ -1,12 +1,13 @@
 //! The records of a run: `rows.csv`, one row per scene x builder x width x kernel x threads x regime x view
 //! x ray kind. `results/README.md` describes the columns for readers of the files.
 
-use crate::bench::files::{RecordsError, write_whole};
-use crate::bench::rounds::{self, ROUNDS, RowKey, RowRounds};
+mod file;
+
+use crate::bench::rounds::{RowKey, RowRounds};
 use crate::bench::statistics::Summary;
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
-use std::path::Path;
+
+pub use file::{read, write, write_all};
 
 /// Version of the columns; a reader refuses any other.
 pub const SCHEMA: u32 = 1;
@@ -163,6 +164,34 @@ impl Row {
         self.regime == FIRST || self.regime == COLD
     }
 
+    /// The figures that are not counts, by column.
+    fn figures(&self) -> [(&'static str, Option<f64>); 22] {
+        [
+            ("build_ms_median", self.build_ms_median),
+            ("build_ms_mad", self.build_ms_mad),
+            ("build_ms_min", self.build_ms_min),
+            ("build_ms_max", self.build_ms_max),
+            ("build_mtri_s", self.build_mtri_s),
+            ("build_cpu_ns_per_tri", self.build_cpu_ns_per_tri),
+            ("sah", self.sah),
+            ("epo", self.epo),
+            ("leaf_fill", self.leaf_fill),
+            ("refs_per_tri", self.refs_per_tri),
+            ("trace_ms_median", self.trace_ms_median),
+            ("trace_ms_mad", self.trace_ms_mad),
+            ("trace_ms_min", self.trace_ms_min),
+            ("trace_ms_max", self.trace_ms_max),
+            ("mrays_s", self.mrays_s),
+            ("frame_ms_median", self.frame_ms_median),
+            ("frame_ms_mad", self.frame_ms_mad),
+            ("frame_ms_min", self.frame_ms_min),
+            ("frame_ms_max", self.frame_ms_max),
+            ("node_visits_per_ray", self.node_visits_per_ray),
+            ("block_tests_per_ray", self.block_tests_per_ray),
+            ("triangles", Some(self.triangles as f64)),
+        ]
+    }
+
     fn key(&self) -> RowKey {
         RowKey {
             run_id: self.run_id.clone(),
@@ -205,59 +234,6 @@ impl Row {
         let count = self.rounds.max(1) as usize;
         Some(Summary { count, median: median?, mad: mad?, min: min?, max: max? })
     }
-}
-
-/// Reads `rows.csv`, or that file in the results folder `path`.
-///
-/// # Errors
-/// Missing, malformed or empty files, and those of another [`SCHEMA`].
-pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
-    let path = if path.is_dir() { path.join(ROWS) } else { path.to_owned() };
-    let remedy = "give a results folder written by `phr bench`";
-    let file = std::fs::File::open(&path).map_err(|source| RecordsError::Io {
-        path: path.clone(),
-        source,
-        remedy,
-    })?;
-    let mut rows = Vec::new();
-    for row in csv::Reader::from_reader(file).deserialize() {
-        let row: Row = row.map_err(|source| RecordsError::Malformed { path: path.clone(), source })?;
-        if row.schema != SCHEMA {
-            return Err(RecordsError::Schema { path, found: row.schema, expected: SCHEMA });
-        }
-        rows.push(row);
-    }
-    let mut by_round: HashMap<RowKey, RowRounds> =
-        rounds::read(&path.with_file_name(ROUNDS))?.into_iter().collect();
-    for row in rows.iter_mut().filter(|row| row.is_total()) {
-        row.by_round = by_round.remove(&row.key()).unwrap_or_default();
-    }
-    if rows.is_empty() { Err(RecordsError::Empty { path }) } else { Ok(rows) }
-}
-
-/// Writes `rows` to the folder: `rows.csv`, and `rounds.csv` where the times of rounds are known.
-///
-/// # Errors
-/// An unwritable place.
-pub fn write_all(folder: &Path, rows: &[Row]) -> Result<(), RecordsError> {
-    let totals: Vec<(RowKey, &RowRounds)> =
-        rows.iter().filter(|row| row.is_total()).map(|row| (row.key(), &row.by_round)).collect();
-    rounds::write(folder, &totals)?;
-    write(&folder.join(ROWS), rows)
-}
-
-/// Writes `rows` to the file `path`, whole or not at all.
-///
-/// # Errors
-/// An unwritable place.
-pub fn write(path: &Path, rows: &[Row]) -> Result<(), RecordsError> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source };
-    for row in rows {
-        writer.serialize(row).map_err(malformed)?;
-    }
-    let bytes = writer.into_inner().map_err(|error| malformed(error.into_error().into()))?;
-    write_whole(path, &bytes)
 }
 
 #[cfg(test)]

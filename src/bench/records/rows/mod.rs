@@ -171,7 +171,7 @@ mod tests {
             timings: timings.clone(),
             cpu_time: CpuTime::default(),
         };
-        let cell = Cell { builder: "phr-hq".into(), width: 4, kernels: vec![Kernel::Phr] };
+        let cell = Cell::new("phr-hq", 4, &[Kernel::Phr]);
         let cells = vec![CellSamples {
             cell,
             facts: TreeFacts { sah: Some(12.0), ..TreeFacts::default() },
@@ -186,6 +186,7 @@ mod tests {
             source: "test".into(),
             triangles: 1_000_000,
             dropped: Dropped::default(),
+            remarks: Vec::new(),
             views: 2,
             invalid_rays: 0,
             cells,

@@ -1,5 +1,6 @@
 //! Configurations that go beyond the paper.
 
+use super::auxiliary_tree::AuxiliaryTree;
 use crate::builders::lbvh::auxiliary::{AuxiliaryConfig, Clusters};
 use crate::builders::phr::config::{Extensions, LocalThreshold, PhrConfig};
 use crate::builders::prims::presplit::PresplitConfig;
@@ -41,6 +42,7 @@ impl PhrConfig {
                 clusters: Some(Clusters { most: 32, area: 1e-3 }),
                 calibration: Some(1e3),
             },
+            auxiliary_tree: AuxiliaryTree::Lbvh,
             // With `max_cut` 2048: always 2048 nodes.
             cut_share: Some(1.0 / 256.0),
             local_threshold: Some(LocalThreshold { references: 1 << 15, area: 1.0 / 256.0 }),

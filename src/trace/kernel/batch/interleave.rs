@@ -84,7 +84,8 @@ pub(super) fn run<K: Kernel, const N: usize, const ANY: bool>(
                     turn += 1;
                 }
                 None => {
-                    answer(ray.index, if ray.hit.is_hit() { ray.hit } else { Hit::MISS });
+                    // Of any hit there is no distance.
+                    answer(ray.index, if ANY { ray.hit } else { ray.hit.measured() });
                     if let Some(another) = start(waiting) {
                         *ray = another;
                     } else {

@@ -196,9 +196,8 @@ impl<K: Kernel> Stream<K> {
     #[inline(always)]
     fn tell<const ANY: bool>(&self, mut answer: impl FnMut(usize, Hit)) {
         for (i, (&place, hit)) in self.places.iter().zip(&self.hits).enumerate() {
-            let is_hit = if ANY { self.done >> i & 1 == 1 } else { hit.is_hit() };
-            let found = if ANY { Hit { prim: 0, ..Hit::MISS } } else { *hit };
-            answer(place as usize, if is_hit { found } else { Hit::MISS });
+            let any = if self.done >> i & 1 == 1 { Hit { prim: 0, ..Hit::MISS } } else { Hit::MISS };
+            answer(place as usize, if ANY { any } else { hit.measured() });
         }
     }
 }

@@ -1,0 +1,75 @@
+//! The builder `ploc`.
+
+use super::clustering::Clustering;
+use super::config::PlocConfig;
+use crate::builders::binary::tree::BinaryTree;
+use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
+use crate::builders::clusters::collapse::ClusterTree;
+use crate::builders::config_error::ConfigError;
+use crate::builders::lbvh::sort::{MortonOrder, SortBits};
+use crate::builders::wide::build;
+use crate::builders::wide::memory::Memory;
+use crate::bvh::WideBvh;
+use crate::geometry::Mesh;
+use crate::simd::Isa;
+
+/// Builds trees of nodes of up to `N` children by PLOC; memory is kept between builds.
+pub struct Ploc<const N: usize> {
+    config: PlocConfig,
+    isa: Isa,
+    order: MortonOrder,
+    clustering: Clustering,
+    tree: BinaryTree,
+    memory: Memory<Vec<u32>, N>,
+}
+
+impl<const N: usize> Ploc<N> {
+    /// A builder with the given parameters.
+    ///
+    /// # Errors
+    /// A parameter out of range.
+    pub fn new(config: PlocConfig) -> Result<Self, ConfigError> {
+        Self::with_isa(config, Isa::best())
+    }
+
+    /// A builder with the given instructions.
+    pub(crate) fn with_isa(config: PlocConfig, isa: Isa) -> Result<Self, ConfigError> {
+        config.check()?;
+        Ok(Self {
+            config,
+            isa,
+            order: MortonOrder::default(),
+            clustering: Clustering::default(),
+            tree: BinaryTree::default(),
+            memory: Memory::default(),
+        })
+    }
+}
+
+impl<const N: usize> Builder<N> for Ploc<N> {
+    fn name(&self) -> &'static str {
+        "ploc"
+    }
+
+    fn config(&self) -> serde_json::Value {
+        serde_json::json!(self.config)
+    }
+
+    fn build(&mut self, mesh: &Mesh) -> Build<N> {
+        let mut watch = Stopwatch::start();
+        self.order.sort(mesh, None, SortBits::All, self.memory.blocks(mesh.len()), &mut watch);
+        let (refs, keys) = (self.order.refs(mesh), &self.order.keys);
+        let Self { config, isa, clustering, tree, .. } = self;
+        tree.root = clustering.cluster((config.radius, *isa), &refs, keys, &mut tree.pairs);
+        watch.lap("clusters");
+        let clusters = ClusterTree { tree, keys, refs, has_rows: false };
+        let built = build::build(&clusters, clusters.root(), mesh, &mut self.memory);
+        watch.lap("nodes");
+        let counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };
+        Build { tree: built, phases: watch.phases, counts }
+    }
+
+    fn recycle(&mut self, tree: WideBvh<N>) {
+        self.memory.recycle(tree);
+    }
+}

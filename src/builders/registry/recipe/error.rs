@@ -1,0 +1,44 @@
+//! What is wrong with a changed builder, in one line with the remedy.
+
+use crate::builders::registry::{NAMES, on_request};
+
+/// Why a builder cannot be changed so.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RecipeError {
+    /// Not one of ours.
+    #[error("no builder of ours is called {0}; there are {known}", known = known())]
+    NoSuchBuilder(String),
+    /// Neither `BUILDER.FIELD=VALUE` nor `BUILDER[FIELD=VALUE]`.
+    #[error("{0}: write BUILDER.FIELD=VALUE, or as a name BUILDER[FIELD=VALUE+FIELD=VALUE]")]
+    Malformed(String),
+    /// No field of that name, or several.
+    #[error("{builder} has no single field {field}; {}", has(builder, known))]
+    Field {
+        /// The builder.
+        builder: &'static str,
+        /// The name given.
+        field: String,
+        /// The builder's fields.
+        known: String,
+    },
+    /// A value of another kind, or out of range.
+    #[error("{builder}.{change}: {reason}; {}", has(builder, known))]
+    Value {
+        /// The builder.
+        builder: &'static str,
+        /// The field and its value.
+        change: String,
+        /// What is wrong.
+        reason: String,
+        /// The builder's fields.
+        known: String,
+    },
+}
+
+fn known() -> String {
+    NAMES.iter().copied().chain(on_request()).collect::<Vec<_>>().join(", ")
+}
+
+fn has(builder: &str, known: &str) -> String {
+    if known.is_empty() { format!("{builder} has none") } else { format!("its fields are {known}") }
+}

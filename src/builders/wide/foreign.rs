@@ -1,0 +1,159 @@
+//! Binary trees that were made elsewhere, widened by our collapse (paper 4.5): subtrees of at most four triangles become a
+//! leaf of one block, larger leaves stay as they are, in several blocks.
+
+use super::binary_source::{BinarySource, Leaves};
+use super::treelet::WideTreelet;
+use crate::builders::binary::kind::Kind;
+use crate::builders::binary::node::{Node, NodeRun};
+use crate::builders::binary::subtrees::Subtrees;
+use crate::bvh::WideBvh;
+use crate::bvh::limits::{BLOCK, MAX_LEAF};
+use crate::geometry::{Aabb, Mesh};
+
+/// Levels after which a binary tree is given up: its wide tree would be too deep too.
+const MOST_LEVELS: u32 = 512;
+
+/// A binary tree over the triangles of a mesh.
+pub trait ForeignTree {
+    /// Tells a node.
+    type At: Copy;
+
+    /// The root; `None` without triangles.
+    fn root(&self) -> Option<Self::At>;
+
+    /// The children of an inner node, in order, or the triangles of a leaf, which are appended to `prims`, with their box.
+    fn open(&self, at: Self::At, prims: &mut Vec<u32>) -> Opened<Self::At>;
+
+    /// Whether a triangle may be in several leaves.
+    fn may_repeat(&self) -> bool;
+}
+
+/// A node of a [`ForeignTree`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Opened<At> {
+    /// An inner node over two children.
+    Children([At; 2]),
+    /// A leaf with its box.
+    Leaf(Aabb),
+}
+
+/// The wide tree of a binary one over `mesh`; a box is that around the leaves below.
+///
+/// # Errors
+/// A leaf that is too large or a tree that is too deep or does not hold every triangle, in one line.
+pub fn widened<const N: usize>(tree: &impl ForeignTree, mesh: &Mesh) -> Result<WideBvh<N>, String> {
+    let mut subtrees = Subtrees::default();
+    let Some(root) = tree.root() else { return Ok(WideBvh::default()) };
+    let Some(root) = copied(tree, root, 0, &mut subtrees)? else { return Ok(WideBvh::default()) };
+    let mut treelet = WideTreelet::<N>::default();
+    let leaves = Leaves { mesh, max_leaf: MAX_LEAF, may_repeat: tree.may_repeat() };
+    let (source, run) = (Foreign(&subtrees), NodeRun { node: root, first: 0 });
+    let kind = source.kind(&run, MAX_LEAF);
+    let subtree = source.emit((&run, kind), MOST_LEVELS, &leaves, &mut treelet, &mut 0);
+    let (bounds, root) = subtree.flatten().ok_or("the tree is empty or too deep to be widened")?;
+    let wide = WideBvh { root, bounds, nodes: treelet.nodes, blocks: treelet.blocks };
+    wide.validate(mesh).map_err(|invalid| format!("its tree, widened, is not whole: {invalid}"))?;
+    Ok(wide)
+}
+
+/// Appends the subtree below a node.
+fn copied<T: ForeignTree>(
+    tree: &T,
+    at: T::At,
+    level: u32,
+    subtrees: &mut Subtrees,
+) -> Result<Option<Node>, String> {
+    let first = subtrees.prims.len();
+    match tree.open(at, &mut subtrees.prims) {
+        Opened::Children(_) if level == MOST_LEVELS => Err(format!("its tree has more than {level} levels")),
+        Opened::Children([left, right]) => {
+            let left = copied(tree, left, level + 1, subtrees)?;
+            let right = copied(tree, right, level + 1, subtrees)?;
+            Ok(subtrees.merge([left, right]))
+        }
+        Opened::Leaf(bounds) => match subtrees.prims.len() - first {
+            0 => Ok(None),
+            count if count <= MAX_LEAF as usize => Ok(Some(Node::leaf(bounds, first, count as u32))),
+            count => Err(format!("a leaf of its tree has {count} triangles, ours at most {MAX_LEAF}")),
+        },
+    }
+}
+
+/// A tree whose leaves stay whole.
+struct Foreign<'a>(&'a Subtrees);
+
+impl BinarySource for Foreign<'_> {
+    fn children(&self, run: &NodeRun) -> [NodeRun; 2] {
+        BinarySource::children(self.0, run)
+    }
+
+    fn prim(&self, position: usize) -> u32 {
+        self.0.prims[position]
+    }
+
+    fn kind(&self, run: &NodeRun, _: u32) -> Kind {
+        if run.node.is_leaf() || run.node.count() <= BLOCK { Kind::Leaf } else { Kind::Inner }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builders::testing::soup;
+    use crate::bvh::{Child, sah_cost};
+
+    /// Halves of runs down to leaves of some triangles; the depth is endless for leaves of none.
+    struct Halves<'a>(&'a Mesh, usize);
+
+    impl ForeignTree for Halves<'_> {
+        type At = (usize, usize);
+
+        fn root(&self) -> Option<(usize, usize)> {
+            (self.0.len() > 0).then_some((0, self.0.len()))
+        }
+
+        fn open(&self, (first, len): (usize, usize), prims: &mut Vec<u32>) -> Opened<(usize, usize)> {
+            if len > self.1 {
+                let half = len / 2;
+                return Opened::Children([(first, half), (first + half, len - half)]);
+            }
+            prims.extend(first as u32..(first + len) as u32);
+            Opened::Leaf((first..first + len).map(|prim| self.0.bounds_of(prim as u32)).collect())
+        }
+
+        fn may_repeat(&self) -> bool {
+            false
+        }
+    }
+
+    #[test]
+    fn leaves_become_blocks_and_large_ones_stay_whole() {
+        let mesh = soup(1000, 0.1, 1);
+        for leaf in [1, 4, 8, 28] {
+            let tree = widened::<8>(&Halves(&mesh, leaf), &mesh).unwrap();
+            assert!(sah_cost(&tree) > 1.0);
+            // Halved, a thousand is 125 or fewer at each level below.
+            let blocks = tree.nodes.iter().flat_map(|node| node.children()).filter_map(|(_, link)| {
+                if let Child::Leaf { count, .. } = link.get() { Some(count) } else { None }
+            });
+            let largest = [1, 1, 2, 4][[1, 4, 8, 28].iter().position(|&of| of == leaf).unwrap()];
+            assert_eq!(blocks.max(), Some(largest), "{leaf}");
+        }
+        assert_eq!(widened::<4>(&Halves(&soup(0, 0.1, 1), 1), &soup(0, 0.1, 1)), Ok(WideBvh::default()));
+    }
+
+    #[test]
+    fn what_cannot_be_widened_is_refused() {
+        let mesh = soup(100, 0.1, 1);
+        let error = widened::<4>(&Halves(&mesh, 100), &mesh).unwrap_err();
+        assert_eq!(error, "a leaf of its tree has 100 triangles, ours at most 28");
+        let error = widened::<4>(&Halves(&mesh, 0), &mesh).unwrap_err();
+        assert_eq!(error, "its tree has more than 512 levels");
+        let larger = soup(101, 0.1, 1);
+        let error = widened::<4>(&Halves(&mesh, 4), &larger).unwrap_err();
+        assert!(
+            error.starts_with("its tree, widened, is not whole: ") && error.lines().count() == 1,
+            "{error}"
+        );
+    }
+}

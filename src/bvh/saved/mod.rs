@@ -1,0 +1,82 @@
+//! Trees in files: saved once, loaded in a fraction of the time of a build.
+//!
+//! The format is little-endian and laid out as in memory, so that a program may map it: a header of 128 bytes, the nodes
+//! (128 bytes each, 256 of 8-wide trees: lower planes, upper planes, links, zeros up to a multiple of 64), then the blocks
+//! of 160 bytes. Its first version:
+//!
+//! | bytes | content |
+//! |:--|:--|
+//! | 0 to 7 | `PHRTREE` and a zero |
+//! | 8, 12 | version, children per node |
+//! | 16, 20 | the root's link, a zero |
+//! | 24, 32 | nodes, blocks |
+//! | 40 to 63 | the box of everything: lower corner, upper corner |
+//! | 64, 72 | fingerprint of the mesh, its triangles |
+//! | 80 | checksum of nodes and blocks |
+//! | 88 | checksum of the 88 bytes before |
+//! | 96 to 127 | name of the builder, zeros after it |
+//!
+//! Checksums find damage, no forgery; what a file says is checked before a kernel follows its links.
+
+mod header;
+mod read;
+mod record;
+mod write;
+
+pub use header::Header;
+pub use read::header_of;
+
+use super::validate::Invalid;
+use std::path::{Path, PathBuf};
+
+/// Why a tree could not be saved or loaded: one line that names the file and the remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum SavedError {
+    /// The file cannot be opened, read or written.
+    #[error("{}: {source}; check the path and its permissions", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's message.
+        source: std::io::Error,
+    },
+    /// Not such a file, or one of a newer program.
+    #[error("{}: {what}; save the tree again", path.display())]
+    Unusable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// The tree of another mesh.
+    #[error("{}: the tree of another mesh ({triangles} triangles, {mesh:016x}); give its scene or save the tree again", path.display())]
+    OtherMesh {
+        /// The file.
+        path: PathBuf,
+        /// Triangles of its mesh.
+        triangles: u64,
+        /// Fingerprint of its mesh.
+        mesh: u64,
+    },
+    /// The links do not form a tree over the mesh.
+    #[error("{}: {source}; save the tree again", path.display())]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// The first flaw.
+        source: Invalid,
+    },
+}
+
+impl SavedError {
+    fn unusable(path: &Path, what: impl Into<String>) -> Self {
+        Self::Unusable { path: path.to_owned(), what: what.into() }
+    }
+
+    fn io(path: &Path) -> impl Fn(std::io::Error) -> Self {
+        move |source| Self::Io { path: path.to_owned(), source }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,105 @@
+use super::*;
+use crate::bvh::{Bvh4, Bvh8, Link, TriangleBlock, WideNode};
+use crate::geometry::Mesh;
+
+/// A sheet of `count` triangles.
+fn mesh(count: usize) -> Mesh {
+    let vertices = (0..count as u32 + 2).map(|i| [(i / 2) as f32, (i % 2) as f32, (i % 7) as f32]).collect();
+    Mesh::new(vertices, (0..count as u32).map(|i| [i, i + 1, i + 2]).collect()).unwrap().0
+}
+
+/// A chain of nodes, each with a leaf of up to four triangles and the next node.
+fn chain(mesh: &Mesh) -> Bvh4 {
+    let ids: Vec<u32> = (0..mesh.len() as u32).collect();
+    let blocks: Vec<TriangleBlock> = ids.chunks(4).map(|ids| TriangleBlock::of(mesh, ids)).collect();
+    let mut nodes = vec![WideNode::<4>::EMPTY; blocks.len()];
+    for (i, node) in nodes.iter_mut().enumerate() {
+        node.set(0, mesh.bounds(), Link::leaf(i, 1));
+        if i + 1 < blocks.len() {
+            node.set(1, mesh.bounds(), Link::inner(i + 1));
+        }
+    }
+    Bvh4 { root: Link::inner(0), bounds: mesh.bounds(), nodes, blocks }
+}
+
+#[test]
+fn trees_survive_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.phrtree");
+    let mesh = mesh(50);
+    let tree = chain(&mesh);
+    tree.save(&mesh, "by-hand", &path).unwrap();
+    assert_eq!(Bvh4::load(&mesh, &path).unwrap(), tree);
+    let header = header_of(&path).unwrap();
+    assert_eq!((header.width, header.triangles, header.builder.as_str()), (4, 50, "by-hand"));
+    assert_eq!(std::fs::metadata(&path).unwrap().len(), 128 + 13 * (128 + 160));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no part file is left");
+    let none = Mesh::new(vec![], vec![]).unwrap().0;
+    Bvh8::default().save(&none, "a name that is longer than thirty-two bytes", &path).unwrap();
+    assert_eq!(Bvh8::load(&none, &path).unwrap(), Bvh8::default());
+    assert_eq!(header_of(&path).unwrap().builder.len(), 32);
+}
+
+#[test]
+fn other_meshes_and_widths_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.phrtree");
+    let mesh = mesh(9);
+    chain(&mesh).save(&mesh, "by-hand", &path).unwrap();
+    let said = |result: Result<(), SavedError>| result.unwrap_err().to_string();
+    let moved =
+        Mesh::new(mesh.vertices().iter().map(|v| v.map(|x| x + 1.0)).collect(), mesh.triangles().to_vec());
+    let message = said(Bvh4::load(&moved.unwrap().0, &path).map(|_| ()));
+    assert!(message.contains("the tree of another mesh (9 triangles") && message.contains(';'), "{message}");
+    assert!(said(Bvh8::load(&mesh, &path).map(|_| ())).contains("a tree of 4 children per node, not 8"));
+    assert!(said(header_of(&folder.path().join("none")).map(|_| ())).contains("none: No such file"));
+    assert!(said(header_of(folder.path()).map(|_| ())).contains("not a regular file"));
+    assert!(said(chain(&mesh).save(&mesh, "", &folder.path().join("no/x"))).contains("No such file"));
+}
+
+/// Any byte changed and any end cut off.
+#[test]
+fn damage_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.phrtree");
+    let mesh = mesh(9);
+    chain(&mesh).save(&mesh, "by-hand", &path).unwrap();
+    let whole = std::fs::read(&path).unwrap();
+    for at in 0..whole.len() {
+        for bit in [1, 0x80] {
+            let mut damaged = whole.clone();
+            damaged[at] ^= bit;
+            std::fs::write(&path, damaged).unwrap();
+            let message = Bvh4::load(&mesh, &path).expect_err(&format!("byte {at}")).to_string();
+            assert!(!message.contains('\n') && message.contains("x.phrtree"), "{message}");
+        }
+        std::fs::write(&path, &whole[..at]).unwrap();
+        assert!(Bvh4::load(&mesh, &path).is_err(), "{at} bytes");
+    }
+    std::fs::write(&path, [&whole[..], b"\0"].concat()).unwrap();
+    assert!(Bvh4::load(&mesh, &path).is_err(), "a byte too many");
+}
+
+/// Whole files of trees that kernels must not follow.
+#[test]
+fn links_are_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.phrtree");
+    let mesh = mesh(40);
+    let good = chain(&mesh);
+    let mut bad: Vec<Bvh4> = vec![good.clone(); 6];
+    bad[0].nodes[3].links[1] = Link::inner(0);
+    bad[1].nodes[3].links[0] = Link::leaf(9, 2);
+    bad[2].nodes[3].links[1] = Link::EMPTY;
+    bad[3].blocks[2].prims[0] = 40;
+    bad[4].blocks[2].prims[0] = 0;
+    bad[5].root = Link::inner(99);
+    for (i, tree) in bad.iter().enumerate() {
+        tree.save(&mesh, "by-hand", &path).unwrap();
+        let result = Bvh4::load(&mesh, &path);
+        assert!(matches!(result, Err(SavedError::Invalid { .. })), "{i}: {result:?}");
+    }
+    let deep = self::mesh(4 * 200);
+    chain(&deep).save(&deep, "by-hand", &path).unwrap();
+    assert!(Bvh4::load(&deep, &path).unwrap_err().to_string().contains("deeper than"));
+}

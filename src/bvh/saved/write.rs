@@ -1,0 +1,73 @@
+//! Saving a tree: into a file beside, which takes the place of an older one when it is whole.
+
+use super::SavedError;
+use super::header::{BYTES, Header, checksum, step};
+use super::record::{CHUNK, Record};
+use crate::bvh::WideBvh;
+use crate::geometry::Mesh;
+use crate::scene::mesh_fingerprint;
+use rayon::prelude::*;
+use std::fs::File;
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::Path;
+
+/// Chunks converted at a time.
+const BATCH: usize = 16;
+
+impl<const N: usize> WideBvh<N> {
+    /// Saves the tree, which `builder` built over `mesh`.
+    ///
+    /// # Errors
+    /// An unwritable place.
+    pub fn save(&self, mesh: &Mesh, builder: &str, path: &Path) -> Result<(), SavedError> {
+        let mut name = path.file_name().unwrap_or_default().to_owned();
+        name.push(".part");
+        let part = path.with_file_name(name);
+        let write = || {
+            let mut file = File::create(&part)?;
+            file.write_all(&[0; BYTES])?;
+            let sum = put(&self.nodes, 0, &mut file)?;
+            let sum = put(&self.blocks, sum, &mut file)?;
+            let header = Header {
+                width: N as u32,
+                root: self.root,
+                nodes: self.nodes.len() as u64,
+                blocks: self.blocks.len() as u64,
+                bounds: self.bounds,
+                mesh: mesh_fingerprint(mesh),
+                triangles: mesh.len() as u64,
+                checksum: sum,
+                builder: builder.to_owned(),
+            };
+            file.seek(SeekFrom::Start(0))?;
+            file.write_all(&header.to_bytes())?;
+            file.sync_data()?;
+            std::fs::rename(&part, path)
+        };
+        write().map_err(|source| {
+            // What was written of it is of no use. That it cannot be removed is no news.
+            let _ = std::fs::remove_file(&part);
+            SavedError::io(path)(source)
+        })
+    }
+}
+
+/// Appends the records and returns `sum` with their checksums.
+fn put<R: Record>(records: &[R], mut sum: u64, file: &mut File) -> io::Result<u64> {
+    for batch in records.chunks(CHUNK * BATCH) {
+        let chunks: Vec<(Vec<u8>, u64)> = batch
+            .par_chunks(CHUNK)
+            .map(|chunk| {
+                let mut bytes = vec![0; chunk.len() * R::BYTES];
+                chunk.iter().zip(bytes.chunks_mut(R::BYTES)).for_each(|(record, to)| record.put(to));
+                let sum = checksum(&bytes);
+                (bytes, sum)
+            })
+            .collect();
+        for (bytes, of_chunk) in chunks {
+            file.write_all(&bytes)?;
+            sum = step(sum, of_chunk);
+        }
+    }
+    Ok(sum)
+}

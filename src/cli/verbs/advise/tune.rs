@@ -1,0 +1,110 @@
+//! `phr tune`: the parameters for a scene and a number of rays.
+
+use crate::bench::cell::Kernel;
+use crate::bench::chosen::ConfigFile;
+use crate::bench::contender;
+use crate::bench::files::write_json;
+use crate::bench::planned_scene::PlannedScene;
+use crate::bench::tune::search::Search;
+use crate::cli::failure::Failure;
+use crate::cli::options::{all_threads, check_place, pools, rays};
+use crate::cli::output::say;
+use crate::cli::progress::Steps;
+use crate::report::advice::rays_in_words;
+use crate::report::advice::tuned::page;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Search the parameters of PHR for a scene and a number of rays
+///
+/// Tries configurations of phr-quality and phr-best, each measured right after phr-quality, chosen by a Parzen estimator;
+/// races the best of them, and measures the winner again with other rays. With -o, writes a file for --config.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scene file or name of a generated scene
+    scene: String,
+    /// Number of rays that a tree is for: 50M, 1G, 3e8
+    #[arg(long, default_value = "1G", value_name = "N", value_parser = rays)]
+    rays: f64,
+    /// Seconds, from the loaded scene on
+    #[arg(long, default_value_t = 120, value_name = "N")]
+    seconds: u64,
+    /// Only trees of this width, 4 or 8; the anchor has it too [default: both, the anchor 8]
+    #[arg(long, value_name = "N")]
+    width: Option<u32>,
+    /// What traces the trees: embree-grafted or phr [default: embree-grafted where this program has it]
+    #[arg(long, value_name = "KERNEL")]
+    kernel: Option<String>,
+    /// Threads [default: all processors]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Seed of the search and of the rays
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u64,
+    /// File for the configuration, which --config of other commands reads
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Name of the configuration in that file [default: tuned-SCENE-RAYS]
+    #[arg(long, requires = "output")]
+    name: Option<String>,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let threads = arguments.threads.unwrap_or_else(all_threads);
+    pools(threads)?;
+    if arguments.seconds == 0 {
+        return Err(Failure::Bad("--seconds 0: nothing would be tried; give 10 or more".into()));
+    }
+    if let Some(width) = arguments.width.filter(|width| ![4, 8].contains(width)) {
+        return Err(Failure::Bad(format!("--width {width}: give 4 or 8")));
+    }
+    arguments.output.as_deref().map(check_place).transpose()?;
+    let planned = PlannedScene::find(&arguments.scene)?;
+    let name = arguments.name.clone().unwrap_or_else(|| {
+        let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
+        let scene: String = planned.name.chars().map(plain).take(40).collect();
+        format!("tuned-{scene}-{}", rays_in_words(arguments.rays))
+    });
+    ConfigFile::check_name(&name).map_err(Failure::Bad)?;
+    let search = Search {
+        rays: arguments.rays,
+        width: arguments.width,
+        kernel: kernel(arguments.kernel.as_deref())?,
+        threads,
+        limit: Duration::from_secs(arguments.seconds),
+        seed: arguments.seed,
+    };
+    let scene = planned.load()?;
+    if scene.dropped.total() > 0 {
+        eprintln!("phr: {}: {}", scene.name, scene.dropped);
+    }
+    let steps = Steps::new(&scene.name);
+    let tuned = search.run(&scene, &mut |doing| steps.at(doing)).map_err(Failure::Wrong)?;
+    drop(steps);
+    say(&page(&tuned, &scene.name, arguments.rays))?;
+    if let Some(file) = &arguments.output {
+        let cell = &tuned.fresh.cell;
+        let about = format!(
+            "the best of {} configurations for {} rays in {}, by phr tune",
+            tuned.trials.len(),
+            rays_in_words(arguments.rays),
+            scene.name
+        );
+        write_json(file, &ConfigFile::new(&name, &tuned.fresh.recipe, cell.width, about))?;
+        say(&format!("{}: {name}, for --config", file.display()))?;
+    }
+    Ok(())
+}
+
+/// The kernel that `--kernel` names, or the fairest that traces our trees.
+fn kernel(name: Option<&str>) -> Result<Kernel, Failure> {
+    let known = contender::kernels_of_ours();
+    match name {
+        None => Ok(known[0]),
+        Some(name) => Kernel::by_name(name).filter(|kernel| known.contains(kernel)).ok_or_else(|| {
+            let known: Vec<&str> = known.iter().map(|kernel| kernel.name()).collect();
+            Failure::Bad(format!("--kernel {name}: our trees are traced by {}", known.join(" and ")))
+        }),
+    }
+}

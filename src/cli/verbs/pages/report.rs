@@ -1,0 +1,49 @@
+//! `phr report`: a run as one HTML file.
+
+use crate::bench::files::{RecordsError, write_whole};
+use crate::bench::{results_dir, row};
+use crate::cli::failure::Failure;
+use crate::cli::output::say;
+use crate::report::page::{PAGE, page};
+use std::path::{Path, PathBuf};
+
+/// Write a page about a results folder: verdict, plots, table, pictures and surroundings in one HTML file
+///
+/// The file needs no network and no other file. Heat maps (heat*.png, heatmaps/*.png), experiments (experiments/*.svg,
+/// *.csv) and other figures in the folder are put into it.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Results folder, or a rows.csv
+    results: PathBuf,
+    /// File to write [default: report.html in the folder]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let results = &arguments.results;
+    let beside = |file| if results.is_dir() { results.join(file) } else { results.with_file_name(file) };
+    let file = arguments.output.clone().unwrap_or_else(|| beside(PAGE));
+    write_page(results, &file)?;
+    say(&file.display().to_string())
+}
+
+/// Writes the page about `results`, a folder or its rows, to `file`.
+///
+/// # Errors
+/// Those of reading the folder, and an unwritable place.
+pub fn write_page(results: &Path, file: &Path) -> Result<(), Failure> {
+    let rows = row::read(results)?;
+    // A folder such as `.` has its name from the place where it is.
+    let place = results.canonicalize()?;
+    let folder = if place.is_dir() { place.as_path() } else { place.parent().unwrap_or(&place) };
+    let environment = results_dir::environment(folder)?;
+    let page = page(&rows, environment.as_ref(), folder)?;
+    Ok(write_whole(file, page.as_bytes()).map_err(|error| match error {
+        RecordsError::Io { path, source, .. } => {
+            RecordsError::Io { path, source, remedy: "give a writable place with -o" }
+        }
+        other => other,
+    })?)
+}

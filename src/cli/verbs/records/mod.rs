@@ -1,0 +1,4 @@
+//! Verbs that make one results folder of another.
+
+pub mod merge;
+pub mod reduce;

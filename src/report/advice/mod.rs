@@ -1,0 +1,154 @@
+//! Which builder for a scene and a number of rays: total time = build + rays / speed for every tree, who wins where, and
+//! where the lines cross. From a quick measurement ([`measured`]) or from a [`model`] over the mesh's facts.
+//! [`page`] is the text, [`rows`] the CSV, [`tuned`] the page of a search, [`crate::report::plot::total_time`] the plot.
+
+pub mod measured;
+pub mod model;
+pub mod page;
+pub mod rows;
+pub mod tuned;
+
+use super::figures::tree_name;
+use crate::bench::quick::line::{TotalTime, least_at, winners};
+use crate::bench::quick::survey::Surveyed;
+
+/// Trees of a model that take at most this many times as long as the best are near it.
+pub const NEAR: f64 = 1.05;
+
+/// What is known of a tree.
+#[derive(Clone, Debug)]
+pub struct Known {
+    /// The builder.
+    pub builder: String,
+    /// Children per node.
+    pub width: u32,
+    /// Its total time; `None` where there is none.
+    pub line: Option<TotalTime>,
+    /// Visits behind it; 0 for a model's.
+    pub rounds: usize,
+    /// Why there is no line, or no further round.
+    pub note: String,
+}
+
+impl Known {
+    /// The tree's name.
+    pub fn name(&self) -> String {
+        tree_name((&self.builder, self.width))
+    }
+}
+
+impl From<&Surveyed> for Known {
+    fn from(surveyed: &Surveyed) -> Self {
+        let Surveyed { cell, visits, note } = surveyed;
+        Self {
+            builder: cell.builder.clone(),
+            width: cell.width,
+            line: TotalTime::of(visits),
+            rounds: visits.len(),
+            note: note.clone(),
+        }
+    }
+}
+
+/// Advice for a scene.
+#[derive(Clone, Debug)]
+pub struct Advice {
+    /// The scene.
+    pub scene: String,
+    /// Its triangles.
+    pub triangles: usize,
+    /// The number of rays asked for.
+    pub rays: f64,
+    /// How the lines came about, in words.
+    pub origin: String,
+    /// All trees.
+    pub trees: Vec<Known>,
+}
+
+impl Advice {
+    /// The trees with lines.
+    pub fn lines(&self) -> Vec<(&Known, TotalTime)> {
+        self.trees.iter().filter_map(|known| Some((known, known.line?))).collect()
+    }
+
+    /// The trees that win somewhere, each with the number of rays from which on it does.
+    pub fn winners(&self) -> Vec<(&Known, f64)> {
+        let lines = self.lines();
+        let only: Vec<TotalTime> = lines.iter().map(|(_, line)| *line).collect();
+        winners(&only).into_iter().map(|(i, from)| (lines[i].0, from)).collect()
+    }
+
+    /// The best tree for so many rays, and those near it: whose interval overlaps with its; by a model, whose errors are
+    /// much the same for all trees, those that take at most [`NEAR`] times as long.
+    pub fn best_at(&self, rays: f64) -> Option<(&Known, Vec<&Known>)> {
+        let lines = self.lines();
+        let only: Vec<TotalTime> = lines.iter().map(|(_, line)| *line).collect();
+        let best = least_at(&only, rays)?;
+        let is_near = |i: usize| {
+            if lines[i].0.rounds == 0 {
+                only[i].at(rays) <= NEAR * only[best].at(rays)
+            } else {
+                only[i].estimate_at(rays).low <= only[best].estimate_at(rays).high
+            }
+        };
+        let near = (0..lines.len()).filter(|&i| i != best && is_near(i));
+        let mut near: Vec<usize> = near.collect();
+        near.sort_by(|&a, &b| only[a].at(rays).total_cmp(&only[b].at(rays)));
+        Some((lines[best].0, near.into_iter().map(|i| lines[i].0).collect()))
+    }
+}
+
+/// A number of rays in words: `50M`.
+pub fn rays_in_words(rays: f64) -> String {
+    let units = [(1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k")];
+    let (unit, suffix) = units.into_iter().find(|(unit, _)| rays >= 0.9995 * unit).unwrap_or((1.0, ""));
+    let text = format!("{:.*}", if rays / unit < 9.995 { 1 } else { 0 }, rays / unit);
+    format!("{}{suffix}", text.strip_suffix(".0").unwrap_or(&text))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    pub(crate) fn advice() -> Advice {
+        let known = |builder: &str, width, line| Known {
+            builder: builder.into(),
+            width,
+            line,
+            rounds: 3,
+            note: String::new(),
+        };
+        let exact = |build, ray| Some(TotalTime::exact(build, ray));
+        Advice {
+            scene: "a, b".into(),
+            triangles: 1000,
+            rays: 5e7,
+            origin: "made by hand".into(),
+            trees: vec![
+                known("lbvh", 4, exact(10.0, 200.0)),
+                known("phr-speed", 8, exact(50.0, 120.0)),
+                known("phr-best", 8, exact(200.0, 100.0)),
+                known("aac", 4, exact(300.0, 150.0)),
+                Known { note: "no time".into(), ..known("hunt-500", 8, None) },
+            ],
+        }
+    }
+
+    #[test]
+    fn winners_cross_where_totals_are_equal() {
+        let advice = advice();
+        let found: Vec<(String, f64)> =
+            advice.winners().iter().map(|(known, from)| (known.name(), *from)).collect();
+        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["lbvh", "phr-speed / 8", "phr-best / 8"]);
+        assert!((found[1].1 - 5e5).abs() < 1.0 && (found[2].1 - 7.5e6).abs() < 1.0, "{found:?}");
+        let (best, near) = advice.best_at(5e7).unwrap();
+        assert_eq!((best.name().as_str(), near.len()), ("phr-best / 8", 0));
+    }
+
+    #[test]
+    fn numbers_of_rays_are_short() {
+        let words = [1e5, 5e7, 1e9, 2.5e6, 999_999.0, 12.0].map(rays_in_words);
+        assert_eq!(words, ["100k", "50M", "1G", "2.5M", "1M", "12"]);
+    }
+}

@@ -1,0 +1,126 @@
+//! Advice as text: all trees by their total time, the best, and which tree is best from how many rays on.
+
+use super::{Advice, Known, rays_in_words};
+use crate::bench::quick::line::{Estimate, TotalTime};
+use crate::report::grid::{Grid, short};
+
+/// Trees named as not told apart from the best.
+const NEAR: usize = 4;
+
+/// The whole advice.
+pub fn page(advice: &Advice) -> String {
+    let Advice { scene, triangles, origin, .. } = advice;
+    let heading = format!("{scene}: {triangles} triangles; {origin}\n\n");
+    heading + &table(advice) + "\n" + &verdict(advice) + "\n" + &ranges(advice)
+}
+
+/// All trees, those of the least total time first, those without any last.
+fn table(advice: &Advice) -> String {
+    let rays = advice.rays;
+    let total = format!("{} rays, s", rays_in_words(rays));
+    let header =
+        ["tree", "build, ms", "95 %", "Mrays/s", "95 %", &total, "95 %", "to best", "rounds", "note"];
+    let mut grid = Grid::new(header);
+    let mut lines = advice.lines();
+    lines.sort_by(|(_, a), (_, b)| a.at(rays).total_cmp(&b.at(rays)));
+    let best = lines.first().map_or(f64::NAN, |(_, line)| line.at(rays));
+    for (known, line) in &lines {
+        let speed = |ns: f64| 1e3 / ns;
+        let ray = line.ns_per_ray;
+        let speeds = Estimate { value: speed(ray.value), low: speed(ray.high), high: speed(ray.low) };
+        let seconds = scaled(line.estimate_at(rays), 1e-3);
+        grid.push(vec![
+            known.name(),
+            short(line.build_ms.value),
+            interval(line.build_ms),
+            short(speeds.value),
+            interval(speeds),
+            short(seconds.value),
+            interval(seconds),
+            format!("{:.2}", line.at(rays) / best),
+            rounds(known),
+            known.note.clone(),
+        ]);
+    }
+    for known in advice.trees.iter().filter(|known| known.line.is_none()) {
+        let mut cells = vec![String::new(); header.len()];
+        cells[0] = known.name();
+        cells[header.len() - 1] = known.note.clone();
+        grid.push(cells);
+    }
+    grid.markdown()
+}
+
+fn rounds(known: &Known) -> String {
+    if known.rounds == 0 { String::new() } else { known.rounds.to_string() }
+}
+
+fn scaled(estimate: Estimate, by: f64) -> Estimate {
+    Estimate { value: estimate.value * by, low: estimate.low * by, high: estimate.high * by }
+}
+
+/// An interval; of one sample nothing is known.
+fn interval(estimate: Estimate) -> String {
+    if estimate.high.is_finite() && estimate.low > 0.0 {
+        format!("[{}, {}]", short(estimate.low), short(estimate.high))
+    } else {
+        "?".into()
+    }
+}
+
+/// The best tree for the rays asked for.
+fn verdict(advice: &Advice) -> String {
+    let rays = advice.rays;
+    let Some((best, near)) = advice.best_at(rays) else { return "no tree was measured\n".into() };
+    let seconds = best.line.map_or(f64::NAN, |line: TotalTime| 1e-3 * line.at(rays));
+    let mut text =
+        format!("For {} rays: {}, {} s in all.\n", rays_in_words(rays), best.name(), short(seconds));
+    if !near.is_empty() {
+        let more = near.len().saturating_sub(NEAR);
+        let names: Vec<String> = near.into_iter().take(NEAR).map(Known::name).collect();
+        let more = if more == 0 { String::new() } else { format!(" and {more} more") };
+        let how = if best.rounds == 0 {
+            "Within 5 % of it"
+        } else {
+            "Not told apart from it, as intervals overlap"
+        };
+        text += &format!("{how}: {}{more}.\n", names.join(", "));
+    }
+    text
+}
+
+/// Which tree is best from how many rays on.
+fn ranges(advice: &Advice) -> String {
+    let mut grid = Grid::new(["best", "from rays", "to"]);
+    let winners = advice.winners();
+    for (i, (known, from)) in winners.iter().enumerate() {
+        let to = winners.get(i + 1).map_or_else(|| "any number".to_owned(), |(_, to)| rays_in_words(*to));
+        grid.push(vec![known.name(), rays_in_words(*from), to]);
+    }
+    grid.markdown()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::advice::tests::advice;
+
+    #[test]
+    fn the_page_has_every_tree_the_best_and_the_crossings() {
+        let text = page(&advice());
+        for part in [
+            "a, b: 1000 triangles; made by hand",
+            "For 50M rays: phr-best / 8, 5.20 s in all.",
+            "| lbvh          |         0 |       500k |",
+            "|      7.5M | any number |",
+            "no time",
+        ] {
+            assert!(text.contains(part), "no {part:?} in\n{text}");
+        }
+        let order: Vec<usize> = ["phr-best / 8 ", "phr-speed / 8 ", "aac ", "lbvh ", "hunt-500 / 8 "]
+            .iter()
+            .filter_map(|name| text.find(name))
+            .collect();
+        assert!(order.len() == 5 && order.is_sorted(), "{order:?}\n{text}");
+    }
+}

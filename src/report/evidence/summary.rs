@@ -1,0 +1,73 @@
+//! The short table of the first page: a few trees relative to Embree SAH.
+
+use crate::bench::row::Row;
+use crate::report::figures::{BASELINE, Figure, Tree, Under, scenes, tree_name, trees};
+use crate::report::grid::Grid;
+use crate::report::means::Ratios;
+
+/// Geometric means of build time, trace time and SAH cost of the trees of `builders`, of every width that `rows` have or
+/// of the one named (`phr-speed/8`), and the scene whose trace time is worst. With rows of `withheld` scenes, their means
+/// and worst scenes stand beside these, where they have the tree.
+///
+/// # Errors
+/// One line, if a builder has no such figure in `rows`.
+pub fn summary(
+    rows: &[Row],
+    withheld: Option<&[Row]>,
+    builders: &[&str],
+    under: &Under,
+) -> Result<String, String> {
+    let mut header = vec!["tree"];
+    let runs: Vec<&[Row]> = [Some(rows), withheld].into_iter().flatten().collect();
+    for figure in ["build time", "trace time"] {
+        header.push(figure);
+        header.extend(withheld.map(|_| "withheld"));
+    }
+    header.extend(["worst trace", "in", "SAH cost"]);
+    let mut grid = Grid::new(header);
+    for builder in builders {
+        let is_named = |tree: &Tree<'_>| tree.0 == *builder || format!("{}/{}", tree.0, tree.1) == *builder;
+        let of_builder = trees(rows).into_iter().filter(is_named);
+        let lines: Option<Vec<Vec<String>>> = of_builder
+            .map(|tree| {
+                let ratios = |rows, figure| Ratios::of(rows, tree, figure, under);
+                // The baseline is 1 in every scene.
+                let is_base = tree == BASELINE;
+                let mean = |rows, figure| match is_base {
+                    true => Some("1.00".to_owned()),
+                    false => ratios(rows, figure).shown(),
+                };
+                let mut cells = vec![tree_name(tree)];
+                for figure in [Figure::Build, Figure::Trace] {
+                    cells.push(mean(rows, figure)?);
+                    cells.extend(withheld.map(|rows| mean(rows, figure).unwrap_or_else(|| "-".into())));
+                }
+                let traces = Ratios(runs.iter().flat_map(|rows| ratios(rows, Figure::Trace).0).collect());
+                let worst = traces.worst().filter(|_| !is_base);
+                cells.push(worst.map_or_else(String::new, |worst| format!("{:.2}", worst.value)));
+                cells.push(worst.map_or_else(String::new, |worst| worst.scene.clone()));
+                cells.push(mean(rows, Figure::Cost)?);
+                Some(cells)
+            })
+            .collect();
+        let missing =
+            || format!("the rows have no build, trace and cost of {builder} beside Embree SAH, 4-wide");
+        let lines = lines.filter(|lines| !lines.is_empty()).ok_or_else(missing)?;
+        lines.into_iter().for_each(|line| grid.push(line));
+    }
+    let threads = rows.first().map_or(0, |row| row.threads);
+    let withheld = withheld.map_or_else(String::new, |rows| {
+        let revision = rows.first().map_or("", |row| &row.git_rev);
+        let scenes = scenes(rows).len();
+        format!(
+            " (withheld: {scenes}, which nobody who tuned has seen, on another machine, revision {revision})"
+        )
+    });
+    Ok(format!(
+        "{}\nRelative to Embree SAH, 4-wide: geometric means over {} scenes{withheld}, {threads} threads; in brackets 95 % \
+         intervals over scenes and rounds. 4-wide trees, and 8-wide ones (/ 8). Traces: {}.\n",
+        grid.markdown(),
+        scenes(rows).len(),
+        under.about()
+    ))
+}

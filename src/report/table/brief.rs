@@ -1,0 +1,175 @@
+//! What matters of a run, for a terminal: build, cost and trace of every tree, each relative to Embree SAH with its
+//! interval. No line is longer than [`COLUMNS`].
+
+use super::details::{grouped, interval};
+use crate::bench::row::Row;
+use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, WIDTH, scenes, tree_name, trees};
+use crate::report::grid::{Grid, short};
+use crate::report::means::Ratios;
+use crate::report::verdict::field::Field;
+
+/// Columns of a terminal that every line fits.
+pub const COLUMNS: usize = 120;
+
+/// One scene's table, under a heading, traces compared under the fairest kernel of `rows`.
+pub fn scene(rows: &[Row], scene: &str) -> String {
+    let of_scene = SceneFigures::of(rows, scene);
+    let under = Under::best(rows);
+    let mut grid = Grid::new(
+        ["tree", "build ms", "/SAH", "SAH cost", "/SAH", "trace ms", "Mrays/s", "/SAH"]
+            .map(Into::<String>::into),
+    );
+    for tree in trees(of_scene.totals().iter().copied()) {
+        grid.push(line(&of_scene, tree, &under));
+    }
+    let triangles = grouped(of_scene.triangles());
+    format!("## {scene}: {triangles} triangles\n\n{}", grid.markdown())
+}
+
+fn line(of_scene: &SceneFigures<'_>, tree: Tree<'_>, under: &Under) -> Vec<String> {
+    let figure = |figure| of_scene.figure(tree, figure, under).cell(|value| short(value.median));
+    let ratio = |figure| match of_scene.ratio(tree, figure, under) {
+        Some(_) if tree == BASELINE => "1".into(),
+        Some(ratio) if figure == Figure::Cost => format!("{:.2}", ratio.value),
+        Some(ratio) => interval(ratio),
+        None => String::new(),
+    };
+    let speed = of_scene.trace(tree, under.kernel_of(tree.0)).and_then(|row| row.mrays_s);
+    vec![
+        tree_name(tree),
+        figure(Figure::Build),
+        ratio(Figure::Build),
+        figure(Figure::Cost),
+        ratio(Figure::Cost),
+        figure(Figure::Trace),
+        speed.cell(short),
+        ratio(Figure::Trace),
+    ]
+}
+
+/// The means over scenes; nothing for one scene, and nothing without Embree SAH.
+pub fn means(rows: &[Row]) -> String {
+    let under = Under::best(rows);
+    let Some(field) = Field::of(rows).filter(|field| field.scenes.len() > 1 && field.base == BASELINE) else {
+        return String::new();
+    };
+    let mut grid = Grid::new(["tree", "build", "SAH cost", "trace", "worst", "in"].map(Into::<String>::into));
+    let mut are_whole = true;
+    for &tree in &field.trees {
+        let of = |figure| field.ratios(tree, figure, &under);
+        let (build, traces) = (of(Figure::Build), of(Figure::Trace));
+        let shown = |ratios: &Ratios| match ratios.0.is_empty() {
+            true => String::new(),
+            false if tree == BASELINE => "1".into(),
+            false => ratios.shown().unwrap_or_default(),
+        };
+        let worst = traces.worst().filter(|_| tree != BASELINE);
+        let is_whole = build.0.len().max(traces.0.len()) == field.scenes.len();
+        are_whole &= is_whole;
+        grid.push(vec![
+            tree_name(tree) + if is_whole { "" } else { "*" },
+            shown(&build),
+            of(Figure::Cost).geometric().map_or_else(String::new, |cost| format!("{cost:.2}")),
+            shown(&traces),
+            worst.map_or_else(String::new, |worst| format!("{:.2}", worst.value)),
+            worst.map_or_else(String::new, |worst| cut(&worst.scene)),
+        ]);
+    }
+    let fewer = if are_whole { "" } else { "* mean over fewer scenes\n" };
+    let (count, base) = (field.scenes.len(), BASELINE.0);
+    format!("## Means over {count} scenes, relative to {base}\n\n{}{fewer}\n", grid.markdown())
+}
+
+/// The name of a scene, shortened where it would make a line too long.
+fn cut(scene: &str) -> String {
+    const MOST: usize = 14;
+    if scene.chars().count() <= MOST {
+        scene.into()
+    } else {
+        scene.chars().take(MOST - 1).chain(['…']).collect()
+    }
+}
+
+/// What the columns mean, in lines that fit.
+pub fn legend(rows: &[Row]) -> String {
+    let Some(row) = rows.first() else { return String::new() };
+    let rounds = super::rounds(rows.iter().filter(|row| row.error.is_empty()));
+    let means = if scenes(rows).len() > 1 {
+        "; [ ] around means is the 95 % interval over scenes and rounds"
+    } else {
+        ""
+    };
+    filled(&format!(
+        "Trees are {WIDTH}-wide, or 8-wide (/ 8). Medians of {rounds} rounds, {} threads on each side, builds on warm threads in new \
+         memory. /SAH: relative to {}, {WIDTH}-wide; ± half the 95 % interval over rounds{means}. Traces: all recorded rays of all \
+         views, {}. --all-columns shows first and repeated builds and every kernel.",
+        row.threads,
+        BASELINE.0,
+        Under::best(rows).about()
+    ))
+}
+
+/// A text in lines that fit a terminal.
+pub fn filled(text: &str) -> String {
+    textwrap::fill(text, COLUMNS) + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::figures::{NATIVE, PHR};
+
+    fn row(scene: &str, builder: &str, width: u32, kernel: &str, build: f64, trace: f64) -> Row {
+        Row {
+            scene: scene.into(),
+            triangles: 12_345_678,
+            sah: Some(1234.5),
+            rays: Some(1_000_000),
+            mrays_s: Some(1000.0 / trace),
+            ..Row::by_hand(builder, width, kernel, build, trace)
+        }
+    }
+
+    fn rows() -> Vec<Row> {
+        ["a", "a scene with a name that goes on and on and on"]
+            .into_iter()
+            .flat_map(|scene| {
+                [
+                    row(scene, "embree-sah", 4, NATIVE, 123_456.0, 98_765.0),
+                    row(scene, "embree-fast-spatial", 8, NATIVE, 1_234_567.0, 8765.0),
+                    row(scene, "phr-quality-no-auxiliary_leaf", 8, PHR, 61_728.0, 1_197_530.0),
+                ]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn no_line_is_too_long() {
+        let rows = rows();
+        let text = scene(&rows, "a") + &means(&rows) + &legend(&rows);
+        let longest = text.lines().map(|line| line.chars().count()).max().unwrap();
+        assert!((80..=COLUMNS).contains(&longest), "{longest} columns\n{text}");
+    }
+
+    #[test]
+    fn each_figure_is_relative_to_embree_sah() {
+        let text = scene(&rows(), "a");
+        let cells: Vec<&str> = text
+            .lines()
+            .find(|line| line.contains("phr-quality"))
+            .unwrap()
+            .split('|')
+            .map(str::trim)
+            .collect();
+        assert_eq!(cells[1..4], ["phr-quality-no-auxiliary_leaf / 8", "61728", "0.50 ±0.00"], "{text}");
+        assert_eq!(cells[4..9], ["1234", "1.00", "1197530", "0.001", "12.13 ±0.00"], "{text}");
+        assert!(means(&rows()).contains(" 0.50 [0.50, 0.50] |"), "{}", means(&rows()));
+    }
+
+    #[test]
+    fn without_embree_there_are_figures_but_no_means() {
+        let ours: Vec<Row> = rows().into_iter().filter(|row| row.builder.starts_with("phr")).collect();
+        assert!(scene(&ours, "a").contains("61728") && !scene(&ours, "a").contains('±'));
+        assert_eq!(means(&ours), "");
+    }
+}

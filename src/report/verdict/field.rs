@@ -1,0 +1,42 @@
+//! The trees of a run side by side: scenes, trees, and the tree that all are relative to.
+
+use crate::bench::row::Row;
+use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, trees};
+use crate::report::means::Ratios;
+
+/// A run's scenes and trees.
+pub struct Field<'a> {
+    /// The figures of every scene, in the order of the rows.
+    pub scenes: Vec<SceneFigures<'a>>,
+    /// The trees, in the table's order.
+    pub trees: Vec<Tree<'a>>,
+    /// What the others are relative to: Embree SAH at width 4, or the first tree where that is not among them.
+    pub base: Tree<'a>,
+}
+
+impl<'a> Field<'a> {
+    /// The field of `rows`; `None` where they are none.
+    pub fn of(rows: &'a [Row]) -> Option<Self> {
+        let trees = trees(rows);
+        let base = trees.iter().copied().find(|&tree| tree == BASELINE).or(trees.first().copied())?;
+        Some(Self { scenes: SceneFigures::all(rows), trees, base })
+    }
+
+    /// The ratios of a tree to the base.
+    pub fn ratios(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Ratios {
+        Ratios::among(&self.scenes, self.base, tree, figure, under)
+    }
+
+    /// The ratios of a tree that has them in as many scenes as the base: a mean over fewer is another mean.
+    pub fn whole_ratios(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Option<Ratios> {
+        let ratios = self.ratios(tree, figure, under);
+        let of_base = self.ratios(self.base, figure, under).0.len();
+        (ratios.0.len() == of_base && of_base > 0).then_some(ratios)
+    }
+
+    /// The tree of the least mean, with that.
+    pub fn least(&self, figure: Figure, under: &Under) -> Option<(Tree<'a>, f64)> {
+        let mean = |&tree: &Tree<'a>| Some((tree, self.whole_ratios(tree, figure, under)?.geometric()?));
+        self.trees.iter().filter_map(mean).min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}

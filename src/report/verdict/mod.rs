@@ -1,0 +1,234 @@
+//! The answer in three sentences: which tree traces fastest, which builds fastest, and which takes least time for how
+//! many rays.
+
+pub mod field;
+pub mod totals;
+
+use crate::report::figures::{Figure, Tree, Under, tree_name};
+use field::Field;
+use totals::{Stretch, stretches, totals};
+
+/// A part of a sentence.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The name of a tree.
+    Name(String),
+    /// The 95 % interval of the figure before it.
+    Interval(String),
+    /// Other words.
+    Words(String),
+}
+
+impl Part {
+    /// Its text.
+    pub fn text(&self) -> &str {
+        match self {
+            Self::Name(text) | Self::Interval(text) | Self::Words(text) => text,
+        }
+    }
+}
+
+/// A sentence.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sentence(pub Vec<Part>);
+
+impl Sentence {
+    fn name(mut self, tree: Tree<'_>) -> Self {
+        self.0.push(Part::Name(tree_name(tree)));
+        self
+    }
+
+    fn words(mut self, words: impl Into<String>) -> Self {
+        self.0.push(Part::Words(words.into()));
+        self
+    }
+
+    /// A mean with its interval, or a scene's ratio with that over rounds; the base's is 1.
+    fn ratio(mut self, field: &Field<'_>, tree: Tree<'_>, figure: Figure, under: &Under) -> Self {
+        let ratios = field.ratios(tree, figure, under);
+        let mean = ratios.geometric().map_or_else(|| "?".into(), |mean| format!("{mean:.2}"));
+        self.0.push(Part::Words(mean));
+        if let Some(interval) = ratios.interval(ratios.over()).filter(|_| tree != field.base) {
+            self.0.push(Part::Interval(format!(" {}", interval.shown(2))));
+        }
+        self
+    }
+
+    /// As plain text.
+    pub fn text(&self) -> String {
+        self.0.iter().map(Part::text).collect()
+    }
+}
+
+/// The three sentences, traces compared under `under`.
+pub fn verdict(field: &Field<'_>, under: &Under) -> [Sentence; 3] {
+    let Some((quickest, _)) = field.least(Figure::Build, under) else {
+        let none = Sentence::default();
+        return [
+            none.clone().words(format!("No build time of {} was measured.", based(field))),
+            none.clone().words("So nothing can be compared."),
+            none.words("The errors below say why."),
+        ];
+    };
+    match field.least(Figure::Trace, under) {
+        Some((best, _)) => [
+            fastest_trace(field, best, under),
+            fastest_build(field, quickest, under),
+            least_total(&stretches(&totals(field, Figure::Build, under))),
+        ],
+        None => [
+            opening(field)
+                .words(", ")
+                .name(quickest)
+                .words(" builds fastest: in ")
+                .ratio(field, quickest, Figure::Build, under)
+                .words(format!(" of the time of {}.", based(field))),
+            lowest_cost(field, under),
+            Sentence::default()
+                .words("No rays were traced: a run without --build-only tells which tree pays."),
+        ],
+    }
+}
+
+fn opening(field: &Field<'_>) -> Sentence {
+    let threads =
+        field.scenes.iter().flat_map(|scene| scene.totals()).map(|row| row.threads).max().unwrap_or(0);
+    let threads = if threads == 1 { "1 thread".into() } else { format!("{threads} threads") };
+    Sentence::default().words(match &field.scenes[..] {
+        [scene] => format!("In {} on {threads}", scene.scene()),
+        scenes => format!("Over {} scenes on {threads}", scenes.len()),
+    })
+}
+
+/// The base in words.
+fn based(field: &Field<'_>) -> String {
+    format!("{}, {}-wide", field.base.0, field.base.1)
+}
+
+fn fastest_trace(field: &Field<'_>, best: Tree<'_>, under: &Under) -> Sentence {
+    if best == field.base {
+        return opening(field).words(", no tree traces faster than ").name(best).words(".");
+    }
+    opening(field)
+        .words(", ")
+        .name(best)
+        .words(" traces fastest: in ")
+        .ratio(field, best, Figure::Trace, under)
+        .words(format!(" of the time of {}, after ", based(field)))
+        .ratio(field, best, Figure::Build, under)
+        .words(" of its build time.")
+}
+
+fn fastest_build(field: &Field<'_>, quickest: Tree<'_>, under: &Under) -> Sentence {
+    if quickest == field.base {
+        return Sentence::default().words("None builds faster than ").name(quickest).words(".");
+    }
+    Sentence::default()
+        .name(quickest)
+        .words(" builds fastest: in ")
+        .ratio(field, quickest, Figure::Build, under)
+        .words(" of its build time, and traces in ")
+        .ratio(field, quickest, Figure::Trace, under)
+        .words(" of its time.")
+}
+
+fn lowest_cost(field: &Field<'_>, under: &Under) -> Sentence {
+    let Some((tree, cost)) = field.least(Figure::Cost, under) else {
+        return Sentence::default().words("No SAH cost is known.");
+    };
+    Sentence::default().name(tree).words(format!(" has the lowest SAH cost, {cost:.2} of its."))
+}
+
+fn least_total(stretches: &[Stretch<'_>]) -> Sentence {
+    let opening = Sentence::default().words("Build and rays together, ");
+    let [first, rest @ ..] = stretches else {
+        return Sentence::default().words("No tree has both times, so no number of rays decides.");
+    };
+    let takes = opening.name(first.tree);
+    let [second, ..] = rest else { return takes.words(" takes least time at any number of rays.") };
+    let mut sentence = takes.words(format!(" takes least time up to {}", rays_in_words(second.from)));
+    for (index, stretch) in rest.iter().enumerate() {
+        sentence = match rest.get(index + 1) {
+            Some(next) => {
+                let until = format!(" up to {}", rays_in_words(next.from));
+                sentence.words(", ").name(stretch.tree).words(until)
+            }
+            None => sentence.words(" and ").name(stretch.tree).words(" beyond."),
+        };
+    }
+    sentence
+}
+
+/// Two digits and a word: `3.1 million rays`.
+pub fn rays_in_words(rays: f64) -> String {
+    let digits = 10f64.powf(rays.log10().floor() - 1.0);
+    let rays = (rays / digits).round() * digits;
+    let (unit, word) = match rays {
+        rays if rays >= 1e9 => (1e9, " billion"),
+        rays if rays >= 1e6 => (1e6, " million"),
+        rays if rays >= 1e3 => (1e3, " thousand"),
+        _ => (1.0, ""),
+    };
+    let value = rays / unit;
+    let decimals = usize::from(value < 10.0 && value.fract().abs() > 1e-9);
+    format!("{value:.decimals$}{word} rays")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::row::Row;
+
+    fn row(scene: &str, builder: &str, build: f64, trace: f64) -> Row {
+        Row { scene: scene.into(), rays: Some(1_000_000), ..Row::by_hand(builder, 4, "phr", build, trace) }
+    }
+
+    fn sentences(rows: &[Row]) -> Vec<String> {
+        let field = Field::of(rows).unwrap();
+        verdict(&field, &Under::One("phr".into())).iter().map(Sentence::text).collect()
+    }
+
+    #[test]
+    fn the_best_and_the_crossings_are_named() {
+        let rows: Vec<Row> = ["a", "b"]
+            .into_iter()
+            .flat_map(|scene| {
+                [
+                    row(scene, "embree-sah", 20.0, 2.0),
+                    row(scene, "lbvh", 5.0, 4.0),
+                    row(scene, "phr-hq", 40.0, 1.0),
+                ]
+            })
+            .collect();
+        let found = sentences(&rows);
+        assert!(
+            found[0].starts_with("Over 2 scenes on 2 threads, phr-hq traces fastest: in 0.50 ["),
+            "{found:?}"
+        );
+        assert!(found[0].contains("of the time of embree-sah, 4-wide, after 2.00 ["), "{found:?}");
+        assert!(found[1].starts_with("lbvh builds fastest: in 0.25 ["), "{found:?}");
+        // 5 + 4 n = 20 + 2 n at 7.5 million, 20 + 2 n = 40 + n at 20.
+        let until = "Build and rays together, lbvh takes least time up to 7.5 million rays, \
+                     embree-sah up to 20 million rays and phr-hq beyond.";
+        assert_eq!(found[2], until);
+    }
+
+    #[test]
+    fn builds_alone_and_nothing_at_all_are_told() {
+        let untraced = |builder, build| Row { trace_ms_median: None, ..row("a", builder, build, 1.0) };
+        let found = sentences(&[untraced("lbvh", 5.0), untraced("phr-hq", 10.0)]);
+        assert!(found[0].starts_with("In a on 2 threads, lbvh builds fastest: in 1.00 of"), "{found:?}");
+        assert!(found[2].contains("--build-only"), "{found:?}");
+        let failed = Row { build_ms_median: None, error: "out of memory".into(), ..untraced("lbvh", 5.0) };
+        assert_eq!(sentences(&[failed])[0], "No build time of lbvh, 4-wide was measured.");
+    }
+
+    #[test]
+    fn numbers_of_rays_have_two_digits() {
+        let words = [123.0, 5_040.0, 996_000.0, 31_400_000.0, 4e9].map(rays_in_words);
+        assert_eq!(
+            words,
+            ["120 rays", "5 thousand rays", "1 million rays", "31 million rays", "4 billion rays"]
+        );
+    }
+}

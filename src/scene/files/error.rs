@@ -1,0 +1,77 @@
+//! Errors of scene files.
+
+use crate::geometry::MeshError;
+use std::path::PathBuf;
+
+/// Why a scene could not be loaded: one line that names the file, the place in it and the remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The file is missing or cannot be opened.
+    #[error("{}: {source}; check the path and its permissions", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The system's message.
+        source: std::io::Error,
+    },
+    /// The path names a directory.
+    #[error("{}: a directory; name a scene file in it (.ply, .obj, .stl, .gltf or .glb)", .0.display())]
+    Directory(PathBuf),
+    /// A pipe, a device or a socket.
+    #[error("{}: not a regular file; copy what it gives to one and name that", .0.display())]
+    NotAFile(PathBuf),
+    /// No format by its name.
+    #[error(
+        "{}: not a scene file by its name; give a .ply, .obj, .stl, .gltf or .glb, plain or with .gz or .zst",
+        .0.display()
+    )]
+    UnknownFormat(PathBuf),
+    /// The content violates the format.
+    #[error("{}: {place}: {problem}; {remedy}", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// A line, or an element and its index from 0.
+        place: String,
+        /// The fault at that place.
+        problem: String,
+        /// The remedy.
+        remedy: &'static str,
+    },
+    /// The file could be read but holds no mesh that can be built.
+    #[error("{}: {source}", path.display())]
+    Unusable {
+        /// The file.
+        path: PathBuf,
+        /// The fault of the mesh.
+        source: MeshError,
+    },
+}
+
+/// A fault found by the reader of one format; the caller adds the file's name.
+#[derive(Debug)]
+pub(in crate::scene) struct Fault {
+    /// A line, or an element and its index from 0.
+    pub place: String,
+    /// The fault at that place.
+    pub problem: String,
+    /// The remedy.
+    pub remedy: &'static str,
+}
+
+impl Fault {
+    /// The remedy for missing or damaged bytes.
+    pub const DAMAGED: &'static str = "the file is truncated or damaged, fetch or export it again";
+
+    /// `problem` may quote the file: control characters are replaced and the length is limited.
+    pub fn new(place: impl Into<String>, problem: &str, remedy: &'static str) -> Self {
+        let problem = problem.chars().take(160).map(|c| if c.is_control() { '?' } else { c }).collect();
+        Self { place: place.into(), problem, remedy }
+    }
+
+    /// The same, with the file's name.
+    pub fn in_file(self, path: &std::path::Path) -> SceneError {
+        let Self { place, problem, remedy } = self;
+        SceneError::Malformed { path: path.to_owned(), place, problem, remedy }
+    }
+}

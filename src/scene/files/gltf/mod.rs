@@ -1,0 +1,64 @@
+//! glTF 2: `.gltf` with buffers in files or data URIs, and `.glb`. The crate `gltf` reads the JSON; bytes are taken from
+//! the buffers here, each access checked, because the crate's own readers trust counts and offsets.
+//!
+//! A file is read in this order: [`container`], what it requires ([`extensions`]), where its meshes stand ([`nodes`]),
+//! how much that is, the [`buffers`] in use, and the [`primitives`] through [`accessor`].
+
+mod accessor;
+mod buffers;
+mod container;
+mod extensions;
+mod nodes;
+mod primitives;
+
+use super::error::Fault;
+use super::guard::Guard;
+use super::raw_mesh::RawMesh;
+use container::Container;
+use gltf::json::Root;
+use std::io::BufRead;
+use std::path::Path;
+
+/// Reads a `.gltf` file; `path` is where its buffers are looked for.
+pub(super) fn read_json<'a>(
+    reader: &mut dyn BufRead,
+    path: &Path,
+    guard: &'a Guard,
+) -> Result<RawMesh<'a>, Fault> {
+    read(Container::of_json(reader, guard)?, path, guard)
+}
+
+/// Reads a `.glb` file.
+pub(super) fn read_binary<'a>(
+    reader: &mut dyn BufRead,
+    path: &Path,
+    guard: &'a Guard,
+) -> Result<RawMesh<'a>, Fault> {
+    read(Container::of_binary(reader, guard)?, path, guard)
+}
+
+fn read<'a>(container: Container, path: &Path, guard: &'a Guard) -> Result<RawMesh<'a>, Fault> {
+    const REMEDY: &str = "export it as glTF 2.0";
+    let Container { json, binary } = container;
+    let root: Root = gltf::json::deserialize::from_slice(&json).map_err(|error| {
+        let place = format!("JSON, line {} column {}", error.line(), error.column());
+        let problem = error.to_string();
+        Fault::new(place, problem.split(" at line ").next().unwrap_or_default(), REMEDY)
+    })?;
+    if !root.asset.version.starts_with("2.") {
+        return Err(Fault::new("asset", &format!("version {}", root.asset.version), REMEDY));
+    }
+    let mut raw = RawMesh::new(guard);
+    raw.up = Some(glam::Vec3::Y);
+    extensions::check(&root, &mut raw.contents)?;
+    drop(json);
+
+    let placed = nodes::placed_meshes(&root, &mut raw.contents)?;
+    let plan = primitives::plan(&root, &placed, &mut raw.contents)?;
+    raw.announce(plan.vertices, plan.triangles)?;
+    let buffers = buffers::Buffers::load(&root, &plan.accessors, binary, path, guard)?;
+    raw.held = buffers.bytes();
+    raw.announce(plan.vertices, plan.triangles)?;
+    primitives::append(&root, &placed, &buffers, &mut raw)?;
+    Ok(raw)
+}

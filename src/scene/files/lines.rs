@@ -1,0 +1,97 @@
+//! The lines of a text file, of which none takes more than a bounded amount of memory.
+
+use super::error::Fault;
+use std::io::{BufRead, Read};
+
+/// Bytes kept of a line: a face of a million vertices.
+pub(super) const LONGEST: usize = 1 << 24;
+
+/// Reads line by line and counts.
+pub(super) struct Lines<'a> {
+    inner: &'a mut dyn BufRead,
+    line: Vec<u8>,
+    /// From 1.
+    number: usize,
+    is_cut: bool,
+}
+
+impl<'a> Lines<'a> {
+    pub fn new(inner: &'a mut dyn BufRead) -> Self {
+        Self { inner, line: Vec::new(), number: 0, is_cut: false }
+    }
+
+    /// Reads a line, with its continuation lines (backslash at the end) if `joined`; false at the end of the file. What
+    /// is beyond [`LONGEST`] is passed over.
+    pub fn next(&mut self, joined: bool) -> Result<bool, Fault> {
+        self.line.clear();
+        self.is_cut = false;
+        loop {
+            if !self.append()? {
+                return Ok(!self.line.is_empty());
+            }
+            let end = self.line.trim_ascii_end().len();
+            if !joined || self.is_cut || end == 0 || self.line[end - 1] != b'\\' {
+                return Ok(true);
+            }
+            self.line.truncate(end - 1);
+            self.line.push(b' ');
+        }
+    }
+
+    /// Appends the next line to what is held; false if there is none.
+    fn append(&mut self) -> Result<bool, Fault> {
+        let room = (LONGEST + 1 - self.line.len().min(LONGEST)) as u64;
+        let read = (&mut *self.inner).take(room).read_until(b'\n', &mut self.line);
+        let read = read.map_err(|error| self.fault(&error.to_string()))?;
+        if read == 0 {
+            return Ok(false);
+        }
+        self.number += 1;
+        if self.line.len() > LONGEST && self.line.last() != Some(&b'\n') {
+            self.is_cut = true;
+            self.inner.skip_until(b'\n').map_err(|error| self.fault(&error.to_string()))?;
+        }
+        Ok(true)
+    }
+
+    /// The words of the line.
+    pub fn words(&self) -> impl Iterator<Item = &[u8]> {
+        self.line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+    }
+
+    /// Refuses a line of which the end was passed over.
+    pub fn check_whole(&self) -> Result<(), Fault> {
+        if self.is_cut { Err(self.fault("a line of more than 16 MiB")) } else { Ok(()) }
+    }
+
+    /// A fault at this line.
+    pub fn fault(&self, problem: &str) -> Fault {
+        Fault::new(format!("line {}", self.number), problem, Fault::DAMAGED)
+    }
+}
+
+/// A number of a text file.
+pub(super) fn number(word: &[u8]) -> Option<f32> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lines_are_passed_over_in_little_memory() {
+        let long = std::io::repeat(b'x').take(3 * LONGEST as u64);
+        let mut reader = std::io::BufReader::new((&b"one \\\ntwo\n# "[..]).chain(long).chain(&b"\nlast"[..]));
+        let mut lines = Lines::new(&mut reader);
+        let words = |lines: &Lines<'_>| lines.words().map(<[u8]>::len).collect::<Vec<_>>();
+        assert!(lines.next(true).unwrap());
+        assert_eq!(words(&lines), [3, 3]);
+        assert!(lines.next(true).unwrap());
+        assert!(lines.check_whole().unwrap_err().place == "line 3" && lines.line.capacity() < 3 * LONGEST);
+        assert!(lines.next(true).unwrap());
+        lines.check_whole().unwrap();
+        assert_eq!((words(&lines), lines.number), (vec![4], 4));
+        assert!(!lines.next(true).unwrap());
+    }
+}

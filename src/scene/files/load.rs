@@ -1,0 +1,118 @@
+//! Scenes from files: the format by the name, the mesh checked, cameras beside it.
+
+use super::error::{Fault, SceneError};
+use super::guard::{Guard, Limits};
+use super::source::{Compression, reader};
+use super::{gltf, obj, ply, stl};
+use crate::geometry::Mesh;
+use crate::scene::model::Scene;
+use crate::scene::views;
+use std::path::Path;
+
+#[derive(Clone, Copy)]
+enum Format {
+    Ply,
+    Obj,
+    Stl,
+    Gltf,
+    Glb,
+}
+
+const FORMATS: [(&str, Format); 5] = [
+    (".ply", Format::Ply),
+    (".obj", Format::Obj),
+    (".stl", Format::Stl),
+    (".gltf", Format::Gltf),
+    (".glb", Format::Glb),
+];
+
+/// Loads `path` with as much memory as the machine has to give: see [`load_within`].
+///
+/// # Errors
+/// [`SceneError`], one line each.
+pub fn load(path: &Path) -> Result<Scene, SceneError> {
+    load_within(path, &Limits::of_machine())
+}
+
+/// Loads `path`: PLY (binary or ASCII), OBJ, STL (binary or ASCII), glTF 2 or GLB, each with `.gz` or `.zst` after it.
+/// Polygons and strips become triangles, the instances of a glTF scene copies in the places of their nodes.
+/// Triangles that no builder accepts are dropped and counted in [`Scene::dropped`], what is no triangle in
+/// [`Scene::contents`]. Cameras come from `views.json` beside the file, or are placed around the geometry where it has
+/// none for this scene.
+///
+/// # Errors
+/// [`SceneError`], one line each. A file whose mesh would exceed `limits` is refused, before its memory is taken where
+/// the file declares its size.
+pub fn load_within(path: &Path, limits: &Limits) -> Result<Scene, SceneError> {
+    let guard = Guard::new(limits);
+    let is_folder = std::fs::metadata(path).is_ok_and(|metadata| metadata.is_dir());
+    let format = format_of(path).filter(|_| !is_folder);
+    let (name, format, compression) = match format {
+        Some(format) => format,
+        // A folder or a missing file is that first.
+        None => {
+            super::source::open(path)?;
+            return Err(SceneError::UnknownFormat(path.to_owned()));
+        }
+    };
+    let mut reader = reader(path, compression, &guard)?;
+    let raw = match format {
+        Format::Ply => ply::read(&mut *reader, &guard),
+        Format::Obj => obj::read(&mut *reader, &guard),
+        Format::Stl => stl::read(&mut *reader, &guard),
+        Format::Gltf => gltf::read_json(&mut *reader, path, &guard),
+        Format::Glb => gltf::read_binary(&mut *reader, path, &guard),
+    }
+    .map_err(|fault: Fault| guard.reason().unwrap_or(fault).in_file(path))?;
+    drop(reader);
+
+    let (mesh, mut dropped) = Mesh::new_non_empty(raw.vertices, raw.triangles)
+        .map_err(|source| SceneError::Unusable { path: path.to_owned(), source })?;
+    dropped.out_of_range += raw.out_of_range;
+    let mut cameras = views::beside(path, &name)?;
+    if cameras.is_empty() {
+        cameras = views::around(&mesh, raw.up);
+    }
+    let scene = Scene::new(name, mesh, dropped, cameras, format!("file {}", path.display()));
+    Ok(Scene { contents: raw.contents, ..scene })
+}
+
+/// Stem, format and compression by the file's name.
+fn format_of(path: &Path) -> Option<(String, Format, Compression)> {
+    let name = path.file_name()?.to_string_lossy();
+    let (name, compression) = if let Some(name) = without_suffix(&name, ".gz") {
+        (name, Compression::Gzip)
+    } else if let Some(name) = without_suffix(&name, ".zst") {
+        (name, Compression::Zstd)
+    } else {
+        (&*name, Compression::None)
+    };
+    let (stem, format) = FORMATS
+        .iter()
+        .find_map(|(suffix, format)| without_suffix(name, suffix).map(|stem| (stem, *format)))?;
+    Some((stem.to_owned(), format, compression))
+}
+
+/// `name` without `suffix` in any case of letters.
+fn without_suffix<'a>(name: &'a str, suffix: &str) -> Option<&'a str> {
+    let at = name.len().checked_sub(suffix.len())?;
+    (name.is_char_boundary(at) && at > 0 && name[at..].eq_ignore_ascii_case(suffix)).then(|| &name[..at])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_tell_the_format() {
+        let stem = |name: &str| format_of(Path::new(name)).map(|(stem, ..)| stem);
+        assert_eq!(stem("a/kitchen.ply.zst").as_deref(), Some("kitchen"));
+        assert_eq!(stem("San.Miguel.OBJ.GZ").as_deref(), Some("San.Miguel"));
+        assert_eq!(stem("x.ply").as_deref(), Some("x"));
+        assert_eq!(stem("x.Stl.gz").as_deref(), Some("x"));
+        assert_eq!(stem("x.GLB").as_deref(), Some("x"));
+        for bad in ["kitchen", "kitchen.fbx", "kitchen.zst", ".ply", "kitchen.ply.xz", "ä", ""] {
+            assert_eq!(stem(bad), None, "{bad}");
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! `phr advise` and `phr tune` as a user meets them: what they write and what they refuse.
+#![cfg(feature = "harness")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn phr(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_phr")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn told(folder: &Path, arguments: &[&str]) -> String {
+    let output = phr(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+/// The lines of the CSV by column.
+fn rows(folder: &Path) -> Vec<std::collections::HashMap<String, String>> {
+    let mut reader = csv::Reader::from_path(folder.join("advice.csv")).unwrap();
+    reader.deserialize().map(Result::unwrap).collect()
+}
+
+#[test]
+fn advice_by_measurement_has_every_tree_and_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments =
+        ["advise", "scalable-2k", "--rays", "2M", "--seconds", "2", "--threads", "2", "--out", "out"];
+    let builders = ["--builder", "lbvh", "--builder", "phr-speed", "--set", "phr-hq.delta=7", "--width", "4"];
+    let page = told(folder.path(), &[&arguments[..], &builders].concat());
+    let rows = rows(&folder.path().join("out"));
+    let names: Vec<&str> = rows.iter().map(|row| row["builder"].as_str()).collect();
+    assert_eq!(names.len(), 3, "{names:?}");
+    for row in &rows {
+        assert!(
+            ["lbvh", "phr-speed", "phr-hq[delta=7]"].contains(&row["builder"].as_str())
+                && row["width"] == "4"
+        );
+        let figure = |column: &str| row[column].parse::<f64>().unwrap();
+        let total = figure("build_ms") + 1e-6 * figure("ns_per_ray") * 2e6;
+        assert!((figure("total_ms") / total - 1.0).abs() < 1e-9, "{row:?}");
+        assert!(page.contains(&row["builder"]), "{page}");
+    }
+    assert!(page.contains("For 2M rays: "), "{page}");
+    assert!(rows.iter().any(|row| row["best_from_rays"] == "0.0"), "one is best without rays");
+    for file in ["advice.svg", "advice.png"] {
+        assert!(folder.path().join("out").join(file).metadata().unwrap().len() > 1000);
+    }
+}
+
+#[test]
+fn instant_advice_measures_nothing_and_repeats() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["advise", "scalable-2k", "--rays", "1G", "--instant", "--out", "out"];
+    let page = told(folder.path(), &arguments);
+    assert!(page.contains("not measured: a model of") && page.contains("For 1G rays: "), "{page}");
+    assert_eq!(page, told(folder.path(), &arguments));
+    assert!(rows(&folder.path().join("out")).iter().all(|row| row["rounds"] == "0"));
+}
+
+#[test]
+fn a_tuned_configuration_is_one_that_other_verbs_take() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = told(
+        folder.path(),
+        &[
+            "tune",
+            "scalable-2k",
+            "--rays",
+            "1M",
+            "--seconds",
+            "4",
+            "--threads",
+            "2",
+            "--width",
+            "8",
+            "-o",
+            "mine.json",
+        ],
+    );
+    for part in [
+        "best: phr-",
+        "phr-quality / 8, which all is relative to",
+        "front over all tried",
+        "mine.json: tuned-scalable-2k-1M",
+    ] {
+        assert!(page.contains(part), "no {part:?} in {page}");
+    }
+    let built = told(folder.path(), &["build", "scalable-2k", "--config", "mine.json"]);
+    assert!(built.contains("tuned-scalable-2k-1M, width 8"), "{built}");
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, reason) in [
+        (&["advise", "scalable-2k", "--seconds", "0"][..], "--instant"),
+        (&["advise", "scalable-2k", "--kernel", "embree"], "--kernel embree"),
+        (&["advise", "nowhere"], "nowhere"),
+        (&["advise", "--judge", "nowhere"], "nowhere"),
+        (&["tune", "scalable-2k", "--seconds", "0"], "--seconds 0"),
+        (&["tune", "scalable-2k", "--width", "6"], "--width 6"),
+        (&["tune", "scalable-2k", "--kernel", "embree-native"], "--kernel embree-native"),
+        (&["tune", "scalable-2k", "-o", "no/where.json"], "no such folder"),
+        (&["tune", "scalable-2k", "-o", "a.json", "--name", "phr-hq"], "name"),
+    ] {
+        let output = phr(folder.path(), arguments);
+        let told = text(&output.stderr);
+        assert_eq!((output.status.code(), told.lines().count()), (Some(2), 1), "{arguments:?}: {told}");
+        assert!(told.contains(reason), "{arguments:?}: {told}");
+    }
+    let output = phr(folder.path(), &["advise", "scalable-2k", "--rays", "many"]);
+    assert!(text(&output.stderr).contains("50M"), "{}", text(&output.stderr));
+}

@@ -1,0 +1,206 @@
+//! What may befall a run: kills at any moment, a full or read-only disk, files that were cut. No finished visit is lost,
+//! and no part of a file is taken for the whole. `make faults` kills fifty times, this three times.
+#![cfg(all(feature = "harness", unix))]
+
+use phr::bench::environment::{ENVIRONMENT, Environment};
+use phr::bench::files::{RecordsError, read_json};
+use phr::bench::rounds::ROUNDS;
+use phr::bench::row::{self, ROWS};
+use phr::bench::samples::{SAMPLES, Samples};
+use phr::random::SplitMix64;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+const SCENE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 2 3 4\n";
+
+/// A run into `folder`/out that takes no time for each of its rounds.
+fn arguments<'a>(out: &'a str, rounds: &'a str) -> Vec<&'a str> {
+    let fixed = [
+        "bench",
+        "x.obj",
+        "--builder",
+        "lbvh",
+        "--width",
+        "4",
+        "--size",
+        "8",
+        "--views",
+        "1",
+        "--threads",
+        "1",
+    ];
+    [&fixed[..], &["--out", out, "--rounds", rounds]].concat()
+}
+
+fn phr(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_phr")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+/// As the command refuses: one line and code 2.
+fn refused(output: &Output) -> String {
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!((output.status.code(), told.lines().count()), (Some(2), 1), "{told}");
+    told
+}
+
+fn workplace() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("x.obj"), SCENE).unwrap();
+    folder
+}
+
+/// The samples on disk, of which `before` must be the beginning; none as long as no visit is done.
+fn checked(out: &Path, before: &Samples) -> Samples {
+    if !out.join(SAMPLES).exists() {
+        assert!(before.scenes.is_empty(), "samples are lost");
+        return Samples::default();
+    }
+    let samples = Samples::read(out).unwrap();
+    for (old, new) in before.scenes.iter().zip(&samples.scenes) {
+        assert!(old.cells.len() <= new.cells.len());
+        for (old, new) in old.cells.iter().zip(&new.cells) {
+            assert!(new.visits.starts_with(&old.visits), "a finished visit is lost or changed");
+        }
+    }
+    assert!(before.scenes.len() <= samples.scenes.len());
+    read_json::<Environment>(&out.join(ENVIRONMENT)).unwrap();
+    if out.join(ROWS).exists() {
+        row::read(out).unwrap();
+    }
+    samples
+}
+
+#[test]
+fn kills_at_any_moment_lose_no_finished_visit() {
+    let kills: usize = std::env::var("PHR_KILLS").map_or(3, |kills| kills.parse().expect("a number"));
+    let folder = workplace();
+    let out = folder.path().join("out");
+    let mut random = SplitMix64::new(7);
+    let mut samples = Samples::default();
+    for _ in 0..kills {
+        let mut all = arguments("out", "60000");
+        if out.join(SAMPLES).exists() {
+            all.push("--resume");
+        }
+        let mut command = Command::new(env!("CARGO_BIN_EXE_phr"));
+        command.current_dir(folder.path()).args(&all).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut child = command.spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(random.next_u64() % 900));
+        child.kill().unwrap();
+        assert_eq!(child.wait().unwrap().code(), None, "killed, not ended");
+        samples = checked(&out, &samples);
+    }
+    let mut last = arguments("out", "1");
+    if out.join(SAMPLES).exists() {
+        last.push("--resume");
+    }
+    let output = phr(folder.path(), &last);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let visits: usize =
+        samples.scenes.iter().flat_map(|scene| &scene.cells).map(|cell| cell.visits.len()).sum();
+    eprintln!("{kills} kills, {visits} visits before the last");
+    samples = checked(&out, &samples);
+    assert!(!samples.scenes.is_empty());
+}
+
+/// Files may not be larger than a limit, as if the disk were full.
+#[test]
+fn a_full_disk_is_told_and_what_was_written_stays_whole() {
+    let folder = workplace();
+    let limited = |script: &str| {
+        let all = arguments("out", "60000").join(" ");
+        let script = script.replace("PHR", env!("CARGO_BIN_EXE_phr")).replace("ARGS", &all);
+        Command::new("sh").current_dir(folder.path()).args(["-c", &script]).output().unwrap()
+    };
+    // 64 KiB, in blocks of 512 bytes; the signal is ignored, so that writing fails.
+    let output = limited("trap '' XFSZ; ulimit -f 128; exec PHR ARGS");
+    let told = refused(&output);
+    assert!(told.contains("out/") && told.contains("--out"), "{told}");
+    let out = folder.path().join("out");
+    let samples = checked(&out, &Samples::default());
+    assert!(!samples.scenes.is_empty());
+    let left = std::fs::read_dir(&out).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
+    assert!(left.into_iter().all(|name| !name.ends_with(".part")), "no half file is left");
+    let mut more = arguments("out", "1");
+    more.push("--resume");
+    assert!(phr(folder.path(), &more).status.success());
+    checked(&out, &samples);
+}
+
+/// A small file system of its own, where this may mount one.
+struct Mounted(std::path::PathBuf);
+
+impl Mounted {
+    fn new(place: &Path) -> Option<Self> {
+        std::fs::create_dir(place).unwrap();
+        let mounted = mount(&["-t", "tmpfs", "-o", "size=96k", "none"], place);
+        mounted.then(|| Self(place.to_owned()))
+    }
+}
+
+fn mount(options: &[&str], place: &Path) -> bool {
+    let status = Command::new("mount").args(options).arg(place).stderr(Stdio::null()).status();
+    status.is_ok_and(|status| status.success())
+}
+
+impl Drop for Mounted {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg(&self.0).status();
+    }
+}
+
+#[test]
+fn a_full_and_a_read_only_file_system() {
+    let folder = workplace();
+    let Some(mounted) = Mounted::new(&folder.path().join("small")) else {
+        eprintln!("skipped: nothing can be mounted here");
+        return;
+    };
+    let output = phr(folder.path(), &arguments("small/out", "60000"));
+    assert!(refused(&output).contains("No space left"), "{}", String::from_utf8_lossy(&output.stderr));
+    let out = mounted.0.join("out");
+    let samples = checked(&out, &Samples::default());
+    assert!(!samples.scenes.is_empty());
+    assert!(mount(&["-o", "remount,ro"], &mounted.0));
+    let mut more = arguments("small/out", "1");
+    more.push("--resume");
+    assert!(refused(&phr(folder.path(), &more)).contains("Read-only"), "resumed on a read-only disk");
+    assert!(refused(&phr(folder.path(), &arguments("small/out", "1"))).contains("Read-only"));
+    assert_eq!(checked(&out, &samples), samples);
+}
+
+/// Every beginning of every file of a finished run is refused or is the whole.
+#[test]
+fn a_cut_file_is_refused() {
+    let folder = workplace();
+    let output = phr(folder.path(), &arguments("out", "2"));
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let out = folder.path().join("out");
+    let (rows, samples) = (row::read(&out).unwrap(), Samples::read(&out).unwrap());
+    let environment: Environment = read_json(&out.join(ENVIRONMENT)).unwrap();
+    for file in [ROWS, ROUNDS, SAMPLES, ENVIRONMENT] {
+        let whole = std::fs::read(out.join(file)).unwrap();
+        let is_read = || -> Result<bool, RecordsError> {
+            Ok(match file {
+                SAMPLES => Samples::read(&out)? == samples,
+                ENVIRONMENT => read_json::<Environment>(&out.join(file))? == environment,
+                _ => row::read(&out)? == rows,
+            })
+        };
+        let mut refusals = 0;
+        for end in 0..whole.len() {
+            std::fs::write(out.join(file), &whole[..end]).unwrap();
+            match is_read() {
+                Ok(is_whole) => assert!(is_whole, "{file}: {end} of {} bytes are taken for all", whole.len()),
+                Err(error) => {
+                    assert!(!error.to_string().contains('\n') && error.to_string().contains(file), "{error}");
+                    refusals += 1;
+                }
+            }
+        }
+        assert!(refusals + 1 >= whole.len(), "{file}: {refusals} of {} refused", whole.len());
+        std::fs::write(out.join(file), &whole).unwrap();
+        assert!(is_read().unwrap());
+    }
+}
