@@ -85,11 +85,11 @@
 //! 5. [`query`] is the same for an application;
 //! 6. `embree` does the same with the distribution's Embree (feature `embree`), `peers` builds with other crates (feature
 //!    `peers`);
-//! 7. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots and `cli` into
-//!    commands (feature `harness`).
+//! 7. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots; `experiments`
+//!    has the paper's other figures and its experiments, and `cli` turns all of it into commands (feature `harness`).
 //!
 //! Imports run down this list: `geometry`, `scene`, `bvh`, `simd`, `memory`, `parallel`, `builders`, `embree`, `peers`,
-//! `trace`, `query`, `bench`, `report`, `cli`.
+//! `trace`, `query`, `bench`, `report`, `experiments`, `cli`.
 
 #![deny(missing_docs)]
 
@@ -114,6 +114,8 @@ pub use query::{Bvh, BvhConfig};
 pub mod bench;
 #[cfg(feature = "harness")]
 pub mod cli;
+#[cfg(feature = "harness")]
+pub mod experiments;
 #[cfg(feature = "harness")]
 pub mod report;
 

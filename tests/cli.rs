@@ -3,6 +3,7 @@
 
 use phr::bench::environment::{ENVIRONMENT, Environment, State};
 use phr::bench::files::read_json;
+use phr::bench::phases::PHASES;
 use phr::bench::rounds::ROUNDS;
 use phr::bench::row::{self, ALL, FIRST, FRESH, REBUILD, ROWS, Row};
 use phr::bench::samples::{SAMPLES, Samples};
@@ -93,7 +94,17 @@ fn a_run_writes_verified_rows_and_its_table() {
     let drawn = ["figure6", "figure6-own", "figure6-paper", "figure6-scenes"];
     let figures: Vec<String> =
         drawn.iter().flat_map(|name| [format!("{name}.png"), format!("{name}.svg")]).collect();
-    let mut expected = vec![ENVIRONMENT, ROUNDS, ROWS, SAMPLES, "report.html", "table1.md"];
+    let mut expected = vec![
+        ENVIRONMENT,
+        ROUNDS,
+        ROWS,
+        SAMPLES,
+        PHASES,
+        "phases.png",
+        "phases.svg",
+        "report.html",
+        "table1.md",
+    ];
     if cfg!(feature = "embree") {
         expected.extend(figures.iter().map(String::as_str));
     }

@@ -53,8 +53,20 @@ fn the_examples_are_short() {
 
 #[test]
 fn plots_are_drawn_from_the_rows() {
-    for folder in ["results/reference", "results/reference/growth"] {
+    for folder in ["results/reference", "results/reference/growth", "results/reference/threads"] {
         phr(&["plot", folder, "--check"]);
+    }
+}
+
+#[test]
+fn figures_of_experiments_are_drawn_from_their_records() {
+    let folders =
+        std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("results/experiments")).unwrap();
+    let names: Vec<String> =
+        folders.map(|folder| folder.unwrap().file_name().into_string().unwrap()).collect();
+    assert!(!names.is_empty());
+    for name in names {
+        phr(&["experiment", &name, "--check"]);
     }
 }
 

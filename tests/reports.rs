@@ -179,8 +179,8 @@ fn kernels_are_never_mixed_silently() {
 fn the_plot_is_reproducible_and_names_every_method() {
     let rows = rows();
     let under = Under::best(&rows);
-    let drawings = plot::figures(&rows, &under);
-    assert_eq!(drawings, plot::figures(&rows, &under));
+    let drawings = plot::figures(&rows, &[], &under);
+    assert_eq!(drawings, plot::figures(&rows, &[], &under));
     assert_eq!(
         drawings.iter().map(|drawing| drawing.name).collect::<Vec<_>>(),
         ["figure6", "figure6-paper", "figure6-scenes"]

@@ -11,7 +11,7 @@
 //! * `registry`: builders by name, with some fields of their configuration changed or none.
 //!
 //! `builder` and `config_error` are what they share, `naive` is the oracle of the tests, `steps` has single steps for
-//! benchmarks.
+//! benchmarks and the splits of a build for pictures.
 
 mod binary;
 mod builder;
@@ -43,6 +43,6 @@ pub use optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
 pub use phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, Phr, PhrConfig};
 pub use prims::presplit::PresplitConfig;
 pub use registry::recipe::{Recipe, RecipeError, by_name};
-pub use registry::{ABLATION, NAMES, OVER, WITHOUT, on_request};
+pub use registry::{ABLATION, CutConfig, NAMES, OVER, WITHOUT, cuts_of, on_request};
 pub use wide::foreign::{ForeignTree, Opened, widened};
 pub use wide::optimal::CollapseCosts;

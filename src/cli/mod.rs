@@ -2,8 +2,10 @@
 //! failed checks in exit code 1, an undecided comparison in 3, Ctrl-C in 130.
 
 mod failure;
+mod measuring;
 mod options;
 mod output;
+mod paper;
 mod plan_outline;
 mod progress;
 mod run_summary;
@@ -12,6 +14,7 @@ mod verbs;
 use crate::bench::planned_scene::limit;
 use crate::scene::Limits;
 use clap::{Parser, Subcommand};
+use paper::{arguments, experiment, heatmap};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
@@ -35,6 +38,8 @@ enum Verb {
     Bench(bench::Arguments),
     Build(build::Arguments),
     Render(render::Arguments),
+    Heatmap(heatmap::Arguments),
+    Experiment(arguments::Arguments),
     Verify(verify::Arguments),
     Advise(advise::Arguments),
     Tune(tune::Arguments),
@@ -81,6 +86,8 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Bench(arguments) => bench::run(arguments),
         Verb::Build(arguments) => build::run(arguments),
         Verb::Render(arguments) => render::run(arguments),
+        Verb::Heatmap(arguments) => heatmap::run(arguments),
+        Verb::Experiment(arguments) => experiment::run(arguments),
         Verb::Verify(arguments) => verify::run(arguments),
         Verb::Advise(arguments) => advise::run(arguments),
         Verb::Tune(arguments) => tune::run(arguments),

@@ -5,6 +5,7 @@ use crate::bench::cell::Cell;
 use crate::bench::chosen::Chosen;
 use crate::bench::pools::Pools;
 use crate::bench::settings::MOST_THREADS;
+use crate::scene::Scene;
 use std::path::Path;
 
 /// Processors of this machine: the default of `--threads`.
@@ -110,6 +111,18 @@ pub fn size(text: &str) -> Result<u64, String> {
     let number = text[..text.len() - unit.len()].parse::<u64>().ok();
     let size = number.zip(factor).and_then(|(number, factor): (u64, u64)| number.checked_mul(factor));
     size.filter(|size| *size > 0).ok_or_else(|| "give a size, as 512M or 4G".into())
+}
+
+/// The index of the view that `--view` asks for.
+///
+/// # Errors
+/// The scene has none of that index.
+pub fn view(scene: &Scene, wanted: usize) -> Result<usize, Failure> {
+    let (name, views) = (&scene.name, scene.views.len());
+    if wanted < views {
+        return Ok(wanted);
+    }
+    Err(Failure::Bad(format!("--view {wanted}: {name} has {views} views; give 0 to {}", views - 1)))
 }
 
 /// Reads "5%" as 0.05.

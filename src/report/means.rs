@@ -64,6 +64,11 @@ impl Ratios {
         interval::of_mean(&self.0, over)
     }
 
+    /// The interval of the arithmetic mean over scenes and rounds; `None` where nothing is known.
+    pub fn arithmetic_interval(&self) -> Option<Interval> {
+        interval::of_arithmetic_mean(&self.0).filter(|interval| interval.high.is_finite())
+    }
+
     /// The geometric mean with its interval over scenes and rounds, as `0.87 [0.84, 0.90]`.
     pub fn shown(&self) -> Option<String> {
         let interval = self.interval(Over::ScenesAndRounds)?;

@@ -40,6 +40,7 @@ const ORDER: &[&str] = &[
     "query",
     "bench",
     "report",
+    "experiments",
     "cli",
 ];
 

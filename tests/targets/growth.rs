@@ -40,7 +40,7 @@ fn growth_is_per_triangle_and_relative_to_the_smallest() {
 
 #[test]
 fn growth_is_drawn_from_two_sizes_on() {
-    let draw = |rows: &[Row]| plot::figures(rows, &Under::best(rows));
+    let draw = |rows: &[Row]| plot::figures(rows, &[], &Under::best(rows));
     let drawings = draw(&growing());
     let drawing = drawings.iter().find(|drawing| drawing.name == "growth").unwrap();
     assert!(["phr-fast", "embree-sah"].iter().all(|name| drawing.svg.contains(&format!(">{name}<"))));

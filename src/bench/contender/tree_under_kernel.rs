@@ -100,6 +100,16 @@ impl<'a> TreeUnderKernel<'a> {
         }
     }
 
+    /// The node visits and block tests of each of `rays`, closest hits, on the current rayon pool, untimed; `None` under
+    /// Embree's kernels.
+    pub fn count_each(&self, rays: &[Ray]) -> Option<Vec<TraversalCounts>> {
+        match &self.traversal {
+            Ok(Traversal::Four(tracer)) => Some(count_each(tracer, rays)),
+            Ok(Traversal::Eight(tracer)) => Some(count_each(tracer, rays)),
+            _ => None,
+        }
+    }
+
     /// A tree that answers as `tracer` does.
     #[cfg(test)]
     pub fn of_tracer(tracer: &'a dyn Tracer) -> Self {
@@ -111,4 +121,8 @@ fn count<const N: usize>(tracer: &BvhTracer<'_, N>, kind: RayKind, rays: &[Ray])
     let count =
         |rays: &[Ray]| if kind.is_any_hit() { tracer.count_any(rays) } else { tracer.count_closest(rays) };
     rays.par_chunks(1 << 12).map(count).reduce(TraversalCounts::default, |a, b| a + b)
+}
+
+fn count_each<const N: usize>(tracer: &BvhTracer<'_, N>, rays: &[Ray]) -> Vec<TraversalCounts> {
+    rays.par_iter().map(|ray| tracer.count_closest(std::slice::from_ref(ray))).collect()
 }

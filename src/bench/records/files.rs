@@ -179,6 +179,17 @@ pub fn read_csv<T: for<'a> Deserialize<'a>>(
     }
 }
 
+/// As [`read_csv`], of a file whose rows tell no schema.
+///
+/// # Errors
+/// No such file, other columns, no rows.
+pub fn read_csv_file<T: for<'a> Deserialize<'a>>(
+    path: &Path,
+    remedy: &'static str,
+) -> Result<Vec<T>, RecordsError> {
+    read_csv(path, "", (|_: &T| 0, 0), remedy)
+}
+
 /// Writes a file beside `path` and renames it: at any time, also after a kill, `path` is the old file or the new
 /// one, whole.
 ///

@@ -3,8 +3,8 @@
 
 use super::environment::{ENVIRONMENT, Environment, Machine, State};
 use super::files::{RecordsError, write_json};
-use super::results_dir;
 use super::row::{self, Row};
+use super::{phases, results_dir};
 use std::path::{Path, PathBuf};
 
 /// The folder of shards in that of a run. Two levels above their rows, which no reader of subfolders takes for its own.
@@ -142,6 +142,12 @@ fn write(parts: &[&Part], scenes: &[String], folder: &Path) -> Result<PathBuf, R
         rows.cloned().collect::<Vec<_>>()
     };
     let rows: Vec<Row> = scenes.iter().flat_map(of_scene).collect();
+    let mut phases = Vec::new();
+    for part in parts {
+        phases.extend(phases::read(&part.folder)?);
+    }
+    // A stable sort: the phases of a scene keep their order.
+    phases.sort_by_key(|phase| scenes.iter().position(|scene| *scene == phase.scene));
     std::fs::create_dir_all(folder).map_err(|source| RecordsError::Io {
         path: folder.to_owned(),
         source,
@@ -159,6 +165,7 @@ fn write(parts: &[&Part], scenes: &[String], folder: &Path) -> Result<PathBuf, R
     environment.before = parts.iter().flat_map(|part| part.environment.before.clone()).collect();
     environment.after = parts.last().and_then(|part| part.environment.after.clone());
     environment.notes = parts.iter().flat_map(|part| part.environment.notes.clone()).collect();
+    phases::write(folder, &phases)?;
     environment.written = Some(row::write_all(folder, &rows)?);
     write_json(&folder.join(ENVIRONMENT), &environment)?;
     Ok(folder.to_owned())

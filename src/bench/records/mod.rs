@@ -1,11 +1,10 @@
 //! The records of a run: samples as taken, the rows made from them, the environment, and their files.
 
-pub mod build_rows;
 pub mod build_times;
 pub mod environment;
 pub mod files;
-pub mod kernel_rows;
 pub mod merge;
+pub mod phases;
 pub mod recorder;
 pub mod results_dir;
 pub mod rounds;

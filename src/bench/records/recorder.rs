@@ -3,6 +3,7 @@
 use super::environment::moment::Moment;
 use super::environment::{ENVIRONMENT, Environment, Machine, Program, State};
 use super::files::{RecordsError, Written, read_json, write_json};
+use super::phases::{self, PHASES};
 use super::rounds::ROUNDS;
 use super::row::{self, ROWS, Row, SCHEMA};
 use super::rows::{self, Header};
@@ -19,7 +20,7 @@ use crate::scene::Scene;
 use std::path::Path;
 
 /// Files that the command makes from the rows when a run ends.
-const MADE_OF_ROWS: [&str; 7] = [
+const MADE_OF_ROWS: [&str; 11] = [
     "table1.md",
     "figure6.svg",
     "figure6.png",
@@ -27,6 +28,10 @@ const MADE_OF_ROWS: [&str; 7] = [
     "figure6-scenes.png",
     "growth.svg",
     "growth.png",
+    "phases.svg",
+    "phases.png",
+    "threads.svg",
+    "threads.png",
 ];
 
 /// Where and how a run is recorded.
@@ -113,7 +118,7 @@ impl<'a> Recorder<'a> {
         recorder.write_environment()?;
         if !options.resume {
             // No file of an older run may be taken for part of this one.
-            for file in MADE_OF_ROWS.into_iter().chain([ROWS, ROUNDS, SAMPLES]) {
+            for file in MADE_OF_ROWS.into_iter().chain([ROWS, ROUNDS, PHASES, SAMPLES]) {
                 let path = folder.join(file);
                 if path.exists() {
                     let remedy = "give another folder with --out";
@@ -219,6 +224,7 @@ impl<'a> Recorder<'a> {
     /// Brings samples and rows on disk up to date.
     pub fn save(&self) -> Result<Written, RunError> {
         self.samples.write(self.folder)?;
+        phases::write(self.folder, &phases::of_samples(&self.samples))?;
         Ok(row::write_all(self.folder, &self.rows())?)
     }
 

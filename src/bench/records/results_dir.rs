@@ -3,6 +3,7 @@
 
 use super::environment::{ENVIRONMENT, Environment, State};
 use super::files::{RecordsError, read_json, write_json};
+use super::phases;
 use super::row::{self, ROWS, Row};
 use crate::bench::error::ReduceError;
 use std::collections::HashSet;
@@ -67,10 +68,11 @@ pub fn reduce(from: &Path, to: &Path) -> Result<Vec<PathBuf>, ReduceError> {
                 row.builder_config.clear();
             }
         }
-        reduced.push((part, rows));
+        let phases = phases::read(&part)?;
+        reduced.push((part, rows, phases));
     }
     let mut folders = Vec::new();
-    for (part, rows) in reduced {
+    for (part, rows, phases) in reduced {
         let below = if part == from { None } else { part.file_name() };
         let folder = below.map_or_else(|| to.to_owned(), |name| to.join(name));
         std::fs::create_dir_all(&folder).map_err(|source| RecordsError::Io {
@@ -82,6 +84,7 @@ pub fn reduce(from: &Path, to: &Path) -> Result<Vec<PathBuf>, ReduceError> {
         if let Some(environment) = environment(&part)? {
             write_json(&folder.join(ENVIRONMENT), &Environment { written, ..environment })?;
         }
+        phases::write(&folder, &phases)?;
         folders.push(folder);
     }
     Ok(folders)

@@ -7,7 +7,7 @@ use crate::builders::phr::policy::CutPolicy;
 use crate::geometry::Aabb;
 
 /// Cuts of this many nodes, as far as there are enough. There are no spatial splits: nothing is clipped.
-pub(super) struct ConstantLength(pub usize);
+pub(crate) struct ConstantLength(pub usize);
 
 impl CutPolicy for ConstantLength {
     const KEEPS_SINGLE_NODES: bool = false;

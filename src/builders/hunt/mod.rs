@@ -4,4 +4,5 @@
 mod constant_length;
 mod pipeline;
 
+pub(crate) use pipeline::begin;
 pub use pipeline::{Hunt, HuntConfig};

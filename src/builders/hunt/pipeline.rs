@@ -1,10 +1,12 @@
 //! The builders `hunt-*`.
 
 use super::constant_length::ConstantLength;
+use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::builder::{Build, Builder, Stopwatch};
 use crate::builders::config_error::{ConfigError, check};
+use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::phr::PhrConfig;
-use crate::builders::phr::cut::Cut;
+use crate::builders::phr::cut::{Cut, OwnedCut};
 use crate::builders::phr::initial_cut::initial_cut;
 use crate::builders::phr::memory::CutMemory;
 use crate::builders::phr::recursion::CutRecursion;
@@ -44,11 +46,7 @@ impl<const N: usize> Hunt<N> {
 
     /// A builder with the given instructions.
     pub(crate) fn with_isa(name: &'static str, config: HuntConfig, isa: Isa) -> Result<Self, ConfigError> {
-        let HuntConfig { cut_length, max_leaf } = config;
-        check("cut_length", cut_length, 2..=1 << 16)?;
-        check("max_leaf", max_leaf, BLOCK..=MAX_LEAF)?;
-        let cuts = PhrConfig { spatial_threshold: f32::INFINITY, max_leaf, ..PhrConfig::FAST };
-        Ok(Self { name, config, cuts, memory: CutMemory::default(), isa })
+        Ok(Self { name, config, cuts: config.cuts()?, memory: CutMemory::default(), isa })
     }
 }
 
@@ -65,12 +63,7 @@ impl<const N: usize> Builder<N> for Hunt<N> {
         let CutMemory { auxiliary, recursion: memory } = &mut self.memory;
         let mut phases = auxiliary.build(mesh, &self.cuts.extensions.auxiliary);
         let mut watch = Stopwatch::start();
-        let length = self.config.cut_length;
-        let cut = auxiliary.tree.root.map(|root| {
-            let nodes = initial_cut(&auxiliary.tree, root, 0.0, length);
-            (Cut::whole(nodes, 1.0, mesh.len()), Default::default())
-        });
-        let recursion = CutRecursion::new(auxiliary, mesh, &self.cuts, ConstantLength(length), self.isa);
+        let (recursion, cut) = begin(auxiliary, mesh, (&self.cuts, self.config.cut_length), self.isa);
         let tree = build::build(&recursion, cut, mesh, memory);
         watch.lap("cuts and nodes");
         phases.extend(watch.phases);
@@ -80,4 +73,31 @@ impl<const N: usize> Builder<N> for Hunt<N> {
     fn recycle(&mut self, tree: WideBvh<N>) {
         self.memory.recursion.recycle(tree);
     }
+}
+
+impl HuntConfig {
+    /// The parameters that the recursion shares with PHR.
+    ///
+    /// # Errors
+    /// A parameter out of range.
+    pub(crate) fn cuts(&self) -> Result<PhrConfig, ConfigError> {
+        let Self { cut_length, max_leaf } = *self;
+        check("cut_length", cut_length, 2..=1 << 16)?;
+        check("max_leaf", max_leaf, BLOCK..=MAX_LEAF)?;
+        Ok(PhrConfig { spatial_threshold: f32::INFINITY, max_leaf, ..PhrConfig::FAST })
+    }
+}
+
+/// The recursion over a scene by cuts of constant length, and the initial cut that it begins with.
+pub(crate) fn begin<'a>(
+    auxiliary: &'a Auxiliary,
+    mesh: &'a Mesh,
+    (cuts, length): (&'a PhrConfig, usize),
+    isa: Isa,
+) -> (CutRecursion<'a, ConstantLength>, Option<(OwnedCut, Subtrees)>) {
+    let cut = auxiliary.tree.root.map(|root| {
+        let nodes = initial_cut(&auxiliary.tree, root, 0.0, length);
+        (Cut::whole(nodes, 1.0, mesh.len()), Subtrees::default())
+    });
+    (CutRecursion::new(auxiliary, mesh, cuts, ConstantLength(length), isa), cut)
 }

@@ -36,6 +36,7 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
         ("presplit", auxiliary(presplit)),
         ("bucket sort", auxiliary(AuxiliaryConfig { bucket_sort: true, ..paper })),
         ("clipped triangles", fast(Extensions { clip_triangles: true, ..none })),
+        ("triangle counts", fast(Extensions { triangle_counts: true, ..none })),
         ("clusters", auxiliary(clusters)),
         ("subtree sweep", fast(Extensions { subtree_sweep: Some(256), ..none })),
         ("calibration", auxiliary(AuxiliaryConfig { calibration: Some(0.3), ..clusters })),

@@ -11,4 +11,4 @@ mod ploc;
 mod recursion;
 pub(crate) mod splits;
 mod subtree;
-mod wide;
+pub(crate) mod wide;

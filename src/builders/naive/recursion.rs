@@ -204,11 +204,19 @@ impl Naive<'_> {
         }
         let boxes: Vec<Aabb> = cut.members.iter().map(|member| member.bounds).collect();
         let weight = if cut.is_near_leaves { Weight::Blocks } else { Weight::Nodes };
-        let object = splits::object(&boxes, weight);
+        let counts: Vec<usize> = cut
+            .members
+            .iter()
+            .map(|member| match self.extensions().triangle_counts && !cut.is_near_leaves {
+                true => member.tree.count as usize,
+                false => 1,
+            })
+            .collect();
+        let object = splits::object(&boxes, &counts, weight);
         let area = cut.bounds().half_area();
         if area > self.spatial_above
-            && let Some((cost, plane)) = splits::spatial(&boxes, weight)
-            && cost < area * weight.of(boxes.len())
+            && let Some((cost, plane)) = splits::spatial(&boxes, &counts, weight)
+            && cost < area * weight.of(counts.iter().sum())
         {
             let object_cost = object.as_ref().map_or(f32::INFINITY, |object| object.cost);
             let counted = |member: &Member| {

@@ -9,10 +9,12 @@ pub struct Object {
     pub is_left: Vec<bool>,
 }
 
-/// Sweeps along all three axes over the members sorted by centroid. `None` if nothing is gained.
-pub fn object(boxes: &[Aabb], weight: Weight) -> Option<Object> {
+/// Sweeps along all three axes over the members sorted by centroid, each of which counts as many as `counts` says. `None`
+/// if nothing is gained.
+pub fn object(boxes: &[Aabb], counts: &[usize], weight: Weight) -> Option<Object> {
     let n = boxes.len();
-    let mut least = weight.limit(union(boxes).half_area(), n);
+    let all: usize = counts.iter().sum();
+    let mut least = weight.limit(union(boxes).half_area(), all);
     let mut best = None;
     for axis in 0..3 {
         let center = |i: usize| boxes[i].min[axis] + boxes[i].max[axis];
@@ -22,7 +24,9 @@ pub fn object(boxes: &[Aabb], weight: Weight) -> Option<Object> {
         let left = unions(sorted.iter());
         let right = unions(sorted.iter().rev());
         for i in 1..n {
-            let cost = left[i].half_area() * weight.of(i) + right[n - i].half_area() * weight.of(n - i);
+            let on_left = order[..i].iter().map(|&member| counts[member]).sum::<usize>();
+            let cost = left[i].half_area() * weight.of(on_left)
+                + right[n - i].half_area() * weight.of(all - on_left);
             if cost < least {
                 least = cost;
                 let mut is_left = vec![false; n];
@@ -67,7 +71,7 @@ impl Plane {
 
 /// The spatial split of least cost (paper 4.4, equation 3): at every boundary of every box, all boxes are cut and
 /// the parts on each side merged. `None` if there is no plane.
-pub fn spatial(boxes: &[Aabb], weight: Weight) -> Option<(f32, Plane)> {
+pub fn spatial(boxes: &[Aabb], counts: &[usize], weight: Weight) -> Option<(f32, Plane)> {
     let bounds = union(boxes);
     let mut best: Option<(f32, Plane)> = None;
     for axis in 0..3 {
@@ -77,7 +81,7 @@ pub fn spatial(boxes: &[Aabb], weight: Weight) -> Option<(f32, Plane)> {
         planes.dedup();
         for at in planes {
             let plane = Plane { axis, at };
-            let cost = plane.cost(boxes, weight);
+            let cost = plane.cost(boxes, counts, weight);
             if best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, plane));
             }
@@ -87,19 +91,19 @@ pub fn spatial(boxes: &[Aabb], weight: Weight) -> Option<(f32, Plane)> {
 }
 
 impl Plane {
-    fn cost(&self, boxes: &[Aabb], weight: Weight) -> f32 {
+    fn cost(&self, boxes: &[Aabb], counts: &[usize], weight: Weight) -> f32 {
         let mut sides = [Aabb::EMPTY; 2];
-        let mut counts = [0; 2];
-        for bounds in boxes {
+        let mut counted = [0; 2];
+        for (bounds, count) in boxes.iter().zip(counts) {
             for (side, part) in self.cut(*bounds).into_iter().enumerate() {
                 if let Some(part) = part {
                     sides[side] = sides[side].union(part);
-                    counts[side] += 1;
+                    counted[side] += count;
                 }
             }
         }
         // A plane inside the union has something on both sides.
-        assert!(counts[0] > 0 && counts[1] > 0);
-        sides[0].half_area() * weight.of(counts[0]) + sides[1].half_area() * weight.of(counts[1])
+        assert!(counted[0] > 0 && counted[1] > 0);
+        sides[0].half_area() * weight.of(counted[0]) + sides[1].half_area() * weight.of(counted[1])
     }
 }

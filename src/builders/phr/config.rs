@@ -17,7 +17,8 @@ pub struct PhrConfig {
     /// Most nodes of the initial cut (paper 4.1: "e.g. 2048").
     pub max_cut: usize,
     /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3");
-    /// with [`AuxiliaryConfig::calibration`] relative to that scale.
+    /// with [`AuxiliaryConfig::calibration`] relative to that scale. Infinite, `null` in JSON: there are no spatial splits.
+    #[serde(deserialize_with = "or_infinite")]
     pub spatial_threshold: f32,
     /// Most triangles of a leaf, 4 to 28. Up to four always are a leaf; more are one where the cost model has a leaf of
     /// several blocks cheaper than a node (the paper leaves leaves open).
@@ -27,6 +28,12 @@ pub struct PhrConfig {
     /// What goes beyond the paper; none in [`PhrConfig::FAST`] and [`PhrConfig::HQ`].
     #[serde(flatten)]
     pub extensions: Extensions,
+}
+
+/// Reads a number that may be infinite, of which JSON makes `null`.
+fn or_infinite<'de, D: serde::Deserializer<'de>>(json: D) -> Result<f32, D::Error> {
+    let number: Option<f32> = serde::Deserialize::deserialize(json)?;
+    Ok(number.unwrap_or(f32::INFINITY))
 }
 
 /// What goes beyond the paper. Each changes the tree.
@@ -49,6 +56,9 @@ pub struct Extensions {
     pub spatial_bias: Option<f32>,
     /// Where a spatial split cuts a node of a single triangle, the triangle is clipped and not only its box.
     pub clip_triangles: bool,
+    /// Sides of splits are weighed by the triangles below their nodes in place of the nodes, the alternative that the paper
+    /// names in 4.2. For an experiment: splits are found in plain code.
+    pub triangle_counts: bool,
     /// Cuts of at most this many references, whose boxes are too small for spatial splits, are split down to leaves
     /// in one go by sweeps over all of them.
     pub subtree_sweep: Option<u32>,
@@ -76,6 +86,7 @@ impl Extensions {
         local_threshold: None,
         spatial_bias: None,
         clip_triangles: false,
+        triangle_counts: false,
         subtree_sweep: None,
         collapse: None,
     };

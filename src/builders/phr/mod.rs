@@ -11,7 +11,7 @@
 //! | 4.7 auxiliary BVH | [`crate::builders::lbvh`] |
 //!
 //! [`pipeline`] has the steps in order; [`exact`] holds shortcuts that give the same tree, [`extensions`] what changes it.
-//! [`cut`] and [`policy`] are shared with Hunt's method.
+//! [`cut`] and [`policy`] are shared with Hunt's method; [`watched`] shows the splits of a build.
 
 pub(crate) mod clip;
 pub(crate) mod config;
@@ -26,6 +26,7 @@ pub(crate) mod recursion;
 pub(crate) mod refine;
 mod split;
 mod swept;
+pub(crate) mod watched;
 
 pub use config::{Extensions, LocalThreshold, PhrConfig};
 pub use extensions::auxiliary_tree::AuxiliaryTree;

@@ -4,12 +4,13 @@
 use super::clip::open;
 use super::cut::{Cut, CutBuilder, CutLevel, Side};
 use super::memory::CutScratch;
-use super::policy::CutPolicy;
+use super::policy::{CutPolicy, SeenSplit};
 use super::recursion::CutRecursion;
 use crate::builders::binary::kind::{Kind, leaf_is_cheaper};
 use crate::builders::binary::node::Node;
+use crate::builders::split::by_triangles;
 use crate::builders::split::cost::Weight;
-use crate::builders::split::object::PlaneHint;
+use crate::builders::split::object::ObjectSweep;
 use crate::builders::split::object::split::ObjectSplit;
 use crate::builders::split::spatial::SpatialSweep;
 use crate::builders::split::spatial::split::SpatialSplit;
@@ -33,12 +34,10 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
         let nodes = &arena[cut.range()];
 
         // Find: the cheapest object split, and a spatial one where it is cheaper still.
-        let weight = if cut.level == CutLevel::References { Weight::Blocks } else { Weight::Nodes };
         let (object, spatial) = if cut.depth >= CUT_DEPTH {
             (ObjectSplit::NONE, None)
         } else {
-            let (object, hint) = object_sweep.find(self.isa, nodes, cut.bounds, weight);
-            (object, self.find_spatial(&cut, nodes, &object, weight, hint, spatial_sweep))
+            self.find(&cut, nodes, object_sweep, spatial_sweep)
         };
 
         // Partition: the nodes to the left and to the right, clipped by the plane of a spatial split.
@@ -67,9 +66,25 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
             return [Some(Cut { kind: Kind::SoftLeaf, ..cut }), None];
         }
 
-        // Refine.
+        // Refine, which may change the sides: what is to be seen of them is copied.
         let references = sides[0].count + sides[1].count;
-        [0, 1].map(|i| self.refine(&cut, clips[i], references, &mut sides[i], arena))
+        let seen =
+            if P::SEES { sides.each_ref().map(|side| side.nodes.clone()) } else { [const { Vec::new() }; 2] };
+        let refined = [0, 1].map(|i| self.refine(&cut, clips[i], references, &mut sides[i], arena));
+        if P::SEES {
+            self.policy.see(&SeenSplit {
+                depth: cut.depth,
+                axis: spatial.map_or(object.axis, |split| split.axis),
+                plane: spatial.map(|split| split.plane),
+                cut: &arena[cut.range()],
+                sides: seen.each_ref().map(|nodes| &nodes[..]),
+                clips,
+                refined: refined
+                    .each_ref()
+                    .map(|cut| cut.as_ref().map_or(&[][..], |cut| &arena[cut.range()])),
+            });
+        }
+        refined
     }
 
     /// Opens what must be opened before a cut can be split: a lone node, whatever the threshold; all nodes, near the
@@ -101,22 +116,44 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
         cut
     }
 
-    /// A spatial split, if the thresholds allow one and it is preferred to `object`.
+    /// The object split of least cost, and a spatial one that is preferred to it.
+    #[inline]
+    fn find(
+        &self,
+        cut: &Cut,
+        nodes: &[Node],
+        object_sweep: &mut ObjectSweep,
+        spatial_sweep: &mut SpatialSweep,
+    ) -> (ObjectSplit, Option<SpatialSplit>) {
+        let weight = if cut.level == CutLevel::References { Weight::Blocks } else { Weight::Nodes };
+        if self.config.extensions.triangle_counts && weight == Weight::Nodes {
+            let object = by_triangles::object(nodes, cut.area);
+            let whole = by_triangles::whole(cut.area, nodes);
+            let find = |limit| by_triangles::spatial(nodes, cut.bounds, limit);
+            return (object, self.find_spatial(cut, nodes, &object, whole, find));
+        }
+        let (object, hint) = object_sweep.find(self.isa, nodes, cut.bounds, weight);
+        let whole = cut.area * weight.of(nodes.len());
+        let find = |limit| spatial_sweep.find(self.isa, limit, (nodes, cut.bounds), weight, hint);
+        (object, self.find_spatial(cut, nodes, &object, whole, find))
+    }
+
+    /// A spatial split, if the thresholds allow one and it is preferred to `object`; `find` finds the one of least cost
+    /// below a limit, and without a split the cut costs `whole`.
+    #[inline]
     fn find_spatial(
         &self,
         cut: &Cut,
         nodes: &[Node],
         object: &ObjectSplit,
-        weight: Weight,
-        hint: PlaneHint<'_>,
-        sweep: &mut SpatialSweep,
+        whole: f32,
+        find: impl FnOnce(f32) -> SpatialSplit,
     ) -> Option<SpatialSplit> {
         if !self.splits_in_space(cut) {
             return None;
         }
         let bias = self.config.extensions.spatial_bias.unwrap_or(1.0);
-        let limit = (object.cost * bias).min(cut.area * weight.of(nodes.len()));
-        let split = sweep.find(self.isa, limit, (nodes, cut.bounds), weight, hint);
+        let split = find((object.cost * bias).min(whole));
         if split == SpatialSplit::NONE {
             return None;
         }

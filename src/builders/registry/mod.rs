@@ -234,6 +234,25 @@ pub(crate) fn config(name: &str) -> Option<(&'static str, Config)> {
         .or_else(|| over_tree(name))
 }
 
+/// The configuration of a builder over cuts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CutConfig {
+    /// Of PHR.
+    Phr(PhrConfig),
+    /// Of Hunt's method.
+    Hunt(HuntConfig),
+}
+
+/// The cuts of the builder called `name`, before its tree is optimised where it is; `None` of builders without cuts.
+pub fn cuts_of(name: &str) -> Option<CutConfig> {
+    match config(name)?.1 {
+        Config::Phr(config) => Some(CutConfig::Phr(config)),
+        Config::OptimisedPhr(config) => Some(CutConfig::Phr(config.phr)),
+        Config::Hunt(config) => Some(CutConfig::Hunt(config)),
+        Config::Lbvh | Config::Aac(_) | Config::Ploc(_) => None,
+    }
+}
+
 /// The builder of a configuration.
 ///
 /// # Errors

@@ -17,7 +17,7 @@ pub(crate) enum Weight {
 
 /// A split must cost less than this part of no split (`S n`) to count as a gain: among boxes all alike every
 /// split costs `S n` but for rounding, and the first of them would peel off one node at a time.
-const GAIN: f32 = 1.0 - 1.0 / (1 << 20) as f32;
+pub(super) const GAIN: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 
 impl Weight {
     /// The weight of `n` nodes.

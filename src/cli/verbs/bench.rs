@@ -7,14 +7,14 @@ use crate::bench::contender::saved::{check, offer};
 use crate::bench::files::write_whole;
 use crate::bench::merge::SHARDS;
 use crate::bench::moment::Moment;
+use crate::bench::phases;
 use crate::bench::plan::{Plan, Request, Set};
 use crate::bench::planned_scene::plain_name;
 use crate::bench::recorder::RecordOptions;
-use crate::bench::row::Row;
-use crate::bench::run::Run;
 use crate::bench::settings::Settings;
 use crate::bench::shard::Shard;
 use crate::cli::failure::Failure;
+use crate::cli::measuring::{make, verdict};
 use crate::cli::options::{all_threads, command_line, percent};
 use crate::cli::output::say;
 use crate::cli::plan_outline::outline;
@@ -26,8 +26,6 @@ use crate::report::plot;
 use crate::report::table::{self, brief};
 use regex::Regex;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Build and trace scenes with every builder, in interleaved rounds, and write rows, table, plots and page to
 /// results/NAME/
@@ -257,32 +255,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let remedy = "wait for a quiet hour or run without --when-quiet";
         return Err(Failure::Inconclusive(format!("{reason}; {remedy}")));
     }
-    let stop = Arc::new(AtomicBool::new(false));
-    let heard = Arc::clone(&stop);
-    ctrlc::set_handler(move || {
-        // A second Ctrl-C ends at once: the files on disk are whole at any time.
-        if heard.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    })?;
     let program = std::env::current_exe().ok();
-    let run = Run {
-        plan: &plan,
-        program: program.as_deref(),
-        records: RecordOptions {
-            folder: &folder,
-            resume: arguments.resume,
-            host: &arguments.host,
-            arguments: command_line(),
-        },
-        stop: &stop,
+    let records = RecordOptions {
+        folder: &folder,
+        resume: arguments.resume,
+        host: &arguments.host,
+        arguments: command_line(),
     };
-    let mut bar = Bar::new(arguments.all_columns);
-    let outcome = run.make(&mut bar)?;
-    bar.finish();
-    if outcome.rows.is_empty() {
-        return Err(Failure::Interrupted("stopped before the first visit was done; no rows".into()));
-    }
+    let outcome = make(&plan, records, program.as_deref(), Bar::new(arguments.all_columns))?;
     let document = table::document(&outcome.rows, outcome.complete);
     write_whole(&folder.join(TABLE), document.as_bytes())?;
     say(&if arguments.all_columns {
@@ -290,29 +270,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     } else {
         brief::means(&outcome.rows) + &brief::legend(&outcome.rows)
     })?;
-    let plots = draw(&plot::figures(&outcome.rows, &Under::best(&outcome.rows)), &folder)?;
+    let plots =
+        draw(&plot::figures(&outcome.rows, &phases::read(&folder)?, &Under::best(&outcome.rows)), &folder)?;
     write_page(&folder, &folder.join(PAGE))?;
     say(&run_summary(&outcome.rows, &folder, &plots))?;
     verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)
-}
-
-/// The exit code's reason.
-fn verdict(rows: &[Row], failures: usize, complete: bool, folder: &Path) -> Result<(), Failure> {
-    if failures > 0 {
-        let first = rows
-            .iter()
-            .find(|row| row.verified == Some(false))
-            .or_else(|| rows.iter().find(|row| !row.error.is_empty()));
-        let first = first.map_or_else(String::new, |row| {
-            format!("first {} {}/{}: {}", row.scene, row.builder, row.width, row.error)
-        });
-        return Err(Failure::Wrong(format!("{failures} builders failed or have wrong hits; {first}")));
-    }
-    if !complete {
-        let folder = folder.display();
-        return Err(Failure::Interrupted(format!(
-            "{folder}: stopped; finished visits are kept, continue with --resume"
-        )));
-    }
-    Ok(())
 }

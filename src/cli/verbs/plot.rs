@@ -2,7 +2,7 @@
 
 use super::pages::table::under;
 use crate::bench::files::write_whole;
-use crate::bench::row;
+use crate::bench::{phases, row};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use crate::report::plot::{self, Drawing, raster};
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 const SCALE: f32 = 2.0;
 
 /// Draw the figures of a results folder as SVG and PNG: Figure 6, build time against trace time, averaged and by
-/// scene; growth, where it has scalable scenes
+/// scene; growth, where it has scalable scenes; phases of builds, where it knows them
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Results folder, or a rows.csv
@@ -33,7 +33,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let rows = row::read(&arguments.results)?;
     let under = under(arguments.kernel.as_deref(), &rows)?;
-    let drawings = plot::figures(&rows, &under);
+    let drawings = plot::figures(&rows, &phases::read(&arguments.results)?, &under);
     if drawings.is_empty() {
         let results = arguments.results.display();
         return Err(Failure::Bad(format!(
@@ -71,12 +71,17 @@ pub fn draw(drawings: &[Drawing], folder: &Path) -> Result<Vec<PathBuf>, Failure
 }
 
 /// Fails at the first SVG in `folder` that differs from its drawing.
-fn check(drawings: &[Drawing], folder: &Path) -> Result<(), Failure> {
+///
+/// # Errors
+/// That file.
+pub fn check(drawings: &[Drawing], folder: &Path) -> Result<(), Failure> {
     for drawing in drawings {
         let svg = folder.join(drawing.name).with_extension("svg");
         if std::fs::read_to_string(&svg).unwrap_or_default() != drawing.svg {
             let svg = svg.display();
-            return Err(Failure::Wrong(format!("{svg}: not the figure of these rows; run `phr plot`")));
+            return Err(Failure::Wrong(format!(
+                "{svg}: not the figure of these rows; draw it again with `phr plot` or --redraw"
+            )));
         }
     }
     Ok(())

@@ -5,7 +5,7 @@ use crate::bench::chosen::Chosen;
 use crate::bench::contender::{BuildRequest, Contender, TreeUnderKernel};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, check_place, pools};
+use crate::cli::options::{self, all_threads, check_place, pools};
 use crate::cli::output::say;
 use crate::trace::{self, Image, PathSettings};
 use std::path::{Path, PathBuf};
@@ -56,14 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for remark in scene.remarks() {
         eprintln!("phr: {remark}");
     }
-    let Some(view) = scene.views.get(arguments.view) else {
-        let (name, views) = (&scene.name, scene.views.len());
-        let wanted = arguments.view;
-        return Err(Failure::Bad(format!(
-            "--view {wanted}: {name} has {views} views; give 0 to {}",
-            views - 1
-        )));
-    };
+    let view = &scene.views[options::view(&scene, arguments.view)?];
     let request = BuildRequest {
         mesh: &scene.mesh,
         pools: &pools,

@@ -3,6 +3,7 @@
 
 pub mod interval;
 mod place;
+mod scenes;
 mod under;
 
 use crate::bench::cell::place;
@@ -11,6 +12,7 @@ use crate::bench::row::{ALL, NO_KERNEL, REBUILD, Row};
 use crate::bench::statistics::{Ratio, Summary};
 use interval::{Noise, SceneRatio};
 pub use place::Place;
+pub use scenes::{scenes, scenes_of};
 use std::collections::HashMap;
 pub use under::{GRAFTED, NATIVE, OWN, PHR, Under, kernels};
 
@@ -21,17 +23,6 @@ pub type Tree<'a> = (&'a str, u32);
 pub const BASELINE: Tree<'static> = ("embree-sah", 4);
 /// The width of the paper's trees.
 pub const WIDTH: u32 = 4;
-
-/// The scenes of `rows`, in their order.
-pub fn scenes(rows: &[Row]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for row in rows {
-        if !names.contains(&row.scene) {
-            names.push(row.scene.clone());
-        }
-    }
-    names
-}
 
 /// A copy of the rows that `keep` accepts.
 pub fn only(rows: &[Row], keep: impl Fn(&Row) -> bool) -> Vec<Row> {

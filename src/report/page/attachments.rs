@@ -1,6 +1,9 @@
 //! Pictures and tables that lie in a results folder beside the rows: heat maps, experiments and other figures.
 
 use crate::bench::files::RecordsError;
+use crate::bench::phases::PHASES;
+use crate::bench::rounds::ROUNDS;
+use crate::bench::row::ROWS;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde::Serialize;
@@ -11,11 +14,15 @@ const LINES: usize = 200;
 /// Subfolders of heat maps and of experiments.
 const HEAT_MAPS: [&str; 2] = ["heatmaps", "heatmap"];
 const EXPERIMENTS: &str = "experiments";
+/// Records of a run below an experiment: its figures and findings say what is in them.
+const RECORDS: [&str; 3] = [ROWS, ROUNDS, PHASES];
+/// The steps of every pixel of a heat map, which is no picture.
+const COUNTS: &str = ".counts.png";
 
-/// A picture or a table.
-#[derive(Debug, Serialize)]
+/// A picture, a table or a text.
+#[derive(Debug, Default, Serialize)]
 pub struct Attachment {
-    /// Name of the file without its ending, as words.
+    /// Name of the file without its ending, as words, after that of the experiment.
     pub title: String,
     /// The file, relative to the folder.
     pub file: String,
@@ -25,6 +32,8 @@ pub struct Attachment {
     table: Option<Vec<Vec<String>>>,
     /// Lines of the table that are not shown.
     more: usize,
+    /// The text of findings.
+    text: Option<String>,
 }
 
 /// What lies in a folder.
@@ -32,7 +41,7 @@ pub struct Attachment {
 pub struct Attachments {
     /// PNG files whose name begins with `heat`, or in a folder `heatmaps`.
     pub heat_maps: Vec<Attachment>,
-    /// SVG and CSV files in the folder `experiments`.
+    /// SVG and CSV files in the folder `experiments`, and in folders in it, one for an experiment, with its findings.
     pub experiments: Vec<Attachment>,
     /// Other SVG files, but for Figure 6, which the page draws itself.
     pub figures: Vec<Attachment>,
@@ -47,18 +56,20 @@ impl Attachments {
         let is_heat = |file: &PathBuf| name(file).starts_with("heat");
         let heat_maps = files(folder, "png").into_iter().filter(is_heat);
         let below = HEAT_MAPS.iter().flat_map(|below| files(&folder.join(below), "png"));
+        let all_maps = heat_maps.chain(below).filter(|file| !name(file).ends_with(COUNTS));
         let experiments = folder.join(EXPERIMENTS);
-        let mut of_experiments = files(&experiments, "svg");
-        of_experiments.extend(files(&experiments, "csv"));
-        // A picture stands before its figures.
-        of_experiments
-            .sort_by(|a, b| a.file_stem().cmp(&b.file_stem()).then(b.extension().cmp(&a.extension())));
+        let mut of_experiments = in_order(&experiments, &["svg", "csv"]);
+        for folder in folders(&experiments) {
+            let mut found = in_order(&folder, &["md", "svg", "csv"]);
+            found.retain(|file| !RECORDS.contains(&name(file).as_str()));
+            of_experiments.extend(found);
+        }
         let figures = files(folder, "svg").into_iter().filter(|file| !name(file).starts_with("figure6"));
         let read = |files: Vec<PathBuf>| -> Result<Vec<Attachment>, RecordsError> {
             files.iter().map(|file| Attachment::of(folder, file)).collect()
         };
         Ok(Self {
-            heat_maps: read(heat_maps.chain(below).collect::<Vec<_>>())?,
+            heat_maps: read(all_maps.collect())?,
             experiments: read(of_experiments)?,
             figures: read(figures.collect())?,
         })
@@ -68,9 +79,13 @@ impl Attachments {
 impl Attachment {
     fn of(folder: &Path, file: &Path) -> Result<Self, RecordsError> {
         let malformed = |source| RecordsError::Malformed { path: file.to_owned(), source };
-        let stem = file.file_stem().unwrap_or_default().to_string_lossy().replace(['-', '_'], " ");
+        let unreadable = |source| RecordsError::Io {
+            path: file.to_owned(),
+            source,
+            remedy: "make it readable or remove it",
+        };
         let shown = file.strip_prefix(folder).unwrap_or(file).display().to_string();
-        let mut attachment = Self { title: stem, file: shown, image: None, table: None, more: 0 };
+        let mut attachment = Self { title: title(folder, file), file: shown, ..Self::default() };
         let kind = match file.extension().and_then(|ending| ending.to_str()) {
             Some("csv") => {
                 let mut reader = csv::ReaderBuilder::new()
@@ -86,14 +101,14 @@ impl Attachment {
                 attachment.table = Some(lines);
                 return Ok(attachment);
             }
+            Some("md") => {
+                attachment.text = Some(std::fs::read_to_string(file).map_err(unreadable)?);
+                return Ok(attachment);
+            }
             Some("svg") => "svg+xml",
             _ => "png",
         };
-        let bytes = std::fs::read(file).map_err(|source| RecordsError::Io {
-            path: file.to_owned(),
-            source,
-            remedy: "make it readable or remove it",
-        })?;
+        let bytes = std::fs::read(file).map_err(unreadable)?;
         attachment.image = Some(format!("data:image/{kind};base64,{}", BASE64_STANDARD.encode(bytes)));
         Ok(attachment)
     }
@@ -101,6 +116,35 @@ impl Attachment {
 
 fn name(file: &Path) -> String {
     file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// What a file of a results folder is called: `grid: effects` of `experiments/grid/effects.svg`.
+fn title(folder: &Path, file: &Path) -> String {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let below = file.strip_prefix(folder.join(EXPERIMENTS)).ok().and_then(Path::parent);
+    let experiment =
+        below.map(|below| below.to_string_lossy()).filter(|name| !name.is_empty() && *name != stem);
+    let title = experiment.map_or_else(|| stem.to_string(), |name| format!("{name}: {stem}"));
+    title.replace(['-', '_'], " ")
+}
+
+/// The files of a folder with these endings: texts first, then by name, a picture before its figures.
+fn in_order(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
+    let mut found: Vec<PathBuf> = endings.iter().flat_map(|ending| files(folder, ending)).collect();
+    let is_text = |file: &PathBuf| file.extension().is_some_and(|ending| ending == "md");
+    found.sort_by(|a, b| {
+        let by_name = || a.file_stem().cmp(&b.file_stem()).then(b.extension().cmp(&a.extension()));
+        is_text(b).cmp(&is_text(a)).then_with(by_name)
+    });
+    found
+}
+
+/// The folders in a folder, by name; none where there is no such folder.
+fn folders(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
+    let mut found: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
+    found.sort();
+    found
 }
 
 /// The files of a folder with an ending, by name; none where there is no such folder.

@@ -83,7 +83,11 @@ fn the_verdict_and_what_lies_beside_the_rows_are_on_it() {
     let lines: String = (0..300).map(|line| format!("{line},{}\n", 2 * line)).collect();
     write("experiments/cut-sizes.csv", &format!("depth,size\n{lines}"));
     write("experiments/cut-sizes.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"/>");
+    write("experiments/grid/fronts-scenes.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"/>");
+    write("experiments/grid/findings.md", "# grid\n\nThe front is < 1.");
+    write("experiments/grid/rows.csv", "scene,builder\n");
     write("heatmaps/rooms.png", "pixels");
+    write("heatmaps/rooms.counts.png", "counts");
     write("growth.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"/>");
     write("figure6.svg", "drawn by the page");
     let mut rows = rows();
@@ -105,9 +109,12 @@ fn the_verdict_and_what_lies_beside_the_rows_are_on_it() {
         "<td>199</td><td>398</td>",
         "100 more lines in the file.",
         "alt=\"growth\"",
+        "alt=\"grid: fronts scenes\"",
+        "<pre># grid\n\nThe front is &lt; 1.</pre>",
     ] {
         assert!(page.contains(part), "no {part} in {}", page.split("<script").next().unwrap());
     }
+    assert!(!page.contains("rows.csv</small>") && !page.contains("rooms.counts"));
     assert!(!page.contains("<td>200</td><td>400</td>") && !page.contains("alt=\"figure6\""));
     assert!(matches!(super::page(&[], None, folder.path()), Err(PageError::Empty)));
 }

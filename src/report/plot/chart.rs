@@ -1,9 +1,11 @@
-//! A panel of a figure: points over two logarithmic axes, a line through some of them, labels beside them.
-//! Ratios belong on logarithmic axes: half and twice are equally far from 1.
+//! A panel of a figure: points over two axes, a line through some of them, labels beside them.
+//! Ratios belong on logarithmic axes: half and twice are equally far from 1. Only levels of a tree are counted on a linear
+//! one.
 
 use super::labels::{self, Label, Rect};
 use super::raster::text_width;
 use super::svg::{Anchor, Shape, Svg};
+use super::ticks::{linear_ticks, ticks};
 
 /// Ink of texts.
 pub const INK: &str = "#1a1a1a";
@@ -53,6 +55,8 @@ pub struct Point {
     pub is_hollow: bool,
     /// The text beside it, if any.
     pub label: Option<String>,
+    /// The ends of its intervals across and up, in the units of the axes.
+    pub interval: Option<[(f64, f64); 2]>,
 }
 
 /// A line through points of a panel.
@@ -93,9 +97,10 @@ impl Range {
     /// The range of `first` and some points, with a margin.
     pub fn from<'a>((x, y): (f64, f64), points: impl IntoIterator<Item = &'a Point>) -> Self {
         let mut range = Self { x: (x, x), y: (y, y) };
-        for Point { at: (x, y), .. } in points {
-            range.x = (range.x.0.min(*x), range.x.1.max(*x));
-            range.y = (range.y.0.min(*y), range.y.1.max(*y));
+        for Point { at: (x, y), interval, .. } in points {
+            let [across, up] = interval.unwrap_or([(*x, *x), (*y, *y)]);
+            range.x = (range.x.0.min(across.0), range.x.1.max(across.1));
+            range.y = (range.y.0.min(up.0), range.y.1.max(up.1));
         }
         let wider = |(least, most): (f64, f64), least_margin: f64| {
             let margin = (most / least).powf(0.09).max(least_margin);
@@ -103,6 +108,16 @@ impl Range {
         };
         Self { x: wider(range.x, 1.05), y: wider(range.y, 1.02) }
     }
+}
+
+/// How the axis across is divided; the one upwards is logarithmic.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Across {
+    /// By ratios.
+    #[default]
+    Logarithmic,
+    /// Evenly, in whole numbers.
+    Linear,
 }
 
 /// One panel of a figure.
@@ -114,6 +129,8 @@ pub struct Panel {
     pub axes: (String, String),
     /// Their ends.
     pub range: Range,
+    /// How the first is divided.
+    pub across: Across,
     /// The lines, drawn first.
     pub fronts: Vec<Front>,
     /// The points, the last above the others.
@@ -126,7 +143,13 @@ impl Panel {
     /// Draws the panel's inside over `area`; axes and title stand around it.
     pub fn draw(&self, svg: &mut Svg, area: Rect) {
         let scale = |value: f64, (least, most): (f64, f64)| (value / least).ln() / (most / least).ln();
-        let x = |value: f64| area.x + area.width * scale(value, self.range.x);
+        let x = |value: f64| match self.across {
+            Across::Logarithmic => area.x + area.width * scale(value, self.range.x),
+            Across::Linear => {
+                let (least, most) = self.range.x;
+                area.x + area.width * (value - least) / (most - least)
+            }
+        };
         let y = |value: f64| area.y + area.height * (1.0 - scale(value, self.range.y));
         let place = |(a, b): (f64, f64)| (x(a), y(b));
         self.draw_axes(svg, area, &x, &y);
@@ -137,6 +160,13 @@ impl Panel {
             segments.extend(corners.windows(2).map(|pair| (pair[0], pair[1])));
             let Line { colour, width, more } = front.line;
             svg.line(&corners, colour, width, more);
+        }
+
+        for Point { at, interval, colour, .. } in &self.points {
+            let Some([across, up]) = *interval else { continue };
+            let pale = " stroke-opacity=\"0.4\"";
+            svg.line(&[place((across.0, at.1)), place((across.1, at.1))], colour, 1.2, pale);
+            svg.line(&[place((at.0, up.0)), place((at.0, up.1))], colour, 1.2, pale);
         }
 
         let radius = 0.36 * self.font;
@@ -177,8 +207,12 @@ impl Panel {
     fn draw_axes(&self, svg: &mut Svg, area: Rect, x: &dyn Fn(f64) -> f64, y: &dyn Fn(f64) -> f64) {
         let (right, bottom) = (area.x + area.width, area.y + area.height);
         let room = |length: f64| (length / (4.0 * self.font)).max(3.0) as usize;
-        for (tick, text) in ticks(self.range.x, room(area.width)) {
-            let strong = tick == 1.0;
+        let ticks_across = match self.across {
+            Across::Logarithmic => ticks(self.range.x, room(area.width)),
+            Across::Linear => linear_ticks(self.range.x, room(area.width)),
+        };
+        for (tick, text) in ticks_across {
+            let strong = tick == 1.0 && self.across == Across::Logarithmic;
             svg.line(&[(x(tick), area.y), (x(tick), bottom)], if strong { FRAME } else { GRID }, 1.0, "");
             svg.text((x(tick), bottom + 1.4 * self.font), Anchor::Middle, self.font, INK, &text, "");
         }
@@ -211,57 +245,20 @@ impl Panel {
     }
 }
 
-/// Round values within `range`, at most `room` of them: of the finest series that is not too fine.
-fn ticks((least, most): (f64, f64), room: usize) -> Vec<(f64, String)> {
-    let decades = |steps: &[f64]| -> Vec<f64> {
-        (-6..7).flat_map(|power| steps.iter().map(move |step| step * 10f64.powi(power))).collect()
-    };
-    let even = |step: f64| -> Vec<f64> { (1..400).map(|i| step * f64::from(i)).collect() };
-    let series = [
-        even(0.02),
-        even(0.05),
-        even(0.1),
-        even(0.2),
-        decades(&[1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0]),
-        decades(&[1.0, 1.5, 2.0, 3.0, 5.0, 7.0]),
-        decades(&[1.0, 2.0, 5.0]),
-        decades(&[1.0]),
-    ];
-    let within = |values: &[f64]| -> Vec<f64> {
-        values.iter().copied().filter(|&v| v >= least * 0.999 && v <= most * 1.001).collect()
-    };
-    let fitting = series.iter().map(|values| within(values)).find(|ticks| {
-        // Even steps crowd at the upper end of a logarithmic axis.
-        let closest = ticks.windows(2).map(|pair| (pair[1] / pair[0]).ln()).fold(f64::INFINITY, f64::min);
-        ticks.len() >= 2 && ticks.len() <= room && closest * room as f64 >= 0.8 * (most / least).ln()
-    });
-    let ticks = fitting.unwrap_or_else(|| within(&[least, most]));
-    ticks
-        .into_iter()
-        .map(|tick| {
-            let text = format!("{tick:.3}");
-            let text = text.trim_end_matches('0').trim_end_matches('.').to_owned();
-            (text.parse().unwrap_or(tick), text)
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn ticks_are_round_and_few() {
-        let texts = |range, room| ticks(range, room).into_iter().map(|tick| tick.1).collect::<Vec<_>>();
-        assert_eq!(texts((0.45, 4.0), 10), ["0.5", "0.6", "0.8", "1", "1.2", "1.5", "2", "2.5", "3", "4"]);
-        assert_eq!(texts((0.9, 1.45), 7), ["0.9", "1", "1.1", "1.2", "1.3", "1.4"]);
-        assert_eq!(texts((0.02, 300.0), 5), ["0.1", "1", "10", "100"]);
-    }
-
-    #[test]
     fn ranges_hold_their_points_and_one() {
-        let point =
-            Point { at: (3.0, 0.8), shape: Shape::Circle, colour: INK, is_hollow: false, label: None };
+        let point = Point {
+            at: (3.0, 0.8),
+            shape: Shape::Circle,
+            colour: INK,
+            is_hollow: false,
+            label: None,
+            interval: None,
+        };
         let range = Range::of([&point]);
         assert!(range.x.0 < 1.0 && range.x.1 > 3.0 && range.y.0 < 0.8 && range.y.1 > 1.0);
     }

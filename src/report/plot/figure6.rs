@@ -2,7 +2,7 @@
 //! [`averaged`] shows the trees of both widths, [`beside_paper`] the 4-wide ones beside the paper's points, and
 //! [`by_scene`] every scene by itself.
 
-use super::chart::{Front, Panel, Point, Range, SMALL, sheet, style};
+use super::chart::{Across, Front, Panel, Point, Range, SMALL, sheet, style};
 use super::key::{Entry, key};
 use super::labels::Rect;
 use super::pareto::front;
@@ -80,7 +80,7 @@ pub fn by_scene(rows: &[Row], under: &Under) -> Option<String> {
         fronts.insert(0, front_through(&papers, Entry::Paper));
         let points = papers.into_iter().map(|paper| paper.point).chain(ours).collect();
         let title = format!("{name}, {thousands} k triangles{beside}");
-        let panel = Panel { title, axes, range, fronts, points, font: 11.0 };
+        let panel = Panel { title, axes, range, across: Across::Logarithmic, fronts, points, font: 11.0 };
         let (x, y) = (left + column as f64 * pitch.0, top + line as f64 * pitch.1);
         panel.draw(&mut svg, Rect { x, y, width: inside.0, height: inside.1 });
     }
@@ -98,7 +98,8 @@ impl<'a> TreePoint<'a> {
     /// Filled at width 4, hollow at width 8.
     fn new(tree: Tree<'a>, at: (f64, f64), label: String) -> Self {
         let (shape, colour) = style(tree.0);
-        Self { tree, point: Point { at, shape, colour, is_hollow: tree.1 != WIDTH, label: Some(label) } }
+        let is_hollow = tree.1 != WIDTH;
+        Self { tree, point: Point { at, shape, colour, is_hollow, label: Some(label), interval: None } }
     }
 }
 
@@ -112,7 +113,13 @@ fn mean_points<'a>(rows: &'a [Row], under: &Under, keep: impl Fn(Tree<'_>) -> bo
         // A mean over fewer scenes is another mean.
         let traced = trace.0.len().min(build.0.len());
         let of = if traced < count { format!(" ({traced} of {count})") } else { String::new() };
-        Some(TreePoint::new(tree, at, tree_name(tree) + &of))
+        let mut point = TreePoint::new(tree, at, tree_name(tree) + &of);
+        let ends =
+            |ratios: &Ratios| ratios.arithmetic_interval().map(|interval| (interval.low, interval.high));
+        if tree != BASELINE {
+            point.point.interval = ends(&build).zip(ends(&trace)).map(|(across, up)| [across, up]);
+        }
+        Some(point)
     };
     trees(rows).into_iter().filter(|&tree| keep(tree)).filter_map(point).collect()
 }
@@ -199,11 +206,24 @@ fn one_panel(
     }
     let points: Vec<Point> = points.into_iter().map(|point| point.point).collect();
     let range = Range::of(&points);
-    let panel = Panel { title: String::new(), axes: axes(), range, fronts, points, font: 13.0 };
+    let panel = Panel {
+        title: String::new(),
+        axes: axes(),
+        range,
+        across: Across::Logarithmic,
+        fronts,
+        points,
+        font: 13.0,
+    };
     let count = scenes(rows).len();
     let noun = if count == 1 { "scene" } else { "scenes" };
-    let mut svg =
-        with_key((820.0, 700.0), rows, under, &format!("arithmetic means of {count} {noun}"), entries);
+    let mut svg = with_key(
+        (820.0, 700.0),
+        rows,
+        under,
+        &format!("arithmetic means of {count} {noun} with their 95 % intervals"),
+        entries,
+    );
     panel.draw(&mut svg, Rect { x: 78.0, y: 114.0, width: 716.0, height: 516.0 });
     Some(svg.finish())
 }

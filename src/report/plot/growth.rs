@@ -1,6 +1,6 @@
 //! The figure of growth: nanoseconds per triangle against triangles, a line for each builder.
 
-use super::chart::{Front, Line, Panel, Point, Range, sheet, style};
+use super::chart::{Across, Front, Line, Panel, Point, Range, sheet, style};
 use super::labels::Rect;
 use crate::bench::row::Row;
 use crate::report::targets::growth::Growth;
@@ -20,7 +20,7 @@ pub fn growth(rows: &[Row]) -> Option<String> {
         let last = through.len().saturating_sub(1);
         points.extend(through.iter().enumerate().map(|(index, &at)| {
             let label = (index == last).then(|| line.builder.clone());
-            Point { at, shape, colour, is_hollow: false, label }
+            Point { at, shape, colour, is_hollow: false, label, interval: None }
         }));
         fronts.push(Front { through, line: Line { colour, width: 1.5, more: "" } });
     }
@@ -32,6 +32,7 @@ pub fn growth(rows: &[Row]) -> Option<String> {
         title: String::new(),
         axes: ("million triangles".into(), "build time, ns per triangle".into()),
         range,
+        across: Across::Logarithmic,
         fronts,
         points,
         font: 13.0,

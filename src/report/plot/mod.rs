@@ -1,8 +1,10 @@
 //! The figures drawn from the rows of a run. A figure is a function from rows to SVG, in a module of its own, with
 //! a line in [`figures`].
 //!
-//! [`figure6`] and [`growth`] choose the points, [`total_time`] draws advice; [`pareto`] finds the front, [`chart`] draws a panel with axes and
-//! [`labels`] and [`key`], [`svg`] writes the drawing and [`raster`] turns it into PNG.
+//! [`figure6`], [`growth`], [`threads`] and [`phases`] choose the points, [`total_time`] draws advice; [`pareto`] finds the
+//! front, [`chart`] draws a panel with axes and [`labels`] and [`key`], [`svg`] writes the drawing and [`raster`] turns it into
+//! PNG. It is drawn by hand: the chart crates place no labels beside crowded points, and their texts depend on the fonts of the
+//! machine, so that no file would stay the same.
 
 pub mod chart;
 pub mod figure6;
@@ -10,11 +12,15 @@ pub mod growth;
 pub mod key;
 pub mod labels;
 pub mod pareto;
+pub mod phases;
 pub mod raster;
 pub mod svg;
+pub mod threads;
+pub mod ticks;
 pub mod total_time;
 
 use super::figures::Under;
+use crate::bench::phases::PhaseRow;
 use crate::bench::row::Row;
 
 /// A drawn figure.
@@ -26,9 +32,9 @@ pub struct Drawing {
     pub svg: String,
 }
 
-/// The figures for which `rows` have points. `figure6-own` is left out where `figure6` already compares each engine's
+/// The figures for which `rows`, and the phases of their builds, have points. `figure6-own` is left out where `figure6` already compares each engine's
 /// trees under its own kernel.
-pub fn figures(rows: &[Row], under: &Under) -> Vec<Drawing> {
+pub fn figures(rows: &[Row], phase_rows: &[PhaseRow], under: &Under) -> Vec<Drawing> {
     let own = if *under == Under::Own { None } else { figure6::averaged(rows, &Under::Own) };
     let all = [
         ("figure6", figure6::averaged(rows, under)),
@@ -36,6 +42,8 @@ pub fn figures(rows: &[Row], under: &Under) -> Vec<Drawing> {
         ("figure6-paper", figure6::beside_paper(rows, under)),
         ("figure6-scenes", figure6::by_scene(rows, under)),
         ("growth", growth::growth(rows)),
+        ("threads", threads::threads(rows)),
+        ("phases", phases::phases(rows, phase_rows)),
     ];
     all.into_iter().filter_map(|(name, svg)| Some(Drawing { name, svg: svg? })).collect()
 }

@@ -37,11 +37,41 @@ static OPTIONS: LazyLock<usvg::Options<'static>> = LazyLock::new(|| {
 /// # Errors
 /// A drawing that is malformed or too large.
 pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, RasterError> {
+    png_with(svg, scale, &[])
+}
+
+/// Colours to put over a drawing, pixel for pixel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Patch {
+    /// The upper left corner: pixels from the left and from the top.
+    pub at: (usize, usize),
+    /// Pixels per row.
+    pub width: usize,
+    /// Red, green and blue, row by row.
+    pub rgb: Vec<[u8; 3]>,
+}
+
+/// As [`png`], with `patches` over the drawing; what of them lies outside is left out.
+///
+/// # Errors
+/// As [`png`].
+pub fn png_with(svg: &str, scale: f32, patches: &[Patch]) -> Result<Vec<u8>, RasterError> {
     let tree = usvg::Tree::from_str(svg, &OPTIONS)?;
     let size = |length: f32| (length * scale).ceil() as u32;
     let (width, height) = (size(tree.size().width()), size(tree.size().height()));
     let mut pixels = tiny_skia::Pixmap::new(width, height).ok_or(RasterError::Size { width, height })?;
     resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
+    for Patch { at: (x, y), width: across, rgb } in patches {
+        for (row, colours) in rgb.chunks(*across).enumerate() {
+            for (column, [r, g, b]) in colours.iter().enumerate() {
+                let (x, y) = (x + column, y + row);
+                if x < width as usize && y < height as usize {
+                    let place = 4 * (y * width as usize + x);
+                    pixels.data_mut()[place..place + 4].copy_from_slice(&[*r, *g, *b, 255]);
+                }
+            }
+        }
+    }
     pixels.encode_png().map_err(|error| RasterError::Png(error.to_string()))
 }
 

@@ -78,6 +78,13 @@ impl Svg {
         ));
     }
 
+    /// A filled rectangle, with SVG attributes such as `fill-opacity` in `more`.
+    pub fn fill(&mut self, (x, y): (f64, f64), (width, height): (f64, f64), colour: &str, more: &str) {
+        self.put(format_args!(
+            "<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" fill=\"{colour}\"{more}/>"
+        ));
+    }
+
     /// A point of about `radius`, filled with white if hollow.
     pub fn point(&mut self, (x, y): (f64, f64), shape: Shape, radius: f64, colour: &str, hollow: bool) {
         let fill = if hollow { "#ffffff" } else { colour };

@@ -2,7 +2,7 @@
 //! tree, in which differences are seen. Trees that win somewhere are named.
 
 use super::Drawing;
-use super::chart::{DASHES, Front, Line, Panel, Point, Range, sheet, style};
+use super::chart::{Across, DASHES, Front, Line, Panel, Point, Range, sheet, style};
 use super::labels::Rect;
 use crate::bench::quick::line::{TotalTime, least_at};
 use crate::report::advice::{Advice, Known};
@@ -58,7 +58,8 @@ pub fn total_time(advice: &Advice) -> Option<Drawing> {
             let colour = colour(place(known).unwrap_or_default());
             let total = best(1e6 * rays).unwrap_or(f64::NAN);
             let y = if ratio { 1.0 } else { 1e-3 * total };
-            Point { at: (*rays, y), shape, colour, is_hollow: known.width == 8, label: Some(known.name()) }
+            let (is_hollow, label) = (known.width == 8, Some(known.name()));
+            Point { at: (*rays, y), interval: None, shape, colour, is_hollow, label }
         };
         marks.iter().map(mark).collect()
     };
@@ -68,6 +69,7 @@ pub fn total_time(advice: &Advice) -> Option<Drawing> {
         title: title.into(),
         axes: ("million rays".into(), axis.into()),
         range: Range { x: ends, y },
+        across: Across::Logarithmic,
         fronts,
         points,
         font: 13.0,

@@ -18,6 +18,7 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
         // cheapest wide tree.
         let may_repeat = !self.order.refs.fragments.is_empty();
         cut.count == cut.len
+            && !P::SEES
             && !(may_repeat && self.config.extensions.collapse.is_some())
             && cut.level == CutLevel::Subtrees
             && !self.sweeps_small_cuts()

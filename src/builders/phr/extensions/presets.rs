@@ -48,6 +48,7 @@ impl PhrConfig {
             local_threshold: Some(LocalThreshold { references: 1 << 15, area: 1.0 / 256.0 }),
             spatial_bias: Some(1.07),
             clip_triangles: false,
+            triangle_counts: false,
             subtree_sweep: Some(32),
             collapse: Some(CollapseCosts::EMBREE),
         },

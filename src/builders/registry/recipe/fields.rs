@@ -28,6 +28,7 @@ pub fn with_everything_on(config: &Config) -> Value {
             local_threshold: had.local_threshold.or(quality.local_threshold),
             spatial_bias: had.spatial_bias.or(quality.spatial_bias),
             clip_triangles: had.clip_triangles,
+            triangle_counts: had.triangle_counts,
             subtree_sweep: had.subtree_sweep.or(quality.subtree_sweep),
             collapse: had.collapse.or(quality.collapse),
         };
@@ -73,7 +74,8 @@ pub fn at<'a>(fields: &'a Value, path: &str) -> &'a Value {
     path.split('.').fold(fields, |inside, name| &inside[name])
 }
 
-/// The configuration with another value in the field of a full name. Fields beside it in an extension that was off are
+/// The configuration with another value in the field of a full name. `false` turns off what may be off: an extension, and
+/// spatial splits by an infinite `spatial_threshold`. Fields beside it in an extension that was off are
 /// those of `template`.
 ///
 /// # Errors
@@ -89,7 +91,7 @@ pub fn changed(config: &Config, template: &Value, path: &str, value: &Value) -> 
     }
     *place = match (value, standard) {
         (Value::Bool(true), Value::Object(_)) => standard.clone(),
-        (Value::Bool(false), Value::Object(_) | Value::Number(_)) => Value::Null,
+        (Value::Bool(false), Value::Object(_) | Value::Number(_) | Value::Null) => Value::Null,
         _ => value.clone(),
     };
     let of = |error: serde_json::Error| error.to_string();

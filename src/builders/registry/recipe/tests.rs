@@ -17,6 +17,8 @@ fn names_are_read_as_they_are_written() {
         "phr-hq[delta=8]",
         "phr-speed[presplit=none+max_cut=4096]",
         "phr-fast[presplit.filled=0.2+clusters=on+spatial_threshold=1e-5]",
+        "phr-fast[spatial_threshold=off+triangle_counts=on+delta=4]",
+        "phr-hq-aux-sah[spatial_threshold=none]",
         "hunt-50[cut_length=70]",
         "aac[epsilon=0.1]",
         "phr-best[optimise.rounds=2+phr.delta=5]",
@@ -30,6 +32,11 @@ fn names_are_read_as_they_are_written() {
     assert_eq!(name("phr-hq[filled=0.2]"), "phr-hq[presplit.filled=0.2]", "the end of a name is enough");
     assert_eq!(name("phr-hq[filled=0.2+presplit=off]"), "phr-hq[presplit=off]");
     assert_eq!(name("phr-best[delta=5]"), "phr-best[phr.delta=5]");
+    assert_eq!(
+        name("phr-hq[spatial_threshold=off+spatial_threshold=off+delta=4]"),
+        "phr-hq[spatial_threshold=off+delta=4]"
+    );
+    assert_eq!(name("hunt-50[cut_length=1000]"), "hunt-50[cut_length=1e3]");
 }
 
 #[test]
@@ -44,6 +51,8 @@ fn the_configuration_has_the_change_and_nothing_else() {
     assert_eq!(found, expected);
     assert_eq!(config("phr-speed[presplit=none]"), config("phr-speed-no-presplit"));
     assert_eq!(config("phr-speed[cut_share=off]")["cut_share"], Value::Null);
+    let back = config("phr-hq[spatial_threshold=off+delta=8+spatial_threshold=0.5]");
+    assert_eq!(back, config("phr-hq[delta=8+spatial_threshold=0.5]"));
     let changes = Recipe::parse("phr-speed[presplit=none+max_cut=64]").unwrap().changes();
     assert_eq!(Value::Object(changes), serde_json::json!({"presplit": null, "max_cut": 64}));
 }

@@ -19,7 +19,7 @@ fn by_definition(nodes: &[Node], weight: Weight) -> SpatialSplit {
     let boxes: Vec<Aabb> = nodes.iter().map(Node::bounds).collect();
     let split =
         |(cost, plane): (f32, splits::Plane)| SpatialSplit { cost, axis: plane.axis, plane: plane.at };
-    splits::spatial(&boxes, weight).map_or(SpatialSplit::NONE, split)
+    splits::spatial(&boxes, &vec![1; boxes.len()], weight).map_or(SpatialSplit::NONE, split)
 }
 
 #[test]

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Write a page about a results folder: verdict, plots, table, pictures and surroundings in one HTML file
 ///
 /// The file needs no network and no other file. Heat maps (heat*.png, heatmaps/*.png), experiments (experiments/*.svg,
-/// *.csv) and other figures in the folder are put into it.
+/// *.csv, and experiments/NAME/*.svg, *.csv, *.md) and other figures in the folder are put into it.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Results folder, or a rows.csv

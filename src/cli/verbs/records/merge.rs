@@ -1,6 +1,7 @@
 //! `phr merge`: the shards of a run as one.
 
 use crate::bench::files::write_whole;
+use crate::bench::phases;
 use crate::bench::{merge, row};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
@@ -23,7 +24,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for folder in &folders {
         let rows = row::read(folder)?;
         write_whole(&folder.join(TABLE), table::document(&rows, true).as_bytes())?;
-        draw(&plot::figures(&rows, &Under::best(&rows)), folder)?;
+        draw(&plot::figures(&rows, &phases::read(folder)?, &Under::best(&rows)), folder)?;
         say(&folder.display().to_string())?;
     }
     if let [first, second, ..] = &folders[..] {

@@ -1,11 +1,11 @@
 //! The rows of one tree under one kernel.
 
-use super::rounds::RowRounds;
-use super::row::{ALL, Row};
-use super::samples::{CellSamples, Check, KernelChecks};
-use super::statistics::{Summary, figures};
-use super::visit_times::{all_ms, rounded, times};
-use super::warnings::Warning;
+use crate::bench::rounds::RowRounds;
+use crate::bench::row::{ALL, Row};
+use crate::bench::samples::{CellSamples, Check, KernelChecks};
+use crate::bench::statistics::{Summary, figures};
+use crate::bench::visit_times::{all_ms, rounded, times};
+use crate::bench::warnings::Warning;
 use crate::trace::RayKind;
 
 /// One row per view and kind, and those that sum over views, kinds or both.

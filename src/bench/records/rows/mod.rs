@@ -1,11 +1,14 @@
 //! The rows that the samples give: medians, spreads and warnings.
 
-use super::build_rows::BuildRows;
-use super::kernel_rows::kernel_rows;
-use super::row::{ALL, FRESH, NO_KERNEL, Row, SCHEMA};
-use super::samples::{CellSamples, Samples, SceneSamples};
-use super::statistics::figures;
-use super::warnings::Warning;
+mod build_rows;
+mod kernel_rows;
+
+use crate::bench::row::{ALL, FRESH, NO_KERNEL, Row, SCHEMA};
+use crate::bench::samples::{CellSamples, Samples, SceneSamples};
+use crate::bench::statistics::figures;
+use crate::bench::warnings::Warning;
+use build_rows::BuildRows;
+use kernel_rows::kernel_rows;
 
 /// The columns that all rows of a run share.
 #[derive(Clone, Debug, Default)]

@@ -1,12 +1,12 @@
 //! The rows that tell of a cell's builds, one per regime.
 
-use super::build_times::WarmTimes;
-use super::rounds::{ByRound, RowRounds};
-use super::row::{FIRST, FRESH, REBUILD, Row};
-use super::samples::CellSamples;
-use super::statistics::{Summary, figures};
-use super::visit_times::{all_ms, builds, medians, rebuilds, rounded};
-use super::warnings::Warning;
+use crate::bench::build_times::WarmTimes;
+use crate::bench::rounds::{ByRound, RowRounds};
+use crate::bench::row::{FIRST, FRESH, REBUILD, Row};
+use crate::bench::samples::CellSamples;
+use crate::bench::statistics::{Summary, figures};
+use crate::bench::visit_times::{all_ms, builds, medians, rebuilds, rounded};
+use crate::bench::warnings::Warning;
 
 /// The rows of builds.
 pub struct BuildRows {

@@ -2,6 +2,10 @@
 //! The times of two builders stay paired within a round, since rounds are interleaved and drift hits both. Generators
 //! are seeded, so that the same rows give the same interval.
 
+mod arithmetic;
+
+pub use arithmetic::of_arithmetic_mean;
+
 use crate::bench::statistics::Summary;
 use crate::random::SplitMix64;
 

@@ -1,4 +1,7 @@
-//! The steps of a build, each on its own, for `benches/steps.rs`: no stable interface.
+//! The steps of a build, each on its own, for `benches/steps.rs`: no stable interface. [`watch`] shows the splits of a
+//! whole build.
+
+pub mod watch;
 
 use super::builder::Phase;
 use crate::builders::binary::node::Node;

@@ -1,0 +1,70 @@
+//! The arguments of `phr experiment`.
+
+use std::path::{Path, PathBuf};
+
+/// The file of what was found in a results folder.
+pub const FINDINGS: &str = "findings.md";
+
+/// Make one of the paper's experiments: measure, draw, and tell what was found
+///
+/// Builders that differ in one thing, built and traced as by `phr bench`: spatial-splits (5.3), grid (5.4: alpha and delta),
+/// cost-counts (4.2), constant-cut (4.3), presplitting (5.3), bucket-sort (4.7), auxiliary-trees (5.5). Within a build:
+/// cut-size (Figure 4), split (Figures 3 and 5; one scene). Without scenes, the built-in generated set is used.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Name of the experiment
+    pub name: String,
+    /// Scene files or names of generated scenes
+    pub scenes: Vec<String>,
+    /// Children per node: 4 or 8
+    #[arg(long, default_value_t = 4, value_name = "N")]
+    pub width: u32,
+    /// Views per scene, at most
+    #[arg(long, default_value_t = 3, value_name = "N")]
+    pub views: usize,
+    /// Pixels across and down
+    #[arg(long, default_value_t = 256, value_name = "PIXELS")]
+    pub size: u32,
+    /// Visits to each builder
+    #[arg(long, default_value_t = 5, value_name = "N")]
+    pub rounds: usize,
+    /// Seconds per scene, at least: rounds are added until they have passed
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub seconds: u64,
+    /// Threads for each side [default: all processors]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Seed of the paths and of the order of visits
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+    /// Folder of the results [default: results/experiments/NAME]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Name of this machine in the records
+    #[arg(long, default_value = "anonymous")]
+    pub host: String,
+    /// Continue a stopped run, or add rounds or scenes to a run
+    #[arg(long)]
+    pub resume: bool,
+    /// List what would be run
+    #[arg(long)]
+    pub list: bool,
+    /// Measure nothing: draw and tell again from the CSV in the folder
+    #[arg(long)]
+    pub redraw: bool,
+    /// Measure and draw nothing; fail if the SVG files in the folder are not those of the CSV
+    #[arg(long)]
+    pub check: bool,
+}
+
+impl Arguments {
+    /// The folder of the results.
+    pub fn folder(&self) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| Path::new("results/experiments").join(&self.name))
+    }
+
+    /// Whether nothing is to be measured.
+    pub fn only_reads(&self) -> bool {
+        self.redraw || self.check
+    }
+}

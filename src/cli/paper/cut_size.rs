@@ -1,0 +1,53 @@
+//! `phr experiment cut-size`: Figure 4 of the paper.
+
+use super::arguments::{Arguments, FINDINGS};
+use crate::bench::files::{read_csv_file, write_csv, write_whole};
+use crate::bench::planned_scene::PlannedScene;
+use crate::cli::failure::Failure;
+use crate::cli::options::{all_threads, pools};
+use crate::cli::output::{new_folder, say};
+use crate::cli::verbs::plot::{check, draw};
+use crate::experiments::cut_size::{self, BUILDERS, CUT_SIZES, CutSizeRow};
+use crate::report::plot::Drawing;
+use crate::scene;
+
+/// Name of the experiment.
+pub const NAME: &str = "cut-size";
+
+/// Counts, draws and tells.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let folder = arguments.folder();
+    let path = folder.join(CUT_SIZES);
+    let rows = if arguments.only_reads() {
+        read_csv_file(&path, "run `phr experiment cut-size` without --redraw and --check first")?
+    } else {
+        let rows = measure(arguments)?;
+        new_folder(&folder)?;
+        write_csv(&path, &rows)?;
+        rows
+    };
+    let svg = cut_size::draw(&rows).unwrap_or_default();
+    let drawings = [Drawing { name: NAME, svg }];
+    if arguments.check {
+        return check(&drawings, &folder);
+    }
+    let text = cut_size::findings(&rows);
+    write_whole(&folder.join(FINDINGS), text.as_bytes())?;
+    say(&text)?;
+    let files = draw(&drawings, &folder)?;
+    say(&files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join("\n"))
+}
+
+fn measure(arguments: &Arguments) -> Result<Vec<CutSizeRow>, Failure> {
+    let pools = pools(arguments.threads.unwrap_or_else(all_threads))?;
+    let builtin = || scene::builtin().iter().map(|generator| generator.name.to_owned()).collect();
+    let names = if arguments.scenes.is_empty() { builtin() } else { arguments.scenes.clone() };
+    let planned: Vec<PlannedScene> =
+        names.iter().map(|name| PlannedScene::find(name)).collect::<Result<_, _>>()?;
+    let mut rows = Vec::new();
+    for scene in planned {
+        let scene = scene.load()?;
+        rows.extend(pools.all.install(|| cut_size::measure(&scene, &BUILDERS)).map_err(Failure::Bad)?);
+    }
+    Ok(rows)
+}

@@ -1,0 +1,115 @@
+//! `phr experiment`: the paper's experiments, and the figures that look into a build.
+
+use super::arguments::{Arguments, FINDINGS};
+use super::{cut_size, split};
+use crate::bench::chosen::Chosen;
+use crate::bench::files::write_whole;
+use crate::bench::plan::{Plan, Request, Set};
+use crate::bench::recorder::RecordOptions;
+use crate::bench::row;
+use crate::bench::settings::Settings;
+use crate::cli::failure::Failure;
+use crate::cli::measuring::{make, verdict};
+use crate::cli::options::{all_threads, command_line};
+use crate::cli::output::say;
+use crate::cli::progress::Bar;
+use crate::cli::verbs::plot::{check, draw};
+use crate::experiments::contest::{self, EXPERIMENTS, Experiment};
+use std::path::Path;
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.name == cut_size::NAME {
+        return cut_size::run(arguments);
+    }
+    if arguments.name == split::NAME {
+        return split::run(arguments);
+    }
+    let Some(experiment) = contest::by_name(&arguments.name) else {
+        let mut known: Vec<&str> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();
+        known.extend([cut_size::NAME, split::NAME]);
+        return Err(Failure::Bad(format!(
+            "no experiment is called {}; there are {}",
+            arguments.name,
+            known.join(", ")
+        )));
+    };
+    let folder = arguments.folder();
+    if arguments.only_reads() {
+        return tell(experiment, arguments, &row::read(&folder)?, &folder);
+    }
+    let plan = Plan::new(&request(experiment, arguments)?)?;
+    if arguments.list {
+        return say(&plan.lines().collect::<Vec<_>>().join("\n"));
+    }
+    plan.check_files()?;
+    let records = RecordOptions {
+        folder: &folder,
+        resume: arguments.resume,
+        host: &arguments.host,
+        arguments: command_line(),
+    };
+    // The bytes of builds are no question of any experiment.
+    let outcome = make(&plan, records, None, Bar::new(false))?;
+    tell(experiment, arguments, &outcome.rows, &folder)?;
+    verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)
+}
+
+fn request(experiment: &Experiment, arguments: &Arguments) -> Result<Request, Failure> {
+    if ![4, 8].contains(&arguments.width) {
+        return Err(Failure::Bad(format!("--width {}: give 4 or 8", arguments.width)));
+    }
+    let none: [&Path; 0] = [];
+    let settings = Settings {
+        width: arguments.size,
+        height: arguments.size,
+        views: arguments.views,
+        max_depth: 8,
+        rounds: arguments.rounds,
+        seconds: arguments.seconds,
+        until_permille: 0,
+        limit: 0,
+        threads: arguments.threads.unwrap_or_else(all_threads),
+        seed: arguments.seed,
+        build_only: false,
+        one_thread: false,
+        frames: false,
+    };
+    Ok(Request {
+        scenes: arguments.scenes.clone(),
+        set: arguments.scenes.is_empty().then_some(Set::Builtin),
+        folder: None,
+        builders: Chosen::new(&(experiment.entrants)(), &[], &none)?,
+        width: Some(arguments.width),
+        filter: None,
+        shard: None,
+        settings,
+    })
+}
+
+/// Draws what the rows say and tells it, or checks what was drawn.
+fn tell(
+    experiment: &Experiment,
+    arguments: &Arguments,
+    rows: &[row::Row],
+    folder: &Path,
+) -> Result<(), Failure> {
+    let drawings = contest::figures(experiment, rows, arguments.width);
+    if drawings.is_empty() {
+        return Err(Failure::Bad(format!(
+            "{}: no rows of {} at width {}; run `phr experiment {}` first",
+            folder.display(),
+            experiment.name,
+            arguments.width,
+            experiment.name
+        )));
+    }
+    if arguments.check {
+        return check(&drawings, folder);
+    }
+    let text = contest::findings(experiment, rows, arguments.width);
+    write_whole(&folder.join(FINDINGS), text.as_bytes())?;
+    say(&text)?;
+    let files = draw(&drawings, folder)?;
+    say(&files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join("\n"))
+}

@@ -1,0 +1,99 @@
+//! `phr heatmap`: Figure 1 of the paper, for any scene and builders.
+
+use crate::bench::cell::Cell;
+use crate::bench::files::write_whole;
+use crate::bench::planned_scene::PlannedScene;
+use crate::cli::failure::Failure;
+use crate::cli::options::{self, all_threads, check_place, pools};
+use crate::cli::output::say;
+use crate::experiments::heatmap;
+use std::path::PathBuf;
+
+/// The builders of the paper's Figure 1.
+const FIGURE_1: [&str; 4] = ["embree-sah", "phr-fast", "phr-hq", "embree-fast-spatial"];
+
+/// Draw the traversal steps of a view's primary rays under several builders side by side, as in the paper's Figure 1
+///
+/// Beside FILE.png stand FILE.csv (build times, mean, 95th percentile and most steps) and FILE.counts.png (the steps of
+/// every pixel, 16-bit grey, one builder below the other).
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scene file or name of a generated scene
+    #[arg(required_unless_present = "redraw")]
+    scene: Option<String>,
+    /// Builder (repeatable) [default: those of the paper's figure]
+    #[arg(long = "builder", value_name = "NAME")]
+    builders: Vec<String>,
+    /// Children per node: 4 or 8
+    #[arg(long, default_value_t = 4, value_name = "N")]
+    width: u32,
+    /// View, from 0
+    #[arg(long, default_value_t = 0, value_name = "K")]
+    view: usize,
+    /// Pixels across and down
+    #[arg(long, default_value_t = 512, value_name = "PIXELS")]
+    size: u32,
+    /// Steps of the brightest colour [default: what 99 of 100 pixels stay below]
+    #[arg(long, value_name = "STEPS")]
+    scale: Option<u32>,
+    /// Threads [default: all processors]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// PNG file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Measure nothing: draw again from the files beside the picture
+    #[arg(long, conflicts_with_all = ["scene", "builders"])]
+    redraw: bool,
+}
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    check_place(&arguments.output)?;
+    if arguments.output.extension().is_none_or(|ending| ending != "png") {
+        let output = arguments.output.display();
+        return Err(Failure::Bad(format!(
+            "{output}: a heat map is a PNG file; give a name that ends in .png"
+        )));
+    }
+    if arguments.redraw {
+        let panels = heatmap::read(&arguments.output)?;
+        return Ok(write_whole(&arguments.output, &heatmap::draw(&panels)?)?);
+    }
+    if arguments.size == 0 || arguments.size > 1 << 12 || arguments.scale == Some(0) {
+        return Err(Failure::Bad(format!(
+            "--size, --scale: give 1 to {} pixels and 1 or more steps",
+            1 << 12
+        )));
+    }
+    let pools = pools(arguments.threads.unwrap_or_else(all_threads))?;
+    let scene = PlannedScene::find(arguments.scene.as_deref().unwrap_or_default())?.load()?;
+    let request = heatmap::Request {
+        view: options::view(&scene, arguments.view)?,
+        scene: &scene,
+        cells: &cells(arguments)?,
+        size: arguments.size,
+        scale: arguments.scale,
+        pools: &pools,
+    };
+    let panels = heatmap::measure(&request).map_err(Failure::Wrong)?;
+    heatmap::write(&arguments.output, &panels)?;
+    write_whole(&arguments.output, &heatmap::draw(&panels)?)?;
+    for panel in &panels {
+        let row = &panel.row;
+        say(&format!(
+            "{} / {}: build {} ms; steps: mean {}, 95 % at most {}, most {}",
+            row.builder, row.width, row.build_ms, row.steps_mean, row.steps_p95, row.steps_max
+        ))?;
+    }
+    say(&arguments.output.display().to_string())
+}
+
+/// The builders asked for, or those of Figure 1 that this program has.
+fn cells(arguments: &Arguments) -> Result<Vec<Cell>, Failure> {
+    let cell = |name: &str| options::cell(name, Some(arguments.width));
+    if arguments.builders.is_empty() {
+        return Ok(FIGURE_1.iter().filter_map(|name| cell(name).ok()).collect());
+    }
+    arguments.builders.iter().map(|name| cell(name)).collect()
+}

@@ -1,0 +1,95 @@
+//! Draws comparisons: a line for each, a column for each figure, the scenes as small points, their mean with its interval.
+
+use super::compared::{Compared, FIGURES, Mean};
+use super::experiment::Experiment;
+use crate::bench::row::Row;
+use crate::report::figures::{Under, scenes};
+use crate::report::plot::chart::{GREY, INK, SMALL, sheet};
+use crate::report::plot::raster::text_width;
+use crate::report::plot::svg::{Anchor, Shape};
+use crate::report::plot::ticks::ticks;
+
+const COLUMN: f64 = 300.0;
+const GAP: f64 = 36.0;
+const LINE: f64 = 46.0;
+const TOP: f64 = 128.0;
+const COLOUR: &str = "#0072b2";
+
+/// The figure over trees of `width`; `None` if there is nothing to compare.
+pub fn draw(experiment: &Experiment, rows: &[Row], width: u32, under: &Under) -> Option<String> {
+    let comparisons = (experiment.comparisons)();
+    let all: Vec<Compared<'_>> =
+        comparisons.iter().filter_map(|comparison| Compared::of(comparison, rows, width, under)).collect();
+    if all.is_empty() {
+        return None;
+    }
+    let names = all.iter().flat_map(|it| [it.comparison.changed.clone(), against(&it.comparison.base)]);
+    let left = 34.0 + names.map(|name| text_width(&name, SMALL)).fold(0.0, f64::max);
+    let bottom = TOP + all.len() as f64 * LINE;
+    let size = (left + 3.0 * (COLUMN + GAP), bottom + 56.0);
+    let count = scenes(rows).len();
+    let threads = rows.first().map_or(0, |row| row.threads);
+    let noun = if count == 1 { "scene" } else { "scenes" };
+    let about = format!(
+        "{count} {noun} (grey), their geometric mean with its 95 % interval (blue); {width}-wide trees, {threads} threads, \
+         logarithmic"
+    );
+    let traces = format!("traces: {}", under.about());
+    let mut svg = sheet(size, experiment.about, &[&about, &traces]);
+    for (line, compared) in all.iter().enumerate() {
+        let y = TOP + (line as f64 + 0.5) * LINE;
+        let comparison = compared.comparison;
+        svg.text((left - 14.0, y - 3.0), Anchor::End, SMALL, INK, &comparison.changed, "");
+        svg.text((left - 14.0, y + 13.0), Anchor::End, SMALL, "#6b6b6b", &against(&comparison.base), "");
+    }
+    for (column, (name, _)) in FIGURES.iter().enumerate() {
+        let x0 = left + column as f64 * (COLUMN + GAP);
+        let values = all.iter().flat_map(|it| &it.ratios[column].0).map(|ratio| ratio.value);
+        let ends = all.iter().filter_map(|it| Mean::of(&it.ratios[column])?.interval);
+        let values: Vec<f64> = values.chain(ends.flat_map(|ends| [ends.low, ends.high])).collect();
+        let (least, most) = values
+            .into_iter()
+            .fold((0.95_f64, 1.05_f64), |(low, high), value| (low.min(value), high.max(value)));
+        let margin = (most / least).powf(0.05);
+        let (least, most) = (least / margin, most * margin);
+        let x = |value: f64| x0 + COLUMN * (value / least).ln() / (most / least).ln();
+        svg.text(
+            (x0, TOP - 12.0),
+            Anchor::Start,
+            14.0,
+            INK,
+            &format!("{name}, relative"),
+            " font-weight=\"bold\"",
+        );
+        for (tick, text) in ticks((least, most), 6) {
+            let colour = if tick == 1.0 { GREY } else { "#e6e6e6" };
+            svg.line(&[(x(tick), TOP), (x(tick), bottom)], colour, 1.0, "");
+            svg.text((x(tick), bottom + 18.0), Anchor::Middle, SMALL, INK, &text, "");
+        }
+        svg.frame((x0, TOP), (COLUMN, bottom - TOP), "#b3b3b3");
+        for (line, compared) in all.iter().enumerate() {
+            let y = TOP + (line as f64 + 0.5) * LINE;
+            for ratio in &compared.ratios[column].0 {
+                svg.point((x(ratio.value), y + 9.0), Shape::Circle, 2.6, GREY, true);
+            }
+            let Some(mean) = Mean::of(&compared.ratios[column]) else { continue };
+            if let Some(interval) = mean.interval {
+                svg.line(&[(x(interval.low), y - 6.0), (x(interval.high), y - 6.0)], COLOUR, 2.5, "");
+            }
+            svg.point((x(mean.value), y - 6.0), Shape::Diamond, 5.0, COLOUR, false);
+        }
+    }
+    svg.text(
+        (left, bottom + 40.0),
+        Anchor::Start,
+        SMALL,
+        INK,
+        "left of 1: less time or cost than the builder in grey",
+        "",
+    );
+    Some(svg.finish())
+}
+
+fn against(base: &str) -> String {
+    format!("relative to {base}")
+}

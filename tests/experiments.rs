@@ -1,0 +1,135 @@
+//! Heat maps and experiments as a user meets them: what they write, that pictures come from the files beside them alone, and
+//! what is refused.
+#![cfg(feature = "harness")]
+
+use phr::bench::row::{self, ROWS};
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn phr(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_phr")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+#[track_caller]
+fn told(folder: &Path, arguments: &[&str]) -> String {
+    let output = phr(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn bytes(folder: &Path, file: &str) -> Vec<u8> {
+    std::fs::read(folder.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
+}
+
+#[test]
+fn a_heat_map_is_drawn_again_from_the_files_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let builders = ["--builder", "lbvh", "--builder", "phr-hq"];
+    let size = ["--size", "16", "--threads", "2", "-o", "map.png"];
+    let text = told(folder, &[&["heatmap", "scalable-2k"], &builders[..], &size[..]].concat());
+    assert!(text.contains("lbvh / 4: build") && text.contains("phr-hq / 4: build"), "{text}");
+    let csv = String::from_utf8(bytes(folder, "map.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 3, "{csv}");
+    let first = bytes(folder, "map.png");
+    std::fs::remove_file(folder.join("map.png")).unwrap();
+    told(folder, &["heatmap", "--redraw", "-o", "map.png"]);
+    assert_eq!(bytes(folder, "map.png"), first);
+    std::fs::write(folder.join("map.csv"), csv.replace("lbvh", "aac")).unwrap();
+    told(folder, &["heatmap", "--redraw", "-o", "map.png"]);
+    assert_ne!(bytes(folder, "map.png"), first);
+}
+
+#[test]
+fn an_experiment_is_a_verified_run_with_findings_and_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = ["experiment", "spatial-splits", "scalable-2k", "scalable-3k", "--rounds", "2", "--size", "8"];
+    let text = told(folder, &[&run[..], &["--views", "1", "--threads", "2"]].concat());
+    assert!(text.contains("phr-hq[spatial_threshold=off] relative to phr-hq: build"), "{text}");
+    assert!(text.contains("2 to 20 % slower without spatial splits"), "{text}");
+    let results = folder.join("results/experiments/spatial-splits");
+    let rows = row::read(&results).unwrap();
+    let mut builders: Vec<&str> = rows.iter().map(|row| row.builder.as_str()).collect();
+    builders.sort_unstable();
+    builders.dedup();
+    let off = "[spatial_threshold=off]";
+    assert_eq!(builders, ["phr-fast", &format!("phr-fast{off}"), "phr-hq", &format!("phr-hq{off}")]);
+    let traced = rows.iter().filter(|row| row.is_total() && row.is_compared());
+    assert!(traced.clone().count() >= 8 && traced.clone().all(|row| row.verified == Some(true)));
+    assert!(traced.clone().all(|row| row.width == 4 && row.is_good()));
+
+    told(folder, &["experiment", "spatial-splits", "--check"]);
+    let drawn = bytes(&results, "effects.svg");
+    std::fs::write(results.join("effects.svg"), "other").unwrap();
+    assert_eq!(phr(folder, &["experiment", "spatial-splits", "--check"]).status.code(), Some(1));
+    let again = told(folder, &["experiment", "spatial-splits", "--redraw"]);
+    assert!(text.ends_with(&again), "after the tables of the run the same:\n{text}\n{again}");
+    assert_eq!(bytes(&results, "effects.svg"), drawn);
+}
+
+#[test]
+fn the_grid_has_its_front_and_each_scenes_best_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run =
+        ["experiment", "grid", "scalable-2k", "scalable-3k", "--rounds", "1", "--size", "8", "--views", "1"];
+    let text = told(folder, &run);
+    assert!(text.contains("The front in the mean over scenes") && text.contains("| scalable-3k "), "{text}");
+    let results = folder.join("results/experiments/grid");
+    let svg = String::from_utf8(bytes(&results, "fronts.svg")).unwrap();
+    assert!(svg.contains(">0.65, 10<") && svg.contains("alpha 0.45, delta 5 to 10"), "{svg}");
+    assert!(bytes(&results, "fronts-scenes.png").starts_with(b"\x89PNG"));
+    told(folder, &["experiment", "grid", "--check"]);
+}
+
+#[test]
+fn cuts_and_splits_are_drawn_from_their_csv() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let text = told(folder, &["experiment", "cut-size", "scalable-3k", "scalable-2k", "--out", "cuts"]);
+    assert!(text.contains("scalable-2k: phr-fast begins with"), "{text}");
+    told(folder, &["experiment", "cut-size", "--check", "--out", "cuts"]);
+    told(folder, &["experiment", "split", "--out", "split"]);
+    told(folder, &["experiment", "split", "--check", "--out", "split"]);
+    for (file, csv) in
+        [("split/spatial-split.svg", "split/split.csv"), ("cuts/cut-size.svg", "cuts/cut-size.csv")]
+    {
+        let drawn = bytes(folder, file);
+        std::fs::write(folder.join(file), "").unwrap();
+        let name = if csv.starts_with("cuts") { "cut-size" } else { "split" };
+        let out = csv.split('/').next().unwrap();
+        assert_eq!(phr(folder, &["experiment", name, "--check", "--out", out]).status.code(), Some(1));
+        told(folder, &["experiment", name, "--redraw", "--out", out]);
+        assert_eq!(bytes(folder, file), drawn);
+    }
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    let cases: Vec<(&[&str], &[&str])> = vec![
+        (&["experiment", "nothing"], &["no experiment is called nothing", "grid", "cut-size", "split"]),
+        (&["experiment", "grid", "missing.ply"], &["missing.ply"]),
+        (&["experiment", "grid", "scalable-2k", "--width", "5"], &["--width 5", "4 or 8"]),
+        (&["experiment", "grid", "--redraw", "--out", "empty"], &[ROWS]),
+        (&["experiment", "cut-size", "--redraw", "--out", "empty"], &["cut-size.csv", "--redraw"]),
+        (&["experiment", "split", "scalable-2k", "scalable-3k"], &["one scene"]),
+        (&["heatmap", "scalable-2k", "-o", "map.svg"], &["map.svg", ".png"]),
+        (&["heatmap", "scalable-2k", "-o", "no/map.png"], &["no", "folder"]),
+        (&["heatmap", "scalable-2k", "-o", "map.png", "--view", "9"], &["--view 9"]),
+        (&["heatmap", "scalable-2k", "-o", "map.png", "--size", "0"], &["--size"]),
+        (&["heatmap", "scalable-2k", "-o", "map.png", "--builder", "bvh"], &["no builder is called bvh"]),
+        (&["heatmap", "--redraw", "-o", "map.png"], &["map.csv", "--redraw"]),
+    ];
+    for (arguments, wanted) in cases {
+        let output = phr(folder.path(), arguments);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+        assert_eq!(told.lines().count(), 1, "{arguments:?}: {told}");
+        for part in wanted {
+            assert!(told.contains(part), "{arguments:?}: no {part:?} in {told}");
+        }
+    }
+}
