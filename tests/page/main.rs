@@ -50,7 +50,12 @@ fn it_loads_without_an_error_or_a_request() {
     assert!(asked.iter().any(|address| address.starts_with("file://")), "requests are seen: {asked:?}");
     let others: Vec<&String> =
         asked.iter().filter(|url| **url != format!("file://{}", page.display())).collect();
-    assert!(others.iter().all(|url| ["data:", "chrome:", "chrome-untrusted:"].iter().any(|own| url.starts_with(own))), "{others:?}");
+    assert!(
+        others
+            .iter()
+            .all(|url| ["data:", "chrome:", "chrome-untrusted:"].iter().any(|own| url.starts_with(own))),
+        "{others:?}"
+    );
     // What would ask for something is refused.
     browser
         .script("document.body.append(Object.assign(new Image(), { src: 'https://example.invalid/a.png' }))");
