@@ -32,6 +32,9 @@
 #                   byte: some minutes (the tests have a short version)
 # make sanitize     the tests of our kernels and of the library's queries under AddressSanitizer and under valgrind, and
 #                   the portable kernel's under Miri where the nightly toolchain has it
+# make test-peers   the tests of the builders of other crates, which `make test` leaves out: their crates take minutes to
+#                   compile
+#
 # make test-slurm   a run spread over a Slurm cluster of this one machine (cluster/submit), a task of it killed and
 #                   requeued, merged and compared with the same run in one; as root, some minutes
 #
@@ -69,7 +72,7 @@ KERNEL_TESTS = --test trace_agreement --test trace_batches --test trace_watertig
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: faults test-slurm sanitize bench bench-scaling bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
+.PHONY: test-peers faults test-slurm sanitize bench bench-scaling bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -154,14 +157,14 @@ embree-ndebug: packages
 test: PACKAGES += chromium chromium-driver
 test: packages
 	$(CARGO) fmt --all --check
-	$(CARGO) clippy --workspace --all-targets --features phr/peers -- -D warnings
+	$(CARGO) clippy --workspace --all-targets -- -D warnings
 	$(CARGO) clippy -p phr --lib --no-default-features -- -D warnings
 	$(CARGO) clippy -p phr --lib --bins --no-default-features --features harness -- -D warnings
 ifeq ($(NEXTEST),yes)
-	$(CARGO) nextest run --workspace --features phr/peers
-	$(CARGO) test --workspace --doc --features phr/peers
+	$(CARGO) nextest run --workspace
+	$(CARGO) test --workspace --doc
 else
-	$(CARGO) test --workspace --features phr/peers
+	$(CARGO) test --workspace
 endif
 	@echo "tested: format, lints, the library alone, the harness without Embree, all tests, the documentation's examples"
 
@@ -179,6 +182,10 @@ sanitize: packages
 		PHR_ISA=scalar MIRIFLAGS=-Zmiri-disable-isolation $(CARGO) +nightly miri test -p phr --no-default-features \
 			--test query; \
 	else echo "Miri is not installed: rustup component add miri --toolchain nightly"; fi
+
+test-peers: packages
+	$(CARGO) clippy --workspace --all-targets --features phr/peers -- -D warnings
+	$(CARGO) test -p phr --features peers --lib peers::
 
 test-slurm: packages
 	$(CARGO) build --release --bin phr

@@ -298,7 +298,7 @@ fn bad_input_is_one_line_and_code_2() {
         (&["build", "missing.ply"], &["missing.ply"]),
         (&["bench", "sheet.ply", "--tree", "sheet.ply"], &["sheet.ply: not a saved tree"]),
         (&["build", "sheet.ply", "-o", "x.phrtree"], &["--output x.phrtree", "--builder"]),
-        (&["build", "sheet.ply", "--builder", "lbvh", "-o", "no/x"], &["no/x", "No such file"]),
+        (&["build", "sheet.ply", "--builder", "lbvh", "-o", "no/x"], &["no/x", "no such folder"]),
         (&["build", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["build", "sheet.ply", "--builder", "phr-hq", "--width", "5"], &["--width 5", "phr-hq"]),
         (&["build", "sheet.ply", "--threads", "0"], &["--threads 0"]),

@@ -49,7 +49,8 @@ pub fn check_place(path: &Path) -> Result<(), Failure> {
         return Err(Failure::Bad(format!("{}: is a directory; give a file name", path.display())));
     }
     if !folder.is_dir() {
-        return Err(Failure::Bad(format!("{}: no such folder; make it first", folder.display())));
+        let (path, folder) = (path.display(), folder.display());
+        return Err(Failure::Bad(format!("{path}: no such folder as {folder}; make it first")));
     }
     Ok(())
 }

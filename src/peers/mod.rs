@@ -20,7 +20,7 @@ mod tests {
     fn is_whole<P: Peer>(peer: &P, mesh: &Mesh) {
         let built = peer.build(&mut peer.input(mesh));
         let tree = peer.tree(&built);
-        assert_eq!(tree.root().is_some(), mesh.len() > 0);
+        assert_eq!(tree.root().is_some(), !mesh.is_empty());
         let four = widened::<4>(&tree, mesh).unwrap();
         assert_eq!(four.validate(mesh), Ok(()));
         assert!(widened::<8>(&tree, mesh).unwrap().nodes.len() <= four.nodes.len());

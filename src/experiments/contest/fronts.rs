@@ -57,7 +57,7 @@ pub fn by_scene(
     width: u32,
     under: &Under,
 ) -> Option<String> {
-    let all: Vec<(String, (Vec<Front>, Vec<Point>))> = scenes(rows)
+    let all: Vec<_> = scenes(rows)
         .into_iter()
         .filter_map(|scene| {
             let figures = SceneFigures::of(rows, &scene);

@@ -199,7 +199,8 @@ mod tests {
             let cells = Chosen::new(&entrants, &[], &none).unwrap().single_cells(Some(4)).unwrap();
             let mut cells: Vec<String> = cells.into_iter().map(|cell| cell.builder).collect();
             let mut entrants = entrants;
-            (cells.sort(), entrants.sort());
+            cells.sort();
+            entrants.sort();
             assert_eq!(cells, entrants, "{}", experiment.name);
         }
         assert!(by_name("grid").is_some() && by_name("nothing").is_none());

@@ -10,7 +10,7 @@ fn row(scene: &str, builder: &str, width: u32, build: f64, trace: f64) -> Row {
         rays: Some(1_000_000),
         mrays_s: Some(1000.0 / trace),
         triangles: 1000,
-        ..Row::by_hand(builder, width, "phr", build, trace)
+        ..Row::by_hand(builder, width, "embree-grafted", build, trace)
     }
 }
 
@@ -103,7 +103,7 @@ fn the_verdict_and_what_lies_beside_the_rows_are_on_it() {
         "No environment.json lies beside the rows",
         "<dt>HighSpread</dt><dd>1 of 6 rows:",
         "<code>--rounds.</code>",
-        "<dt>yard, lbvh &#x2f; 4 under phr</dt><dd>out of memory</dd>",
+        "<dt>yard, lbvh &#x2f; 4 under embree-grafted</dt><dd>out of memory</dd>",
         "alt=\"rooms\"",
         "cut sizes <small>experiments&#x2f;cut-sizes.csv</small>",
         "<td>199</td><td>398</td>",
