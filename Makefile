@@ -13,7 +13,7 @@
 #                   results/kernel: half an hour on two cores
 # make bench-scaling
 #                   the tasks of our builders on the files SCENES and the built-in scenes, timed one by one and scheduled on
-#                   up to 64 workers, into results/scaling: half an hour
+#                   up to 64 workers, into results/scaling: ten minutes
 # make bench-reference
 #                   every figure of README and RESULTS again: the runs of bench-builders into results/full, stopped and
 #                   resumed at will, reduced into results/reference and results/reference-ablation, tables, plots and pages
@@ -58,9 +58,10 @@ GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
 ABLATED = phr-fast $(addprefix phr-fast-,bucket coarse clusters subtrees) \
 	phr-turbo $(addprefix phr-turbo-no-,auxiliary_leaf calibration cut_share local_threshold) \
 	phr-speed $(addprefix phr-speed-no-,auxiliary_leaf calibration clusters collapse cut_share local_threshold presplit \
-	spatial_bias subtree_sweep) \
-	phr-quality $(addprefix phr-quality-no-,calibration clip_triangles clusters collapse cut_share local_threshold presplit \
 	spatial_bias subtree_sweep)
+ABLATED_QUALITY = phr-quality $(addprefix phr-quality-no-,calibration clip_triangles clusters collapse cut_share \
+	local_threshold presplit spatial_bias subtree_sweep)
+SCALED = lbvh phr-fast phr-hq phr-turbo phr-speed phr-quality phr-best
 KERNEL_SCENES = rooms statue hair city pipes
 # Builders whose times with and without assertions in Embree are compared, and ours beside them: what noise looks like.
 ASSERTED = embree-morton embree-sah embree-fast-spatial lbvh
@@ -103,6 +104,8 @@ $(call measured,--set builtin $(SCENES) --build-only --filter ' ($(TARGETED)) 4 
 $(call measured,--set builtin $(SCENES) --size $(SIZE) --rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2,$(1))
 $(call measured,--set builtin $(SCENES) --size 64 $(addprefix --builder ,$(ABLATED)) --width 4 \
 	--rounds $(ROUNDS) --threads 2,$(1)-ablation)
+$(call measured,--set builtin $(SCENES) --size 64 $(addprefix --builder ,$(ABLATED_QUALITY)) --width 4 \
+	--rounds $(ROUNDS) --threads 2,$(1)-ablation-quality)
 endef
 
 bench-builders: packages
@@ -119,7 +122,8 @@ bench-kernel: packages
 
 bench-scaling: packages
 	$(CARGO) build --release --bin phr
-	./target/release/phr scaling $(KERNEL_SCENES) $(SCENES) --out results/scaling $(ARGS)
+	./target/release/phr scaling $(KERNEL_SCENES) $(SCENES) $(addprefix --builder ,$(SCALED)) --width 8 \
+		$(addprefix --workers ,1 2 4 16 64) --out results/scaling $(ARGS)
 
 # A new revision begins anew: it cannot continue the runs of another (remove results/full).
 bench-reference: RESUMED = yes
@@ -130,6 +134,8 @@ bench-reference: packages
 	$(call runs,$(FULL))
 	./target/release/phr reduce $(FULL) $(REFERENCE)
 	./target/release/phr reduce $(FULL)-ablation $(REFERENCE)-ablation
+	./target/release/phr reduce $(FULL)-ablation-quality $(REFERENCE)-ablation-quality
+	$(MAKE) bench-kernel bench-scaling
 	./target/release/phr table $(REFERENCE) > $(REFERENCE)/table1.md
 	./target/release/phr plot $(REFERENCE)
 	./target/release/phr plot $(REFERENCE)/growth
