@@ -257,6 +257,8 @@ fn wrong_gltf_is_told() {
         (changed(|d| d["buffers"][0]["byteLength"] = 4096.into()), "buffer 0: has 92 bytes of 4096"),
         (changed(|d| d["buffers"][0]["uri"] = "none.bin".into()), "none.bin: No such file"),
         (changed(|d| d["buffers"][0]["uri"] = "http://a.b/c".into()), "http://a.b/c is not a file"),
+        (changed(|d| d["buffers"][0]["uri"] = "a/..%2f../c".into()), "outside the scene's folder"),
+        (changed(|d| d["buffers"][0]["uri"] = "/etc/hostname".into()), "outside the scene's folder"),
         (changed(|d| d["buffers"][0]["uri"] = "data:;base64,*".into()), "buffer 0: a data URI"),
         (changed(|d| d["meshes"][0]["primitives"][0]["mode"] = 1.into()), "no usable triangle"),
         (changed(|d| d["nodes"] = "none".into()), "JSON, line 1 column"),

@@ -234,8 +234,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.check_names()?;
     let saved = offer(&arguments.trees)?;
     let mut request = arguments.request()?;
-    request.builders = request.builders.and(saved);
+    request.builders = request.builders.and(saved.clone());
     let plan = Plan::new(&request)?;
+    let planned = |name: &String| plan.lines().any(|line| line.contains(name.as_str()));
+    if let Some(name) = saved.iter().find(|name| !planned(name)) {
+        return Err(Failure::Bad(format!(
+            "--tree: {name} is not of the --width or --filter given; leave that out"
+        )));
+    }
     if !arguments.trees.is_empty() && plan.scenes.len() != 1 {
         return Err(Failure::Bad("--tree: a tree is of one scene; give that scene alone".into()));
     }

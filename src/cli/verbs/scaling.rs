@@ -7,7 +7,7 @@ use crate::builders;
 use crate::cli::failure::Failure;
 use crate::cli::options;
 use crate::cli::output::say;
-use crate::report::scaling::{page, scene_table};
+use crate::report::scaling::{means, scene_table};
 use std::path::PathBuf;
 
 /// Time the tasks of builds on one thread and schedule them on more workers, into DIR/scaling.csv
@@ -50,7 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         })?;
         row::write(&folder.join(SCALING), &rows)?;
     }
-    say(&page(&rows))
+    say(&means(&rows))
 }
 
 fn settings(arguments: &Arguments) -> Result<ScalingSettings, Failure> {

@@ -26,8 +26,8 @@ pub fn scene_table(rows: &[ScalingRow], scene: &str) -> String {
 }
 
 /// How many times faster than on one thread, geometric means over scenes, and the phase that takes most of the time of
-/// most workers; every scene folded away.
-pub fn page(rows: &[ScalingRow]) -> String {
+/// most workers.
+pub fn means(rows: &[ScalingRow]) -> String {
     let workers = numbers(rows.iter());
     let (Some(first), Some(&most)) = (rows.first(), workers.last()) else { return String::new() };
     let header = workers.iter().skip(1).flat_map(|&workers| {
@@ -59,17 +59,29 @@ pub fn page(rows: &[ScalingRow]) -> String {
     }
     let mut scenes: Vec<&str> = rows.iter().map(|row| &*row.scene).collect();
     scenes.dedup();
-    let each: String = scenes.iter().map(|scene| scene_table(rows, scene) + "\n").collect();
     format!(
-        "{}\n{}, revision {}, {}; {} scenes, medians of {} builds; how many times faster than one thread or worker.\n\n\
-        <details><summary>Every scene</summary>\n\nMilliseconds of the schedule, in brackets measured on as many \
-        threads.\n\n{each}</details>\n",
+        "{}\n{}, revision {}, {}; {} scenes, medians of {} builds; how many times faster than one thread or worker.\n",
         grid.markdown(),
         first.utc,
         first.git_rev,
         first.cpu,
         scenes.len(),
         first.rounds
+    )
+}
+
+/// For a page: the means, with every scene folded away.
+pub fn page(rows: &[ScalingRow]) -> String {
+    if rows.is_empty() {
+        return String::new();
+    }
+    let mut scenes: Vec<&str> = rows.iter().map(|row| &*row.scene).collect();
+    scenes.dedup();
+    let each: String = scenes.iter().map(|scene| scene_table(rows, scene) + "\n").collect();
+    format!(
+        "{}\n<details><summary>Every scene</summary>\n\nMilliseconds of the schedule, in brackets measured on as many \
+        threads.\n\n{each}</details>\n",
+        means(rows)
     )
 }
 

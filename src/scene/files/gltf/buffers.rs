@@ -7,7 +7,7 @@ use crate::scene::files::source::open;
 use gltf::json::{Index, Root, accessor::Accessor, buffer};
 use std::collections::BTreeSet;
 use std::io::BufReader;
-use std::path::Path;
+use std::path::{Component, Path};
 
 /// By buffer; empty where it is not in use.
 pub(super) struct Buffers(Vec<Vec<u8>>);
@@ -86,6 +86,10 @@ fn beside(
         return Err(fault(&format!("{uri} is not a file; fetch it")));
     }
     let name = decoded(uri).ok_or_else(|| fault(&format!("{uri} names no file")))?;
+    // A scene from elsewhere is not to read what is not its own.
+    if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
+        return Err(fault(&format!("{uri} lies outside the scene's folder; put it beside the scene")));
+    }
     let (file, _) = open(&scene.with_file_name(name)).map_err(|error| fault(&error.to_string()))?;
     let length = u32::try_from(length).map_err(|_| fault("larger than 4 GiB"))?;
     exactly(&mut BufReader::new(file), length, guard, uri)
