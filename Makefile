@@ -23,8 +23,8 @@
 #                   refining, leaf blocks, wide nodes), each beside a memcpy of as many bytes: some minutes
 # make embree-ndebug
 #                   compiles the distribution's Embree from its source package, without assertions, into
-#                   target/embree-ndebug, and the harness with it; then builds and traces the built-in scenes with
-#                   either library by turns, into results/ndebug-full: an hour on two cores
+#                   target/embree-ndebug; then builds and traces the built-in scenes with either library by turns, the
+#                   program the same, into results/ndebug: half an hour on two cores
 # make test         everything that is checked before a change is taken: formatting, lints, the library
 #                   without any feature, the harness without Embree, all tests and the documentation's examples
 #
@@ -150,15 +150,15 @@ bench-paper: packages
 embree-ndebug: packages
 	sh .ci/embree-ndebug
 	$(CARGO) build --release --bin phr
-	EMBREE3_DIR=$(NDEBUG) $(CARGO) build --release --bin phr --target-dir target/ndebug
 	for round in 1 2 3 4; do \
 		[ $$round = 1 ] && resume= || resume=--resume; \
-		for program in with:target/release/phr without:target/ndebug/release/phr; do \
-			$${program#*:} bench --set builtin --size $(SIZE) $(addprefix --builder ,$(ASSERTED)) --rounds $$round \
-				--threads 2 $$resume --out results/ndebug-full/$${program%%:*} $(ARGS) || exit 1; \
+		for library in with: without:$(NDEBUG)/lib; do \
+			LD_LIBRARY_PATH=$${library#*:} ./target/release/phr bench --set builtin --size $(SIZE) \
+				$(addprefix --builder ,$(ASSERTED)) --rounds $$round --threads 2 $$resume \
+				--out results/ndebug-full/$${library%%:*} $(ARGS) || exit 1; \
 		done; \
 	done
-	./target/release/phr reduce results/ndebug-full results/ndebug
+	for library in with without; do ./target/release/phr reduce results/ndebug-full/$$library results/ndebug/$$library; done
 
 # The page's tests are left out, and say so, where the browser cannot be had.
 test: packages
