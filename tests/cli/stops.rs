@@ -1,0 +1,71 @@
+//! Runs that are stopped, killed and resumed.
+
+use super::*;
+use phr::bench::environment::State;
+use phr::bench::row::{self, ROWS};
+use phr::bench::samples::Samples;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+#[test]
+fn a_run_goes_on_where_it_stopped() {
+    let (_keep, folder) = workplace();
+    assert!(phr(&folder, &tiny("sheet.ply", &["--rounds", "1"])).status.success());
+    let first = Samples::read(&folder.join("out")).unwrap();
+    let output = phr(&folder, &tiny("sheet.ply", &["--rounds", "3", "--resume"]));
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let both = Samples::read(&folder.join("out")).unwrap();
+    assert_eq!(both.run_id, first.run_id);
+    for (before, after) in first.scenes[0].cells.iter().zip(&both.scenes[0].cells) {
+        assert_eq!(after.visits.len(), 3);
+        assert_eq!(after.visits[0], before.visits[0], "a finished visit is not made again");
+    }
+    let other = phr(&folder, &tiny("sheet.ply", &["--resume", "--seed", "9"]));
+    assert_eq!(other.status.code(), Some(2));
+    assert!(text(&other.stderr).contains("seed"), "{}", text(&other.stderr));
+
+    std::fs::write(folder.join("sheet.ply"), sheet(20)).unwrap();
+    let other = phr(&folder, &tiny("sheet.ply", &["--rounds", "4", "--resume"]));
+    assert_eq!(other.status.code(), Some(2));
+    assert!(text(&other.stderr).contains("geometry"), "{}", text(&other.stderr));
+}
+
+/// Starts a run that would last for ever, and stops it with `signal` once rows are on disk.
+fn stopped_by(signal: &str, folder: &Path) -> Option<i32> {
+    let mut command = command(folder, &tiny("sheet.ply", &["--rounds", "60000"]));
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let start = Instant::now();
+    while !folder.join("out").join(ROWS).exists() {
+        assert!(start.elapsed() < Duration::from_secs(60), "no row after a minute");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let killed = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    child.wait().unwrap().code()
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_keeps_what_is_finished_and_says_so() {
+    let (_keep, folder) = workplace();
+    assert_eq!(stopped_by("-INT", &folder), Some(130));
+    let rows = row::read(&folder.join("out")).unwrap();
+    assert!(rows.iter().all(|row| row.warnings.contains("Unfinished")));
+    assert_eq!(environment(&folder).state, State::Interrupted);
+    let table = text(&phr(&folder, &["table", "out"]).stdout);
+    assert!(table.contains("Part of a run"), "{table}");
+    let resumed = phr(&folder, &tiny("sheet.ply", &["--rounds", "1", "--resume"]));
+    assert!(resumed.status.success(), "{}", text(&resumed.stderr));
+    assert_eq!(environment(&folder).state, State::Complete);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_kill_loses_no_finished_row() {
+    let (_keep, folder) = workplace();
+    assert_eq!(stopped_by("-KILL", &folder), None);
+    assert!(!row::read(&folder.join("out")).unwrap().is_empty());
+    assert_eq!(environment(&folder).state, State::Running);
+    let resumed = phr(&folder, &tiny("sheet.ply", &["--rounds", "1", "--resume"]));
+    assert!(resumed.status.success(), "{}", text(&resumed.stderr));
+}

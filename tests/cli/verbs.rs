@@ -1,0 +1,166 @@
+//! What is refused, and the verbs beside the bench.
+
+use super::*;
+use phr::bench::row::{self, ROWS, Row};
+
+#[test]
+fn bad_input_is_one_line_and_code_2() {
+    let (_keep, folder) = workplace();
+    let whole = sheet(24);
+    std::fs::write(folder.join("cut.ply"), &whole[..whole.len() / 2]).unwrap();
+    std::fs::write(folder.join("empty.ply"), "").unwrap();
+    std::fs::write(folder.join("none.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\n").unwrap();
+    std::fs::write(folder.join("bad.obj"), "v 0 0 zero\n").unwrap();
+    std::fs::write(folder.join("scene.txt"), "hello").unwrap();
+    std::fs::write(folder.join("file"), "").unwrap();
+    std::fs::create_dir(folder.join("folder")).unwrap();
+    let generated = phr::scene::builtin()[0].name;
+    let cases: &[(&[&str], &[&str])] = &[
+        (&["bench", "missing.ply"], &["missing.ply", "no such file"]),
+        (&["bench", "folder"], &["folder", "directory"]),
+        (&["bench", "cut.ply"], &["cut.ply", "truncated"]),
+        (&["bench", "sheet.ply", "cut.ply"], &["cut.ply"]),
+        (&["bench", "empty.ply"], &["empty.ply"]),
+        (&["bench", "none.obj"], &["none.obj"]),
+        (&["bench", "bad.obj"], &["bad.obj"]),
+        (&["bench", "scene.txt"], &["scene.txt", ".ply"]),
+        (&["bench", "sheet.ply", "./sheet.ply"], &["two scenes", "sheet"]),
+        (&["bench", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh", "phr-hq"]),
+        (&["bench", "sheet.ply", "--threads", "0"], &["--threads 0"]),
+        (&["bench", "sheet.ply", "--threads", "2", "--one-thread"], &["--one-thread", "--build-only"]),
+        (&["bench", "sheet.ply", "--threads", "99999"], &["--threads 99999"]),
+        (&["bench", "sheet.ply", "--rounds", "0"], &["--rounds 0"]),
+        (&["bench", "sheet.ply", "--views", "0"], &["--views 0"]),
+        (&["bench", "sheet.ply", "--size", "0"], &["--size 0"]),
+        (&["bench", "sheet.ply", "--filter", "("], &["--filter (", "unclosed"]),
+        (&["bench", "sheet.ply", "--filter", "nothing"], &["--filter nothing", "--list"]),
+        (&["bench", "sheet.ply", "--out", "file"], &["file", "--out"]),
+        (&["bench", "sheet.ply", "--out", "/proc/results"], &["/proc/results", "--out"]),
+        (&["bench", "sheet.ply", "--resume", "--out", "folder"], &[ENVIRONMENT, "--resume"]),
+        (&["bench", "--set", "paper", "--scenes", "nowhere"], &["nowhere", "--scenes"]),
+        (&["build", "missing.ply"], &["missing.ply"]),
+        (&["bench", "sheet.ply", "--tree", "sheet.ply"], &["sheet.ply: not a saved tree"]),
+        (&["build", "sheet.ply", "-o", "x.phrtree"], &["--output x.phrtree", "--builder"]),
+        (&["build", "sheet.ply", "--builder", "lbvh", "-o", "no/x"], &["no/x", "no such folder"]),
+        (&["build", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
+        (&["build", "sheet.ply", "--builder", "phr-hq", "--width", "5"], &["--width 5", "phr-hq"]),
+        (&["build", "sheet.ply", "--threads", "0"], &["--threads 0"]),
+        (&["build", "sheet.ply", "--threads", "20000"], &["--threads 20000", "1024"]),
+        (&["render", "sheet.ply", "-o", "x.png", "--threads", "20000"], &["--threads 20000"]),
+        (&["bench", "sheet.ply", "--name", "../../x"], &["--name ../../x"]),
+        (&["bench", "sheet.ply", "--name", ".."], &["--name .."]),
+        (&["bench", "sheet.ply", "--host", "=cmd"], &["--host =cmd"]),
+        (&["build", "sheet.ply", "--max-memory", "1k"], &["sheet.ply", "--max-memory"]),
+        (&["render", generated, "-o", "x.png", "--view", "99"], &["--view 99", generated]),
+        (&["render", "sheet.ply", "-o", "nowhere/x.png"], &["nowhere", "folder"]),
+        (&["render", "sheet.ply", "-o", "folder"], &["folder", "directory"]),
+        (&["render", "sheet.ply", "-o", "x.png", "--size", "0"], &["--size 0"]),
+        (&["verify", "missing.ply"], &["missing.ply"]),
+        (&["verify", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
+        (&["table", "nowhere"], &["nowhere", "phr bench"]),
+        (&["report", "nowhere"], &["nowhere", "phr bench"]),
+        (&["report", "folder"], &[ROWS, "phr bench"]),
+        (&["table", "folder"], &[ROWS, "phr bench"]),
+        (&["table", "sheet.ply"], &["sheet.ply"]),
+    ];
+    for (arguments, wanted) in cases {
+        let output = phr(&folder, arguments);
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+        assert_eq!(told.lines().count(), 1, "{arguments:?}: {told}");
+        assert!(!told.contains("panicked") && told.starts_with("phr: "), "{arguments:?}: {told}");
+        for part in *wanted {
+            assert!(told.contains(part), "{arguments:?}: no {part:?} in {told}");
+        }
+        assert_eq!(text(&output.stdout), "", "{arguments:?}");
+    }
+    assert!(!folder.join("results").exists(), "a refused run writes nothing");
+    assert_eq!(phr(&folder, &["bench", "--no-such-option"]).status.code(), Some(2));
+    assert_eq!(phr(&folder, &[]).status.code(), Some(2));
+}
+
+#[test]
+fn listing_and_dry_runs_touch_nothing() {
+    let (_keep, folder) = workplace();
+    let list = phr(&folder, &["bench", "sheet.ply", "--list", "--builder", "phr-hq"]);
+    assert!(text(&list.stdout).lines().any(|line| line == "sheet phr-hq 4 phr"), "{}", text(&list.stdout));
+    let dry = phr(&folder, &tiny("sheet.ply", &["--dry-run"]));
+    assert!(dry.status.success() && text(&dry.stdout).contains("visits"), "{}", text(&dry.stdout));
+    assert!(!folder.join("out").exists() && !folder.join("results").exists());
+    let scenes = phr(&folder, &["scenes"]);
+    assert!(text(&scenes.stdout).contains(phr::scene::builtin()[0].name));
+}
+
+#[test]
+fn single_verbs_do_their_work() {
+    let (_keep, folder) = workplace();
+    let build = phr(&folder, &["build", "sheet.ply", "--builder", "phr-hq"]);
+    let told = text(&build.stdout);
+    assert!(build.status.success() && told.contains("SAH cost") && told.contains("1152 triangles"), "{told}");
+
+    let build =
+        phr(&folder, &["build", "sheet.ply", "--builder", "phr-hq", "--width", "8", "-o", "x.phrtree"]);
+    assert!(build.status.success(), "{}", text(&build.stderr));
+    let scene = phr::scene::load(&folder.join("sheet.ply")).unwrap();
+    let saved = phr::bvh::Bvh8::load(&scene.mesh, &folder.join("x.phrtree")).unwrap();
+    assert_eq!(saved.validate(&scene.mesh), Ok(()));
+    let bench = phr(&folder, &tiny("sheet.ply", &["--rounds", "1", "--tree", "x.phrtree"]));
+    assert!(bench.status.success(), "{}", text(&bench.stderr));
+    let rows = row::read(&folder.join("out")).unwrap();
+    let loaded: Vec<&Row> = rows.iter().filter(|row| row.builder == "saved:x" && row.is_total()).collect();
+    assert!(loaded.iter().any(|row| row.verified == Some(true)), "{loaded:?}");
+    assert!(
+        loaded.iter().all(|row| row.width == 8 && row.is_good() && row.builder_config.contains("phr-hq"))
+    );
+    let generated = phr::scene::builtin()[0].name;
+    let other = phr(&folder, &["bench", generated, "--tree", "x.phrtree"]);
+    assert_eq!(other.status.code(), Some(2));
+    assert!(
+        text(&other.stderr).contains("the tree of another mesh (1152 triangles"),
+        "{}",
+        text(&other.stderr)
+    );
+
+    let render = phr(&folder, &["render", "sheet.ply", "-o", "x.png", "--size", "16", "--samples", "2"]);
+    assert!(render.status.success(), "{}", text(&render.stderr));
+    assert!(std::fs::read(folder.join("x.png")).unwrap().starts_with(b"\x89PNG"));
+
+    let verify = phr(&folder, &["verify", "sheet.ply", "--size", "32"]);
+    let told = text(&verify.stdout);
+    assert!(verify.status.success() && told.contains("verified") && !told.contains("WRONG"), "{told}");
+}
+
+#[test]
+fn an_unknown_instruction_set_is_refused() {
+    let (_guard, folder) = workplace();
+    let output = command(&folder, &["scenes"]).env("PHR_ISA", "avx3").output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        text(&output.stderr).contains("PHR_ISA=avx3 names no instruction set"),
+        "{}",
+        text(&output.stderr)
+    );
+}
+
+#[test]
+fn two_programs_are_measured_by_turns() {
+    let (_place, folder) = workplace();
+    let this = env!("CARGO_BIN_EXE_phr");
+    let compare = |program: &str, more: &[&str]| {
+        let arguments = ["compare", "--against", program, "sheet.ply", "--builder", "lbvh", "--seconds", "1"];
+        phr(&folder, &[&arguments[..], more].concat())
+    };
+    let output = compare(this, &["--threads", "1"]);
+    let table = text(&output.stdout);
+    // What it decides depends on the machine.
+    assert!(matches!(output.status.code(), Some(0 | 1 | 3)), "{}", text(&output.stderr));
+    assert_eq!(table.lines().filter(|line| line.starts_with("| lbvh / 4 ")).count(), 2, "{table}");
+    assert!(table.contains("1 builders: ") && table.contains(" sessions of fresh processes"), "{table}");
+    for (program, more) in
+        [("/bin/true", &[][..]), ("/no/such/program", &[]), (this, &["--builder", "nobody"])]
+    {
+        let output = compare(program, more);
+        assert_eq!((output.status.code(), text(&output.stderr).lines().count()), (Some(2), 1), "{program}");
+    }
+    assert_eq!(phr(&folder, &["compare", "one"]).status.code(), Some(2));
+}
