@@ -31,7 +31,7 @@ impl Ratios {
         figure: Figure,
         under: &Under,
     ) -> Self {
-        Self(of_scenes.iter().filter_map(|scene| scene.noisy_ratio_to(base, tree, figure, under)).collect())
+        Self(of_scenes.iter().filter_map(|scene| scene.ratio_to(base, tree, figure, under)).collect())
     }
 
     /// The ratios in the paper.

@@ -9,7 +9,7 @@ mod under;
 use crate::bench::cell::place;
 use crate::bench::rounds::{ByRound, paired};
 use crate::bench::row::{ALL, NO_KERNEL, REBUILD, Row};
-use crate::bench::statistics::{Ratio, Summary};
+use crate::bench::statistics::Summary;
 use interval::{Noise, SceneRatio};
 pub use place::Place;
 pub use scenes::{scenes, scenes_of};
@@ -183,36 +183,30 @@ impl<'a> SceneFigures<'a> {
     }
 
     /// A figure of a tree relative to Embree SAH, see [`SceneFigures::ratio_to`].
-    pub fn ratio(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Option<Ratio> {
+    pub fn ratio(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Option<SceneRatio> {
         self.ratio_to(BASELINE, tree, figure, under)
     }
 
-    /// A figure of a tree relative to that of `base`, which is taken under the same choice of kernel. `None`
-    /// too where that has none: a ratio to nothing is no figure.
-    pub fn ratio_to(&self, base: Tree<'_>, tree: Tree<'_>, figure: Figure, under: &Under) -> Option<Ratio> {
-        let of = |tree| self.figure(tree, figure, under).value();
-        let (a, b) = (of(tree)?, of(base).filter(|b| b.median > 0.0)?);
-        Some(if tree == base { Ratio { value: 1.0, low: 1.0, high: 1.0 } } else { Ratio::propagated(&a, &b) })
-    }
-
-    /// The ratio of [`SceneFigures::ratio_to`] with what is known of its noise: from times of the same rounds where the
-    /// rows have them.
-    pub fn noisy_ratio_to(
+    /// A figure of a tree relative to that of `base`, which is taken under the same choice of kernel, with what is known
+    /// of its noise: from times of the same rounds where the rows have them. `None` too where `base` has no figure: a
+    /// ratio to nothing is none.
+    pub fn ratio_to(
         &self,
         base: Tree<'_>,
         tree: Tree<'_>,
         figure: Figure,
         under: &Under,
     ) -> Option<SceneRatio> {
-        let (scene, value) = (self.scene.clone(), self.ratio_to(base, tree, figure, under)?.value);
+        let of = |tree| self.figure(tree, figure, under).value();
+        let (a, b) = (of(tree)?, of(base).filter(|b| b.median > 0.0)?);
+        let scene = self.scene.clone();
         if tree == base {
-            return Some(SceneRatio { scene, value, noise: Noise::NONE });
+            return Some(SceneRatio { scene, value: 1.0, noise: Noise::NONE });
         }
-        let of = |tree| Some((self.figure(tree, figure, under).value()?, self.rounds(tree, figure, under)));
-        let ((a, a_rounds), (b, b_rounds)) = (of(tree)?, of(base)?);
-        let of_one_run = a_rounds.zip(b_rounds).filter(|(a, b)| a.0 == b.0);
+        let rounds = |tree| self.rounds(tree, figure, under);
+        let of_one_run = rounds(tree).zip(rounds(base)).filter(|(a, b)| a.0 == b.0);
         let noise = Noise::of(&a, &b, of_one_run.map(|(a, b)| paired(a.1, b.1)).unwrap_or_default());
-        Some(SceneRatio { scene, value, noise })
+        Some(SceneRatio { scene, value: a.median / b.median, noise })
     }
 
     /// The run behind a figure and its times by round; costs have none.

@@ -2,6 +2,7 @@
 
 use super::family::family_of;
 use crate::bench::row::Row;
+use crate::report::figures::interval::SceneRatio;
 use crate::report::figures::{Figure, NATIVE, PHR, Place, SceneFigures, Tree, Under, kernels, tree_name};
 use crate::report::plot::pareto::front;
 use crate::report::verdict::field::Field;
@@ -207,8 +208,10 @@ impl Shape<'_> {
         let timed = |figure, under: &Under| {
             let value = scene.figure(tree, figure, under).value()?.median;
             let ratio = scene.ratio_to(self.field.base, tree, figure, under);
-            let [ratio, low, high] = [ratio.map(|x| x.value), ratio.map(|x| x.low), ratio.map(|x| x.high)];
-            Some([Some(value), ratio.map(rounded), low.map(rounded), high.map(rounded)])
+            let interval =
+                ratio.as_ref().map(SceneRatio::interval).filter(|interval| interval.high.is_finite());
+            let [low, high] = [interval.map(|x| x.low), interval.map(|x| x.high)];
+            Some([Some(value), ratio.map(|x| rounded(x.value)), low.map(rounded), high.map(rounded)])
         };
         let traced = |under: &Under| scene.trace(tree, under.kernel_of(tree.0)).value();
         let peak = match scene.build(tree) {

@@ -31,7 +31,7 @@ fn line(of_scene: &SceneFigures<'_>, tree: Tree<'_>, under: &Under) -> Vec<Strin
     let ratio = |figure| match of_scene.ratio(tree, figure, under) {
         Some(_) if tree == BASELINE => "1".into(),
         Some(ratio) if figure == Figure::Cost => format!("{:.2}", ratio.value),
-        Some(ratio) => interval(ratio),
+        Some(ratio) => interval(&ratio),
         None => String::new(),
     };
     let speed = of_scene.trace(tree, under.kernel_of(tree.0)).and_then(|row| row.mrays_s);

@@ -2,7 +2,7 @@
 //! intervals of the ratios.
 
 use crate::bench::row::Row;
-use crate::bench::statistics::Ratio;
+use crate::report::figures::interval::SceneRatio;
 use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, kernels, trees};
 use crate::report::grid::{Grid, short};
 
@@ -39,7 +39,7 @@ fn line(of_scene: &SceneFigures<'_>, tree: Tree<'_>, unders: &[(String, Under)])
         |figure: fn(&Row) -> Option<f64>| build.value().and_then(figure).map_or_else(String::new, short);
     let ratio = |figure, under: &Under| match of_scene.ratio(tree, figure, under) {
         Some(_) if tree == BASELINE => "1".into(),
-        Some(ratio) => interval(ratio),
+        Some(ratio) => interval(&ratio),
         None => String::new(),
     };
     let ms = |row: Option<&Row>| row.and_then(|row| row.build_ms_median).map_or_else(String::new, short);
@@ -84,11 +84,11 @@ pub fn kernels_are_mixed(rows: &[Row], scenes: &[String]) -> bool {
 }
 
 /// A ratio with the half width of its interval, where that is known.
-pub(super) fn interval(ratio: Ratio) -> String {
-    let half = 0.5 * (ratio.high - ratio.low);
+pub(super) fn interval(ratio: &SceneRatio) -> String {
+    let half = ratio.interval().half_width(ratio.value);
     // An interval wider than the ratio says no more than that nothing is known.
-    if half < ratio.value {
-        format!("{:.2} ±{half:.2}", ratio.value)
+    if half < 1.0 {
+        format!("{:.2} ±{:.2}", ratio.value, half * ratio.value)
     } else {
         format!("{:.2} ±?", ratio.value)
     }

@@ -173,7 +173,7 @@ impl Judge {
         let under = Under::One(kernel.into());
         let ratio = |base, figure| {
             let own = main.figure(tree, figure, &under);
-            own.and_then(|_| main.noisy_ratio_to((base, target.width), tree, figure, &under))
+            own.and_then(|_| main.ratio_to((base, target.width), tree, figure, &under))
         };
         let exact = |value| Some(SceneRatio { scene: scene.into(), value, noise: Noise::NONE });
         let per_triangle = |bytes: fn(&Row) -> Option<u64>| {

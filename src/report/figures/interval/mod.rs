@@ -12,6 +12,8 @@ use crate::random::SplitMix64;
 /// Draws behind an interval.
 const DRAWS: usize = 2000;
 const SEED: u64 = 0x9d2c_5680;
+/// Rounds below which nothing is said of noise: two that happen to be alike would make any difference sure.
+pub const LEAST_ROUNDS: usize = 3;
 
 /// What is known of the noise of a scene's ratio.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,12 +28,16 @@ impl Noise {
     /// Of a figure that is the same in every run.
     pub const NONE: Self = Self::Error(0.0);
 
-    /// From the times in rounds that both builders have, where there are two, else from their summaries.
+    /// From the times in rounds that both builders have, else from their summaries. Fewer rounds than [`LEAST_ROUNDS`]
+    /// tell nothing.
     pub fn of(a: &Summary, b: &Summary, pairs: Vec<[f64; 2]>) -> Self {
-        if pairs.len() > 1 {
-            return Self::Rounds(Pairs::new(pairs));
+        match pairs.len() {
+            0 if a.count.min(b.count) >= LEAST_ROUNDS => {
+                Self::Error(a.relative_error().hypot(b.relative_error()) / 1.96)
+            }
+            LEAST_ROUNDS.. => Self::Rounds(Pairs::new(pairs)),
+            _ => Self::Error(f64::INFINITY),
         }
-        Self::Error(a.relative_error().hypot(b.relative_error()) / 1.96)
     }
 
     /// A factor by which the ratio might have come out otherwise.
@@ -104,6 +110,13 @@ pub struct SceneRatio {
     pub value: f64,
     /// What is known of its noise.
     pub noise: Noise,
+}
+
+impl SceneRatio {
+    /// Its interval over rounds.
+    pub fn interval(&self) -> Interval {
+        of_mean(std::slice::from_ref(self), Over::Rounds).unwrap_or(Interval::UNKNOWN)
+    }
 }
 
 /// The ends of a 95 % interval; from 0 to infinity where nothing is known.
