@@ -113,7 +113,8 @@ mod tests {
         let text = run_summary(&rows(), Path::new("out"), &plots);
         for line in [
             "## out: 2 scenes, 5 trees, 2 threads",
-            "embree-sah / 8 builds fastest: in 0.30 [0.30, 0.30] of its build time, and traces in 0.70 [0.70, 0.70] of its time.",
+            "embree-sah / 8 builds fastest: in 0.30 [0.30, 0.30] of its build time, and traces in 0.70 [0.70, 0.70] of its time; not",
+            "told apart from it is phr-fast.",
             "No other builds and traces as fast: embree-sah / 8, phr-hq.",
             "table: out/table1.md",
             "rows:  out/rows.csv (9), every sample in samples.json",

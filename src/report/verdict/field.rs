@@ -34,6 +34,24 @@ impl<'a> Field<'a> {
         (ratios.0.len() == of_base && of_base > 0).then_some(ratios)
     }
 
+    /// The trees whose mean relative to that of `best` has an interval that reaches down to 1, the nearest first: none of
+    /// them is told apart from it. `None` where no interval is known.
+    pub fn rivals(&self, best: Tree<'_>, figure: Figure, under: &Under) -> Option<Vec<Tree<'a>>> {
+        let to_best = |tree| {
+            let ratios = Ratios::among(&self.scenes, best, tree, figure, under);
+            Some((tree, ratios.geometric()?, ratios.interval(ratios.over())?))
+        };
+        let others = self.trees.iter().copied().filter(|&tree| tree != best);
+        let others = others.filter(|&tree| self.whole_ratios(tree, figure, under).is_some());
+        let mut others: Vec<_> = others.filter_map(to_best).collect();
+        if !others.is_empty() && others.iter().all(|(_, _, interval)| interval.high.is_infinite()) {
+            return None;
+        }
+        others.retain(|(_, _, interval)| interval.low <= 1.0);
+        others.sort_by(|a, b| a.1.total_cmp(&b.1));
+        Some(others.into_iter().map(|(tree, _, _)| tree).collect())
+    }
+
     /// The tree of the least mean, with that.
     pub fn least(&self, figure: Figure, under: &Under) -> Option<(Tree<'a>, f64)> {
         let mean = |&tree: &Tree<'a>| Some((tree, self.whole_ratios(tree, figure, under)?.geometric()?));

@@ -4,6 +4,7 @@
 pub mod field;
 pub mod totals;
 
+use crate::report::figures::interval::LEAST_ROUNDS;
 use crate::report::figures::{Figure, Tree, Under, tree_name};
 use field::Field;
 use totals::{Stretch, stretches, totals};
@@ -54,6 +55,21 @@ impl Sentence {
         self
     }
 
+    /// Which trees are not told apart from the best.
+    fn rivals(self, field: &Field<'_>, best: Tree<'_>, figure: Figure, under: &Under) -> Self {
+        let Some(rivals) = field.rivals(best, figure, under) else {
+            return self.words(format!("; {LEAST_ROUNDS} rounds at least would tell how sure that is"));
+        };
+        match rivals[..] {
+            [] => self,
+            [rival] => self.words("; not told apart from it is ").name(rival),
+            [nearest, ref others @ ..] => {
+                let and = format!(" and {} more", others.len());
+                self.words("; not told apart from it are ").name(nearest).words(and)
+            }
+        }
+    }
+
     /// As plain text.
     pub fn text(&self) -> String {
         self.0.iter().map(Part::text).collect()
@@ -82,7 +98,9 @@ pub fn verdict(field: &Field<'_>, under: &Under) -> [Sentence; 3] {
                 .name(quickest)
                 .words(" builds fastest: in ")
                 .ratio(field, quickest, Figure::Build, under)
-                .words(format!(" of the time of {}.", based(field))),
+                .words(format!(" of the time of {}", based(field)))
+                .rivals(field, quickest, Figure::Build, under)
+                .words("."),
             lowest_cost(field, under),
             Sentence::default()
                 .words("No rays were traced: a run without --build-only tells which tree pays."),
@@ -116,7 +134,9 @@ fn fastest_trace(field: &Field<'_>, best: Tree<'_>, under: &Under) -> Sentence {
         .ratio(field, best, Figure::Trace, under)
         .words(format!(" of the time of {}, after ", based(field)))
         .ratio(field, best, Figure::Build, under)
-        .words(" of its build time.")
+        .words(" of its build time")
+        .rivals(field, best, Figure::Trace, under)
+        .words(".")
 }
 
 fn fastest_build(field: &Field<'_>, quickest: Tree<'_>, under: &Under) -> Sentence {
@@ -129,7 +149,9 @@ fn fastest_build(field: &Field<'_>, quickest: Tree<'_>, under: &Under) -> Senten
         .ratio(field, quickest, Figure::Build, under)
         .words(" of its build time, and traces in ")
         .ratio(field, quickest, Figure::Trace, under)
-        .words(" of its time.")
+        .words(" of its time")
+        .rivals(field, quickest, Figure::Build, under)
+        .words(".")
 }
 
 fn lowest_cost(field: &Field<'_>, under: &Under) -> Sentence {
@@ -211,6 +233,32 @@ mod tests {
         let until = "Build and rays together, lbvh takes least time up to 7.5 million rays, \
                      embree-sah up to 20 million rays and phr-hq beyond.";
         assert_eq!(found[2], until);
+    }
+
+    #[test]
+    fn the_best_by_less_than_noise_is_not_told_apart() {
+        let rounds = |times: [f64; 3]| times.into_iter().enumerate().map(|(i, ms)| (i as u32, ms)).collect();
+        let of = |builder, build: f64, trace: [f64; 3]| {
+            let mut row = row("a", builder, build, trace[1]);
+            row.by_round.build = rounds([build; 3]);
+            row.by_round.trace = rounds(trace);
+            row
+        };
+        let rows = [
+            of("embree-sah", 20.0, [2.0; 3]),
+            of("phr-hq", 40.0, [0.9, 1.0, 1.1]),
+            of("phr-best", 60.0, [1.1, 1.01, 1.0]),
+        ];
+        let found = sentences(&rows);
+        assert!(found[0].ends_with("; not told apart from it is phr-best."), "{found:?}");
+        assert!(found[1].starts_with("None builds faster than embree-sah"), "{found:?}");
+    }
+
+    #[test]
+    fn two_rounds_tell_of_no_noise() {
+        let row = |builder, build| Row { rounds: 2, ..row("a", builder, build, 1.0) };
+        let found = sentences(&[row("embree-sah", 20.0), row("lbvh", 5.0)]);
+        assert!(found[1].ends_with("; 3 rounds at least would tell how sure that is."), "{found:?}");
     }
 
     #[test]
