@@ -113,6 +113,12 @@ pub enum RunError {
         /// The system's message.
         reason: String,
     },
+    /// A folder that holds a run already.
+    #[error(
+        "{}: holds the results of a run; --resume goes on with it, --out DIR writes elsewhere, --replace removes it",
+        .0.display()
+    )]
+    Taken(PathBuf),
     /// `--resume` with other settings.
     #[error("{}: made with another {what}; give the same, or run without --resume", folder.display())]
     Resume {

@@ -2,7 +2,6 @@
 
 use super::failure::Failure;
 use std::io::Write;
-use std::path::Path;
 
 /// Prints to standard output. A closed pipe (`phr table | head`) is no error.
 ///
@@ -15,14 +14,4 @@ pub fn say(text: &str) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
-}
-
-/// Makes a folder for results, if there is none yet.
-///
-/// # Errors
-/// An unwritable place.
-pub fn new_folder(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|error| {
-        Failure::Bad(format!("{}: {error}; give a writable folder with --out", folder.display()))
-    })
 }

@@ -47,6 +47,14 @@ pub fn plain_name(name: &str) -> String {
 }
 
 impl PlannedScene {
+    /// The scenes called `names` on a command line, see [`PlannedScene::find`].
+    ///
+    /// # Errors
+    /// Of the first that cannot be found.
+    pub fn find_all(names: &[String]) -> Result<Vec<Self>, PlanError> {
+        names.iter().map(|name| Self::find(name)).collect()
+    }
+
     /// The scene called `name` on a command line: a file if there is one, else a generator's.
     ///
     /// # Errors

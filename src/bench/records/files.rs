@@ -13,6 +13,18 @@ pub struct Written {
     pub rounds: usize,
 }
 
+/// Makes a folder for records, if there is none yet.
+///
+/// # Errors
+/// An unwritable place.
+pub fn new_folder(folder: &Path) -> Result<(), RecordsError> {
+    std::fs::create_dir_all(folder).map_err(|source| RecordsError::Io {
+        path: folder.to_owned(),
+        source,
+        remedy: "give a writable folder",
+    })
+}
+
 /// Why records could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordsError {

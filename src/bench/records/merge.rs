@@ -2,7 +2,7 @@
 //! Shards of unlike machines are merged apart: their times are not averaged.
 
 use super::environment::{ENVIRONMENT, Environment, Machine, State};
-use super::files::{RecordsError, write_json};
+use super::files::{RecordsError, new_folder, write_json};
 use super::row::{self, Row};
 use super::{phases, results_dir};
 use std::path::{Path, PathBuf};
@@ -148,11 +148,7 @@ fn write(parts: &[&Part], scenes: &[String], folder: &Path) -> Result<PathBuf, R
     }
     // A stable sort: the phases of a scene keep their order.
     phases.sort_by_key(|phase| scenes.iter().position(|scene| *scene == phase.scene));
-    std::fs::create_dir_all(folder).map_err(|source| RecordsError::Io {
-        path: folder.to_owned(),
-        source,
-        remedy: "give a writable folder",
-    })?;
+    new_folder(folder)?;
     let mut environment = parts[0].environment.clone();
     let all = |of: fn(&Environment) -> Vec<serde_json::Value>| {
         parts.iter().flat_map(|part| of(&part.environment)).collect::<Vec<_>>()

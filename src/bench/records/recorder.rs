@@ -2,7 +2,7 @@
 
 use super::environment::moment::Moment;
 use super::environment::{ENVIRONMENT, Environment, Machine, Program, State};
-use super::files::{RecordsError, Written, read_json, write_json};
+use super::files::{RecordsError, Written, new_folder, read_json, write_json};
 use super::phases::{self, PHASES};
 use super::rounds::ROUNDS;
 use super::row::{self, ROWS, Row, SCHEMA};
@@ -40,10 +40,17 @@ pub struct RecordOptions<'a> {
     pub folder: &'a Path,
     /// Go on with the run recorded there.
     pub resume: bool,
+    /// Put this run in the place of one recorded there.
+    pub replace: bool,
     /// Name of the machine.
     pub host: &'a str,
     /// The command line after the program's name.
     pub arguments: Vec<String>,
+}
+
+/// True if a folder holds a run's results: hours of measuring, maybe.
+pub fn is_taken(folder: &Path) -> bool {
+    [ROWS, SAMPLES].iter().any(|file| folder.join(file).exists())
 }
 
 /// The records on disk.
@@ -63,11 +70,10 @@ impl<'a> Recorder<'a> {
     pub fn open(plan: &Plan, options: &RecordOptions<'a>) -> Result<Self, RunError> {
         let settings = &plan.settings;
         let folder = options.folder;
-        std::fs::create_dir_all(folder).map_err(|source| RecordsError::Io {
-            path: folder.to_owned(),
-            source,
-            remedy: "give a writable folder with --out",
-        })?;
+        if !options.resume && !options.replace && is_taken(folder) {
+            return Err(RunError::Taken(folder.to_owned()));
+        }
+        new_folder(folder)?;
         let mut recorded_plan = serde_json::json!({
             "settings": settings,
             "scenes": plan.scenes.iter().map(|(scene, _)| &scene.name).collect::<Vec<_>>(),
@@ -267,7 +273,10 @@ fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunEr
     let (old, new) = (settings(old).unwrap_or_default(), settings(new).unwrap_or_default());
     let must_agree = |key: &str| !matches!(key, "rounds" | "seconds" | "until_permille" | "limit");
     match new.iter().find(|(key, value)| must_agree(key) && old.get(*key) != Some(value)) {
-        Some((key, _)) => differs(format!("{key} ({})", old.get(key).unwrap_or(&serde_json::Value::Null))),
+        Some((key, _)) => {
+            let option = if matches!(&**key, "width" | "height") { "size" } else { key };
+            differs(format!("{option} ({})", old.get(key).unwrap_or(&serde_json::Value::Null)))
+        }
         None => Ok(()),
     }
 }

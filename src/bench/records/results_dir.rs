@@ -2,7 +2,7 @@
 //! reduced rows that a repository keeps.
 
 use super::environment::{ENVIRONMENT, Environment, State};
-use super::files::{RecordsError, read_json, write_json};
+use super::files::{RecordsError, new_folder, read_json, write_json};
 use super::phases;
 use super::row::{self, ROWS, Row};
 use crate::bench::error::ReduceError;
@@ -75,11 +75,7 @@ pub fn reduce(from: &Path, to: &Path) -> Result<Vec<PathBuf>, ReduceError> {
     for (part, rows, phases) in reduced {
         let below = if part == from { None } else { part.file_name() };
         let folder = below.map_or_else(|| to.to_owned(), |name| to.join(name));
-        std::fs::create_dir_all(&folder).map_err(|source| RecordsError::Io {
-            path: folder.clone(),
-            source,
-            remedy: "give a writable place",
-        })?;
+        new_folder(&folder)?;
         let written = Some(row::write_all(&folder, &rows)?);
         if let Some(environment) = environment(&part)? {
             write_json(&folder.join(ENVIRONMENT), &Environment { written, ..environment })?;

@@ -46,6 +46,9 @@ pub struct Arguments {
     /// Continue a stopped run, or add rounds or scenes to a run
     #[arg(long)]
     pub resume: bool,
+    /// Remove the results of an earlier run in the folder
+    #[arg(long, conflicts_with = "resume")]
+    pub replace: bool,
     /// List what would be run
     #[arg(long)]
     pub list: bool,

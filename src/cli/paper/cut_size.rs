@@ -1,11 +1,12 @@
 //! `phr experiment cut-size`: Figure 4 of the paper.
 
 use super::arguments::{Arguments, FINDINGS};
+use crate::bench::files::new_folder;
 use crate::bench::files::{read_csv_file, write_csv, write_whole};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
 use crate::cli::options::{all_threads, pools};
-use crate::cli::output::{new_folder, say};
+use crate::cli::output::say;
 use crate::cli::verbs::plot::{check, draw};
 use crate::experiments::cut_size::{self, BUILDERS, CUT_SIZES, CutSizeRow};
 use crate::report::plot::Drawing;
@@ -42,8 +43,7 @@ fn measure(arguments: &Arguments) -> Result<Vec<CutSizeRow>, Failure> {
     let pools = pools(arguments.threads.unwrap_or_else(all_threads))?;
     let builtin = || scene::builtin().iter().map(|generator| generator.name.to_owned()).collect();
     let names = if arguments.scenes.is_empty() { builtin() } else { arguments.scenes.clone() };
-    let planned: Vec<PlannedScene> =
-        names.iter().map(|name| PlannedScene::find(name)).collect::<Result<_, _>>()?;
+    let planned = PlannedScene::find_all(&names)?;
     let mut rows = Vec::new();
     for scene in planned {
         let scene = scene.load()?;

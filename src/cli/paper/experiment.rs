@@ -46,6 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let records = RecordOptions {
         folder: &folder,
         resume: arguments.resume,
+        replace: arguments.replace,
         host: &arguments.host,
         arguments: command_line(),
     };

@@ -1,11 +1,12 @@
 //! `phr experiment split`: Figures 3 and 5 of the paper.
 
 use super::arguments::Arguments;
+use crate::bench::files::new_folder;
 use crate::bench::files::{read_csv_file, write_csv};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
 use crate::cli::options::{all_threads, pools};
-use crate::cli::output::{new_folder, say};
+use crate::cli::output::say;
 use crate::cli::verbs::plot::{check, draw};
 use crate::experiments::split::{self, BoxRow, Kind, SPLITS};
 use crate::report::plot::Drawing;

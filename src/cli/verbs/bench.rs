@@ -1,13 +1,10 @@
 //! `phr bench`: times builders and traces, and writes the records.
 
-use super::pages::report::write_page;
-use super::plot::draw;
+use super::pages::made_of_rows;
 use crate::bench::chosen::Chosen;
 use crate::bench::contender::saved::{check, offer};
-use crate::bench::files::write_whole;
 use crate::bench::merge::SHARDS;
 use crate::bench::moment::Moment;
-use crate::bench::phases;
 use crate::bench::plan::{Plan, Request, Set};
 use crate::bench::planned_scene::plain_name;
 use crate::bench::recorder::RecordOptions;
@@ -19,10 +16,7 @@ use crate::cli::options::{all_threads, command_line, percent};
 use crate::cli::output::say;
 use crate::cli::plan_outline::outline;
 use crate::cli::progress::Bar;
-use crate::cli::run_summary::{TABLE, run_summary};
-use crate::report::figures::Under;
-use crate::report::page::PAGE;
-use crate::report::plot;
+use crate::cli::run_summary::run_summary;
 use crate::report::table::{self, brief};
 use regex::Regex;
 use std::path::{Path, PathBuf};
@@ -110,6 +104,9 @@ pub struct Arguments {
     /// Continue a stopped run, or add rounds, scenes or builders to a run
     #[arg(long)]
     resume: bool,
+    /// Remove the results of an earlier run in the folder
+    #[arg(long, conflicts_with = "resume")]
+    replace: bool,
     /// Print every regime and kernel in the tables, not what matters alone
     #[arg(long)]
     all_columns: bool,
@@ -265,20 +262,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let records = RecordOptions {
         folder: &folder,
         resume: arguments.resume,
+        replace: arguments.replace,
         host: &arguments.host,
         arguments: command_line(),
     };
     let outcome = make(&plan, records, program.as_deref(), Bar::new(arguments.all_columns))?;
-    let document = table::document(&outcome.rows, outcome.complete);
-    write_whole(&folder.join(TABLE), document.as_bytes())?;
     say(&if arguments.all_columns {
         table::closing(&outcome.rows)
     } else {
         brief::means(&outcome.rows) + &brief::legend(&outcome.rows)
     })?;
-    let plots =
-        draw(&plot::figures(&outcome.rows, &phases::read(&folder)?, &Under::best(&outcome.rows)), &folder)?;
-    write_page(&folder, &folder.join(PAGE))?;
+    let plots = made_of_rows(&outcome.rows, outcome.complete, &folder)?;
     say(&run_summary(&outcome.rows, &folder, &plots))?;
     verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)
 }

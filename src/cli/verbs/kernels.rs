@@ -1,6 +1,7 @@
 //! `phr kernels`: single rays, packets, streams and batches over the same trees, side by side, and single rays over trees
 //! of other builders.
 
+use crate::bench::files::new_folder;
 use crate::bench::kernels::row::{self, KERNELS};
 use crate::bench::kernels::{KernelSettings, measure};
 use crate::bench::planned_scene::PlannedScene;
@@ -51,8 +52,7 @@ pub struct Arguments {
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = settings(arguments)?;
-    let scenes: Vec<_> =
-        arguments.scenes.iter().map(|name| PlannedScene::find(name)).collect::<Result<_, _>>()?;
+    let scenes = PlannedScene::find_all(&arguments.scenes)?;
     let mut rows = Vec::new();
     for planned in scenes {
         let scene = planned.load()?;
@@ -64,11 +64,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             measure(&scene, &settings).map_err(|why| Failure::Bad(format!("{}: {why}", scene.name)))?,
         );
         say(&scene_table(&rows, &scene.name))?;
-        let folder = &arguments.out;
-        std::fs::create_dir_all(folder).map_err(|error| {
-            Failure::Bad(format!("{}: {error}; give a writable folder with --out", folder.display()))
-        })?;
-        row::write(&folder.join(KERNELS), &rows)?;
+        new_folder(&arguments.out)?;
+        row::write(&arguments.out.join(KERNELS), &rows)?;
     }
     say(&summary(&rows))?;
     match rows.iter().filter(|row| !row.verified).count() {

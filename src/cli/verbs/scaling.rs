@@ -1,5 +1,6 @@
 //! `phr scaling`: builds on more threads than the machine has, from the times of their tasks.
 
+use crate::bench::files::new_folder;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::scaling::row::{self, SCALING};
 use crate::bench::scaling::{ScalingSettings, measure};
@@ -36,19 +37,15 @@ pub struct Arguments {
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = settings(arguments)?;
-    let scenes: Vec<_> =
-        arguments.scenes.iter().map(|name| PlannedScene::find(name)).collect::<Result<_, _>>()?;
+    let scenes = PlannedScene::find_all(&arguments.scenes)?;
     let mut rows = Vec::new();
     for planned in scenes {
         let scene = planned.load()?;
         let of_scene = measure(&scene, &settings);
         rows.extend(of_scene.map_err(|why| Failure::Bad(format!("{}: {why}", scene.name)))?);
         say(&(scene_table(&rows, &scene.name) + "\n"))?;
-        let folder = &arguments.out;
-        std::fs::create_dir_all(folder).map_err(|error| {
-            Failure::Bad(format!("{}: {error}; give a writable folder with --out", folder.display()))
-        })?;
-        row::write(&folder.join(SCALING), &rows)?;
+        new_folder(&arguments.out)?;
+        row::write(&arguments.out.join(SCALING), &rows)?;
     }
     say(&means(&rows))
 }

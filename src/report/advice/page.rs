@@ -11,7 +11,18 @@ const NEAR: usize = 4;
 pub fn page(advice: &Advice) -> String {
     let Advice { scene, triangles, origin, .. } = advice;
     let heading = format!("{scene}: {triangles} triangles; {origin}\n\n");
-    heading + &table(advice) + "\n" + &verdict(advice) + "\n" + &ranges(advice)
+    heading + &table(advice) + "\n" + &verdict(advice) + &unmeasured(advice) + "\n" + &ranges(advice)
+}
+
+/// How many trees are not known, and what to do about it.
+fn unmeasured(advice: &Advice) -> String {
+    let (known, all) = (advice.lines().len(), advice.trees.len());
+    if known == all || known == 0 {
+        return String::new();
+    }
+    format!(
+        "Only {known} of {all} trees were measured: another may be better, give more --seconds (see the notes).\n"
+    )
 }
 
 /// All trees, those of the least total time first, those without any last.
@@ -114,6 +125,7 @@ mod tests {
             "| lbvh          |         0 |       500k |",
             "|      7.5M | any number |",
             "no time",
+            "Only 4 of 5 trees were measured",
         ] {
             assert!(text.contains(part), "no {part:?} in\n{text}");
         }

@@ -86,16 +86,22 @@ fn fresh(tuned: &Tuned, rays: f64) -> String {
         push("speed", format!("{} Mrays/s", short(1e3 / line.ns_per_ray.value)), inverse(ray));
         push("total time", format!("{} s", short(1e-3 * line.at(rays))), total);
     }
-    let verdict = match total {
-        Estimate { high, .. } if high < 1.0 => "It takes less time in all than the anchor.",
-        Estimate { low, .. } if low > 1.0 => {
-            "It takes MORE time in all than the anchor: nothing better was found."
-        }
-        _ => "It cannot be told apart from the anchor.",
-    };
     let (name, configuration) = (name(tuned, best), configuration(best));
-    let (grid, rounds) = (grid.markdown(), best.pairs.len());
-    format!("best: {name}, {configuration}\n\n{grid}\n{verdict} {rounds} rounds.\n")
+    let (grid, verdict, rounds) = (grid.markdown(), verdict(tuned, rays), best.pairs.len());
+    format!("best: {name}, {configuration}\n\n{grid}\nIt {verdict}. {rounds} rounds.\n")
+}
+
+/// Whether the winner is better than the anchor, as what follows its name.
+pub fn verdict(tuned: &Tuned, rays: f64) -> String {
+    let [_, _, total] = mean_ratios(&tuned.fresh.pairs, rays);
+    let anchor = anchor(tuned);
+    match total {
+        Estimate { high, .. } if high < 1.0 => format!("takes less time in all than {anchor}"),
+        Estimate { low, .. } if low > 1.0 => {
+            format!("takes MORE time in all than {anchor}: nothing better was found")
+        }
+        _ => format!("cannot be told apart from {anchor}"),
+    }
 }
 
 /// The fields that differ from the preset's.

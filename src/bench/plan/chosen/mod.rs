@@ -10,6 +10,13 @@ use crate::bench::error::PlanError;
 use crate::builders::{Recipe, RecipeError, on_request};
 use std::path::Path;
 
+/// Where builders of other crates are.
+const PEERS: &str = if cfg!(feature = "peers") {
+    ""
+} else {
+    "; those of other crates with `cargo build --release --features peers`"
+};
+
 /// The builders asked for.
 #[derive(Clone, Debug, Default)]
 pub struct Chosen {
@@ -94,9 +101,12 @@ impl Chosen {
     pub fn cells(&self, build_only: bool) -> Result<Vec<Cell>, PlanError> {
         let mut cells = contender::cells(build_only);
         if let Some(name) = self.names.iter().find(|name| !cells.iter().any(|cell| cell.builder == **name)) {
-            let mut known: Vec<&str> = cells.iter().map(|cell| cell.builder.as_str()).collect();
+            let is_in_tables = |name: &&str| !on_request().any(|known| known == *name);
+            let mut known: Vec<&str> =
+                cells.iter().map(|cell| cell.builder.as_str()).filter(is_in_tables).collect();
             known.dedup();
-            return Err(PlanError::NoSuchBuilder { name: name.clone(), known: known.join(", ") });
+            let known = format!("{}, and variants of ours{}", known.join(", "), PEERS);
+            return Err(PlanError::NoSuchBuilder { name: name.clone(), known });
         }
         cells.retain(|cell| {
             if self.is_empty() {

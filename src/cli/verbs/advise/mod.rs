@@ -4,6 +4,7 @@ pub mod tune;
 
 use crate::bench::cell::Kernel;
 use crate::bench::chosen::Chosen;
+use crate::bench::files::new_folder;
 use crate::bench::files::write_whole;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::row;
@@ -58,7 +59,7 @@ pub struct Arguments {
     /// Threads [default: all processors]
     #[arg(long, value_name = "N", conflicts_with = "instant")]
     threads: Option<usize>,
-    /// Folder for CSV and plot [default: results/advice-SCENE]
+    /// Folder for CSV and plot [default: results/advice-SCENE, with --instant results/advice-SCENE-instant]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// The model [default: the one in this program]
@@ -102,9 +103,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         None => instantly(arguments, &scene, &model)?,
     };
-    let folder = arguments.out.clone();
-    let folder = folder.unwrap_or_else(|| Path::new("results").join(format!("advice-{}", scene.name)));
-    write(&advice, &folder)
+    let folder = || {
+        let how = if arguments.instant { "-instant" } else { "" };
+        Path::new("results").join(format!("advice-{}{how}", scene.name))
+    };
+    write(&advice, &arguments.out.clone().unwrap_or_else(folder))
 }
 
 fn measurement(arguments: &Arguments) -> Result<Measurement, Failure> {
@@ -142,9 +145,7 @@ fn instantly(arguments: &Arguments, scene: &Scene, model: &Model) -> Result<Advi
 /// Prints the advice and writes its files.
 fn write(advice: &Advice, folder: &Path) -> Result<(), Failure> {
     say(&page::page(advice))?;
-    std::fs::create_dir_all(folder).map_err(|error| {
-        Failure::Bad(format!("{}: {error}; give a writable folder with --out", folder.display()))
-    })?;
+    new_folder(folder)?;
     rows::write(folder, advice)?;
     let plots = draw(&total_time(advice).into_iter().collect::<Vec<_>>(), folder)?;
     let plots: String = plots.iter().map(|plot| format!(", {}", plot.display())).collect();

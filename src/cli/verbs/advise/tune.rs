@@ -11,7 +11,7 @@ use crate::cli::options::{all_threads, check_place, pools, rays};
 use crate::cli::output::say;
 use crate::cli::progress::Steps;
 use crate::report::advice::rays_in_words;
-use crate::report::advice::tuned::page;
+use crate::report::advice::tuned::{page, verdict};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -86,13 +86,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(file) = &arguments.output {
         let cell = &tuned.fresh.cell;
         let about = format!(
-            "the best of {} configurations for {} rays in {}, by phr tune",
+            "the best of {} configurations for {} rays in {}, by phr tune; it {}",
             tuned.trials.len(),
             rays_in_words(arguments.rays),
-            scene.name
+            scene.name,
+            verdict(&tuned, arguments.rays)
         );
-        write_json(file, &ConfigFile::new(&name, &tuned.fresh.recipe, cell.width, about))?;
-        say(&format!("{}: {name}, for --config", file.display()))?;
+        write_json(file, &ConfigFile::new(&name, &tuned.fresh.recipe, cell.width, about.clone()))?;
+        say(&format!("{}: {name}, for --config; {about}", file.display()))?;
     }
     Ok(())
 }
