@@ -1,6 +1,6 @@
 //! What is wrong with a changed builder, in one line with the remedy.
 
-use crate::builders::registry::{NAMES, on_request};
+use crate::builders::registry::NAMES;
 
 /// Why a builder cannot be changed so.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -22,21 +22,19 @@ pub enum RecipeError {
         known: String,
     },
     /// A value of another kind, or out of range.
-    #[error("{builder}.{change}: {reason}; {}", has(builder, known))]
+    #[error("{builder}.{change}: {reason}")]
     Value {
         /// The builder.
         builder: &'static str,
         /// The field and its value.
         change: String,
-        /// What is wrong.
+        /// What is wrong, and what it may be.
         reason: String,
-        /// The builder's fields.
-        known: String,
     },
 }
 
 fn known() -> String {
-    NAMES.iter().copied().chain(on_request()).collect::<Vec<_>>().join(", ")
+    format!("{}, and variants of these", NAMES.join(", "))
 }
 
 fn has(builder: &str, known: &str) -> String {

@@ -70,11 +70,10 @@ impl Recipe {
     /// No such field, a value of another kind or out of range.
     pub fn set(&mut self, field: &str, value: &Value) -> Result<(), RecipeError> {
         let template = fields::with_everything_on(&self.config);
-        let known = || fields::names(&template).join(", ");
         let path = fields::find(&template, field).ok_or_else(|| RecipeError::Field {
             builder: self.base,
             field: field.into(),
-            known: known(),
+            known: fields::names(&template).join(", "),
         })?;
         if let (Value::Object(inner), Value::Object(_)) = (value, fields::at(&template, &path)) {
             return inner.iter().try_for_each(|(name, value)| self.set(&format!("{path}.{name}"), value));
@@ -83,7 +82,6 @@ impl Recipe {
             builder: self.base,
             change: format!("{path}={}", fields::in_words(value)),
             reason,
-            known: known(),
         };
         let config = fields::changed(&self.config, &template, &path, value).map_err(refused)?;
         // Both widths have the same ranges.

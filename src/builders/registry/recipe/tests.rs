@@ -69,8 +69,9 @@ fn what_cannot_be_set_is_refused_with_the_fields_that_can() {
     let listed = |text: &str| {
         ["delta", "presplit.filled", "own_threshold.area"].iter().all(|name| text.contains(name))
     };
+    let unknown = error("phr-hq[gamma=1]");
+    assert!(unknown.contains("phr-hq has no single field gamma") && listed(&unknown), "{unknown}");
     for (name, reason) in [
-        ("phr-hq[gamma=1]", "phr-hq has no single field gamma"),
         ("phr-hq[delta=x]", "phr-hq.delta=x: invalid type: string"),
         ("phr-hq[delta=99]", "phr-hq.delta=99: delta = 99.0 is out of range; give 0.0 to 64.0"),
         ("phr-hq[max_leaf=8.5]", "expected u32"),
@@ -79,7 +80,7 @@ fn what_cannot_be_set_is_refused_with_the_fields_that_can() {
         ("phr-hq[presplit=3]", "phr-hq.presplit=3: invalid type"),
     ] {
         let text = error(name);
-        assert!(text.contains(reason) && listed(&text), "{name}: {text}");
+        assert!(text.contains(reason) && !listed(&text), "{name}: {text}");
     }
     assert!(error("phr-best[max_leaf=8]").contains("phr.max_leaf, "), "several fields end so");
     assert_eq!(error("lbvh[delta=8]"), "lbvh has no single field delta; lbvh has none");
