@@ -133,7 +133,7 @@ pub fn view(scene: &Scene, wanted: usize) -> Result<usize, Failure> {
 pub fn percent(text: &str) -> Result<f64, String> {
     let value = text.strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());
     match value {
-        Some(value) if value >= 0.0 && value.is_finite() => Ok(0.01 * value),
-        _ => Err("give a percentage, as 5%".into()),
+        Some(value) if value > 0.0 && value.is_finite() => Ok(0.01 * value),
+        _ => Err("give a percentage above 0, as 5%".into()),
     }
 }

@@ -51,6 +51,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     let cell = cell(arguments)?;
+    if !arguments.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
+        return Err(Failure::Bad(format!(
+            "{}: images are PNG; end the name in .png",
+            arguments.output.display()
+        )));
+    }
     check_place(&arguments.output)?;
     let scene = PlannedScene::find(&arguments.scene)?.load()?;
     for remark in scene.remarks() {

@@ -71,7 +71,13 @@ struct Expanded<'a> {
 
 impl Read for Expanded<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let read = self.inner.read(buffer)?;
+        let read = self.inner.read(buffer).map_err(|error| match error.kind() {
+            io::ErrorKind::Interrupted => error,
+            _ => {
+                let remedy = "fetch or compress it again, or end its name as its content is";
+                io::Error::other(self.guard.refuse("its compressed content", &error.to_string(), remedy))
+            }
+        })?;
         self.left = self.left.checked_sub(read as u64).ok_or_else(|| {
             let problem = format!("grows more than {MOST_EXPANSION}-fold when decompressed");
             io::Error::other(self.guard.refuse("its size", &problem, "decompress it first and look at it"))
