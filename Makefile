@@ -78,7 +78,7 @@ NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 # The program alone: criterion's benchmarks are not built.
 bench: packages
 	$(CARGO) build --release --bin phr
-	./target/release/phr bench --set builtin --rounds 3 --size 96 $(ARGS)
+	./target/release/phr bench --set builtin --rounds 3 --views 1 --size 160 --replace $(ARGS)
 
 # The page of the folder RESULTS again.
 report: packages
@@ -87,7 +87,7 @@ report: packages
 
 bench-full: packages
 	$(CARGO) build --release --bin phr
-	./target/release/phr bench --set builtin $(ARGS)
+	./target/release/phr bench --set builtin --replace $(ARGS)
 
 # A run into the folder $(2); with RESUMED, continued where it was stopped, in a quiet hour, until intervals are narrow.
 define measured
@@ -151,7 +151,7 @@ embree-ndebug: packages
 	sh .ci/embree-ndebug
 	$(CARGO) build --release --bin phr
 	for round in 1 2 3 4; do \
-		[ $$round = 1 ] && resume= || resume=--resume; \
+		[ $$round = 1 ] && resume=--replace || resume=--resume; \
 		for library in with: without:$(NDEBUG)/lib; do \
 			LD_LIBRARY_PATH=$${library#*:} ./target/release/phr bench --set builtin --size $(SIZE) \
 				$(addprefix --builder ,$(ASSERTED)) --rounds $$round --threads 2 $$resume \

@@ -171,11 +171,11 @@ fn rows_of<'a>(rounds: &'a Rounds, about: &'a ScalingRow) -> impl Iterator<Item 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::generator;
+    use crate::scene::{generator, scalable};
 
     #[test]
     fn every_builder_of_ours_is_scheduled() {
-        let scene = generator("rooms").unwrap().generate();
+        let scene = scalable(20_000, 1);
         let names = ["lbvh", "phr-fast", "phr-best", "aac", "hunt-50"];
         let settings = ScalingSettings {
             builders: names
