@@ -166,7 +166,10 @@ fn a_full_and_a_read_only_file_system() {
     let mut more = arguments("small/out", "1");
     more.push("--resume");
     assert!(refused(&phr(folder.path(), &more)).contains("Read-only"), "resumed on a read-only disk");
-    assert!(refused(&phr(folder.path(), &arguments("small/out", "1"))).contains("Read-only"));
+    let mut anew = arguments("small/out", "1");
+    assert!(refused(&phr(folder.path(), &anew)).contains("--replace"), "what is there is kept");
+    anew.push("--replace");
+    assert!(refused(&phr(folder.path(), &anew)).contains("Read-only"));
     assert_eq!(checked(&out, &samples), samples);
 }
 

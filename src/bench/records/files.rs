@@ -21,7 +21,7 @@ pub fn new_folder(folder: &Path) -> Result<(), RecordsError> {
     std::fs::create_dir_all(folder).map_err(|source| RecordsError::Io {
         path: folder.to_owned(),
         source,
-        remedy: "give a writable folder",
+        remedy: "give a writable folder, as by --out",
     })
 }
 
