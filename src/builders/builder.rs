@@ -1,6 +1,7 @@
 //! What all builders have in common: a trait, a finished build, its phases and counts.
 
-use crate::bvh::WideBvh;
+use super::prims::geometry::Geometry;
+use crate::bvh::{TriangleBlock, WideBvh};
 use crate::geometry::Mesh;
 use crate::parallel::timeline;
 use std::time::{Duration, Instant};
@@ -29,9 +30,9 @@ pub struct Counts {
 
 /// A finished build of a tree of nodes of up to `N` children, 4 or 8.
 #[derive(Clone, Debug)]
-pub struct Build<const N: usize> {
+pub struct Build<const N: usize, B = TriangleBlock> {
     /// The tree with its leaf data.
-    pub tree: WideBvh<N>,
+    pub tree: WideBvh<N, B>,
     /// Durations, in order; they add up to the build.
     pub phases: Vec<Phase>,
     /// Counts.
@@ -41,22 +42,24 @@ pub struct Build<const N: usize> {
 /// Builds a BVH of nodes of up to `N` children, 4 or 8. Builders are total: any [`Mesh`], empty ones included, has a tree. They run on the rayon
 /// pool they are called from (`pool.install(|| builder.build(&mesh))`), and the tree is the same at any
 /// number of threads.
-pub trait Builder<const N: usize>: Send {
+///
+/// Builders of the list build over [`Boxes`](super::Boxes) of anything, too: [`over_boxes`](super::over_boxes).
+pub trait Builder<const N: usize, G: Geometry = Mesh>: Send {
     /// The name used in commands and records, e.g. `phr-fast`.
     fn name(&self) -> &str;
 
     /// The parameters, for the records.
     fn config(&self) -> serde_json::Value;
 
-    /// Builds the tree over all triangles of `mesh`. Temporary memory is kept for the next call.
-    fn build(&mut self, mesh: &Mesh) -> Build<N>;
+    /// Builds the tree over all triangles of a mesh, or all boxes. Temporary memory is kept for the next call.
+    fn build(&mut self, geometry: &G) -> Build<N, G::Block>;
 
     /// Gives back a tree that is no longer needed, so that the next one is built in its memory: fresh memory
     /// costs as much as a good part of a build.
-    fn recycle(&mut self, tree: WideBvh<N>);
+    fn recycle(&mut self, tree: WideBvh<N, G::Block>);
 }
 
-impl<const N: usize> Build<N> {
+impl<const N: usize, B> Build<N, B> {
     /// The whole build's duration: the sum of its phases.
     pub fn duration(&self) -> Duration {
         self.phases.iter().map(|phase| phase.duration).sum()

@@ -41,6 +41,8 @@ pub use lbvh::auxiliary::{AuxiliaryConfig, Clusters};
 pub use lbvh::direct::Lbvh;
 pub use optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
 pub use phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, Phr, PhrConfig};
+pub use prims::boxes::{Boxes, BoxesError};
+pub use prims::geometry::Geometry;
 pub use prims::presplit::PresplitConfig;
 pub use registry::recipe::{Recipe, RecipeError, by_name};
 pub use registry::{ABLATION, CutConfig, NAMES, OVER, WITHOUT, cuts_of, on_request};

@@ -1,18 +1,18 @@
 //! The cheap half of validation: links alone, without boxes and corners.
 
 use super::validate::{Invalid, mark};
-use super::{Child, MAX_DEPTH, WideBvh};
+use super::{Child, LeafBlock, MAX_DEPTH, WideBvh};
 
-impl<const N: usize> WideBvh<N> {
+impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
     /// Proves that the links form a tree of bounded depth that uses every node and block once, and that the leaves name
-    /// every one of `triangles` triangles and no other. A fraction of [`WideBvh::validate`]: for trees of which boxes and
+    /// every one of so many primitives and no other. A fraction of [`WideBvh::validate`]: for trees of which boxes and
     /// leaf data are trusted, as of a saved one whose checksum agrees.
     ///
     /// # Errors
     /// The first violation found.
-    pub fn validate_links(&self, triangles: usize) -> Result<(), Invalid> {
+    pub fn validate_links(&self, primitives: usize) -> Result<(), Invalid> {
         let (mut nodes, mut blocks) = (vec![false; self.nodes.len()], vec![false; self.blocks.len()]);
-        let mut is_there = vec![false; triangles];
+        let mut is_there = vec![false; primitives];
         let mut pending = vec![(self.root, 0)];
         while let Some((link, depth)) = pending.pop() {
             match link.get() {

@@ -2,6 +2,7 @@
 
 mod block;
 mod epo;
+mod id_block;
 pub(crate) mod limits;
 mod link;
 mod links;
@@ -12,6 +13,7 @@ mod wide;
 
 pub use block::TriangleBlock;
 pub use epo::epo;
+pub use id_block::{IdBlock, LeafBlock};
 pub use limits::{MAX_DEPTH, MAX_LEAF_BLOCKS};
 pub use link::{Child, Link};
 pub use statistics::{Statistics, sah_cost};

@@ -1,7 +1,7 @@
 //! Costs and counts of a tree: the SAH cost of Table 1's caption by Embree's formula, and sizes.
 
 use super::limits::MAX_LEAF_BLOCKS;
-use super::{Child, Link, WideBvh};
+use super::{Child, LeafBlock, Link, WideBvh};
 use crate::geometry::Mesh;
 
 /// Counts and costs of a tree.
@@ -57,7 +57,7 @@ impl Statistics {
 }
 
 /// SAH cost alone, as [`Statistics::sah`].
-pub fn sah_cost<const N: usize>(tree: &WideBvh<N>) -> f64 {
+pub fn sah_cost<const N: usize, B: LeafBlock>(tree: &WideBvh<N, B>) -> f64 {
     Counter::of(tree).sah(tree)
 }
 
@@ -73,13 +73,13 @@ struct Counter {
 }
 
 impl Counter {
-    fn of<const N: usize>(tree: &WideBvh<N>) -> Self {
+    fn of<const N: usize, B: LeafBlock>(tree: &WideBvh<N, B>) -> Self {
         let mut counts = Self::default();
         counts.visit(tree, tree.root, f64::from(tree.bounds.half_area()), 0);
         counts
     }
 
-    fn sah<const N: usize>(&self, tree: &WideBvh<N>) -> f64 {
+    fn sah<const N: usize, B: LeafBlock>(&self, tree: &WideBvh<N, B>) -> f64 {
         let whole = f64::from(tree.bounds.half_area());
         match tree.root.get() {
             Child::Empty => 0.0,
@@ -89,7 +89,13 @@ impl Counter {
         }
     }
 
-    fn visit<const N: usize>(&mut self, tree: &WideBvh<N>, link: Link, area: f64, depth: usize) {
+    fn visit<const N: usize, B: LeafBlock>(
+        &mut self,
+        tree: &WideBvh<N, B>,
+        link: Link,
+        area: f64,
+        depth: usize,
+    ) {
         match link.get() {
             Child::Empty => {}
             Child::Inner(index) => {

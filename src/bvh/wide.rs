@@ -2,6 +2,7 @@
 //! (paper 4.5; leaf model of Table 1's caption).
 
 use super::block::{TriangleBlock, transposed};
+use super::id_block::LeafBlock;
 use super::link::Link;
 use crate::geometry::Aabb;
 use glam::Vec3A;
@@ -82,15 +83,15 @@ impl<const N: usize> WideNode<N> {
 
 /// A wide BVH with its leaf data, complete for traversal.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WideBvh<const N: usize> {
+pub struct WideBvh<const N: usize, B = TriangleBlock> {
     /// The root; [`Link::EMPTY`] for a tree without triangles, a leaf for a very small one.
     pub root: Link,
     /// Box of everything below the root.
     pub bounds: Aabb,
     /// Inner nodes.
     pub nodes: Vec<WideNode<N>>,
-    /// Leaf blocks.
-    pub blocks: Vec<TriangleBlock>,
+    /// Leaf blocks: triangles, or the numbers of other primitives ([`super::IdBlock`]).
+    pub blocks: Vec<B>,
 }
 
 /// The 4-wide tree of the paper.
@@ -98,21 +99,21 @@ pub type Bvh4 = WideBvh<4>;
 /// The 8-wide tree that Embree's users get by default.
 pub type Bvh8 = WideBvh<8>;
 
-impl<const N: usize> Default for WideBvh<N> {
+impl<const N: usize, B> Default for WideBvh<N, B> {
     fn default() -> Self {
         Self { root: Link::EMPTY, bounds: Aabb::EMPTY, nodes: Vec::new(), blocks: Vec::new() }
     }
 }
 
-impl<const N: usize> WideBvh<N> {
+impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
     /// Bytes of nodes and leaf blocks.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])
     }
 
-    /// The triangle ids of a leaf's blocks.
+    /// The primitives of a leaf's blocks.
     pub fn leaf_ids(&self, first: usize, count: usize) -> impl Iterator<Item = u32> + '_ {
-        self.blocks[first..first + count].iter().flat_map(TriangleBlock::ids)
+        self.blocks[first..first + count].iter().flat_map(B::ids)
     }
 }
 

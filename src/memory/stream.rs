@@ -10,7 +10,7 @@ use std::mem::MaybeUninit;
 /// # Safety
 /// [`Vectors::for_each`] writes each of the element's vectors, and no others; where they lie in its place, at its
 /// alignment, it is valid.
-pub(crate) unsafe trait Vectors: Sized {
+pub unsafe trait Vectors: Sized {
     /// Hands each vector of its memory to `write`, with its index and with zeros for padding.
     fn for_each(&self, write: impl FnMut(usize, Vec4));
 }

@@ -6,23 +6,23 @@ use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::lbvh::key::{MortonKey, reference};
 use crate::builders::lbvh::prefetch;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::builders::wide::binary_source::Leaves;
 use crate::builders::wide::top_down::{BinarySplits, TopDown};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
 use crate::bvh::limits::{BLOCK, follows_clusters};
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Mesh};
 use arrayvec::ArrayVec;
 
 /// A binary tree to be widened: subtrees of at most four references become leaves.
-#[derive(Clone, Copy)]
-pub(crate) struct ClusterTree<'a> {
+pub(crate) struct ClusterTree<'a, G = Mesh> {
     /// The tree.
     pub tree: &'a BinaryTree,
     /// References in the order that the leaves' positions mean.
     pub keys: &'a [MortonKey],
     /// What they refer to.
-    pub refs: PrimRefs<'a>,
+    pub refs: PrimRefs<'a, G>,
     /// Whether the pairs of a subtree lie in a row that ends with its root's, or nearly so.
     pub has_rows: bool,
 }
@@ -39,7 +39,7 @@ pub(crate) enum ClusterPart {
 /// A part with references of its own.
 pub(crate) struct OwnedPart(ClusterPart, Vec<u32>);
 
-impl ClusterTree<'_> {
+impl<G: Geometry> ClusterTree<'_, G> {
     /// The whole tree.
     pub fn root(&self) -> Option<OwnedPart> {
         self.tree.root.map(|root| OwnedPart(ClusterPart::Subtree(root, 0), Vec::new()))
@@ -76,10 +76,11 @@ impl ClusterTree<'_> {
     }
 }
 
-impl TopDown for ClusterTree<'_> {
+impl<G: Geometry> TopDown for ClusterTree<'_, G> {
     type Task = OwnedPart;
     type Part = ClusterPart;
     type Scratch = Vec<u32>;
+    type Block = G::Block;
 
     fn import(&self, OwnedPart(part, ids): OwnedPart, scratch: &mut Vec<u32>) -> ClusterPart {
         let first = scratch.len();
@@ -146,7 +147,7 @@ impl TopDown for ClusterTree<'_> {
     fn try_emit<const N: usize>(
         &self,
         part: &ClusterPart,
-        treelet: &mut WideTreelet<N>,
+        treelet: &mut WideTreelet<N, G::Block>,
         scratch: &mut Vec<u32>,
     ) -> Option<Subtree> {
         let ClusterPart::Subtree(node, depth) = *part else { return None };
@@ -161,7 +162,7 @@ impl TopDown for ClusterTree<'_> {
     }
 }
 
-impl BinarySplits for ClusterTree<'_> {
+impl<G: Geometry> BinarySplits for ClusterTree<'_, G> {
     fn kind(&self, part: &ClusterPart) -> Kind {
         Kind::of_count(self.count(part))
     }

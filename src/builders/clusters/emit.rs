@@ -4,6 +4,7 @@
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::{Node, NodeRun};
 use crate::builders::binary::tree::BinaryTree;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::binary_source::{BinarySource, Leaves};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
 use crate::bvh::limits::{BLOCK, followed_levels};
@@ -35,12 +36,12 @@ impl BinarySource for GatheredTree<'_> {
 impl GatheredTree<'_> {
     /// Appends the wide nodes of the subtree, whose root is `node` at binary depth `depth`; `None`, and nothing appended, if
     /// some of it is too deep to be followed.
-    pub fn emit<const N: usize>(
+    pub fn emit<G: Geometry, const N: usize>(
         &self,
         node: &Node,
         depth: u32,
-        leaves: &Leaves<'_>,
-        treelet: &mut WideTreelet<N>,
+        leaves: &Leaves<'_, G>,
+        treelet: &mut WideTreelet<N, G::Block>,
     ) -> Option<Subtree> {
         let levels = followed_levels(depth, node.count() as usize);
         let checkpoint = [treelet.nodes.len(), treelet.blocks.len()];

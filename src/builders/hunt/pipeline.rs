@@ -10,10 +10,10 @@ use crate::builders::phr::cut::{Cut, OwnedCut};
 use crate::builders::phr::initial_cut::initial_cut;
 use crate::builders::phr::memory::CutMemory;
 use crate::builders::phr::recursion::CutRecursion;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::build;
-use crate::bvh::WideBvh;
 use crate::bvh::limits::{BLOCK, MAX_LEAF};
-use crate::geometry::Mesh;
+use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::simd::Isa;
 
 /// Parameters of Hunt's method.
@@ -26,16 +26,16 @@ pub struct HuntConfig {
 }
 
 /// Builds by Hunt's method; memory is kept between builds.
-pub struct Hunt<const N: usize> {
+pub struct Hunt<const N: usize, B: LeafBlock = TriangleBlock> {
     name: &'static str,
     config: HuntConfig,
     /// The parameters that the recursion shares with PHR; without spatial splits.
     cuts: PhrConfig,
-    memory: CutMemory<N>,
+    memory: CutMemory<N, B>,
     isa: Isa,
 }
 
-impl<const N: usize> Hunt<N> {
+impl<const N: usize, B: LeafBlock> Hunt<N, B> {
     /// A builder called `name` in records.
     ///
     /// # Errors
@@ -50,7 +50,7 @@ impl<const N: usize> Hunt<N> {
     }
 }
 
-impl<const N: usize> Builder<N> for Hunt<N> {
+impl<const N: usize, G: Geometry> Builder<N, G> for Hunt<N, G::Block> {
     fn name(&self) -> &'static str {
         self.name
     }
@@ -59,18 +59,18 @@ impl<const N: usize> Builder<N> for Hunt<N> {
         serde_json::json!(self.config)
     }
 
-    fn build(&mut self, mesh: &Mesh) -> Build<N> {
+    fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let CutMemory { auxiliary, recursion: memory } = &mut self.memory;
-        let mut phases = auxiliary.build(mesh, &self.cuts.extensions.auxiliary);
+        let mut phases = auxiliary.build(geometry, &self.cuts.extensions.auxiliary);
         let mut watch = Stopwatch::start();
-        let (recursion, cut) = begin(auxiliary, mesh, (&self.cuts, self.config.cut_length), self.isa);
-        let tree = build::build(&recursion, cut, mesh, memory);
+        let (recursion, cut) = begin(auxiliary, geometry, (&self.cuts, self.config.cut_length), self.isa);
+        let tree = build::build(&recursion, cut, geometry, memory);
         watch.lap("cuts and nodes");
         phases.extend(watch.phases);
         self.memory.finish(tree, phases)
     }
 
-    fn recycle(&mut self, tree: WideBvh<N>) {
+    fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
         self.memory.recursion.recycle(tree);
     }
 }
@@ -89,15 +89,15 @@ impl HuntConfig {
 }
 
 /// The recursion over a scene by cuts of constant length, and the initial cut that it begins with.
-pub(crate) fn begin<'a>(
+pub(crate) fn begin<'a, G: Geometry>(
     auxiliary: &'a Auxiliary,
-    mesh: &'a Mesh,
+    geometry: &'a G,
     (cuts, length): (&'a PhrConfig, usize),
     isa: Isa,
-) -> (CutRecursion<'a, ConstantLength>, Option<(OwnedCut, Subtrees)>) {
+) -> (CutRecursion<'a, ConstantLength, G>, Option<(OwnedCut, Subtrees)>) {
     let cut = auxiliary.tree.root.map(|root| {
         let nodes = initial_cut(&auxiliary.tree, root, 0.0, length);
-        (Cut::whole(nodes, 1.0, mesh.len()), Subtrees::default())
+        (Cut::whole(nodes, 1.0, geometry.len()), Subtrees::default())
     });
-    (CutRecursion::new(auxiliary, mesh, cuts, ConstantLength(length), isa), cut)
+    (CutRecursion::new(auxiliary, geometry, cuts, ConstantLength(length), isa), cut)
 }

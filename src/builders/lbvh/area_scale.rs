@@ -3,6 +3,7 @@
 //! a room, so extensions may be relative to the area of the scene's own parts.
 
 use super::key::{MortonKey, reference};
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::geometry::Aabb;
 use crate::parallel;
@@ -32,7 +33,12 @@ impl AreaScale {
 
     /// Those of a scene whose keys are sorted: the scale is `parts` times the median area of parts of the scene, runs of
     /// [`PART`] references along the Morton curve.
-    pub fn calibrated(scene: Aabb, keys: &[MortonKey], refs: &PrimRefs<'_>, parts: f32) -> Self {
+    pub fn calibrated<G: Geometry>(
+        scene: Aabb,
+        keys: &[MortonKey],
+        refs: &PrimRefs<'_, G>,
+        parts: f32,
+    ) -> Self {
         let whole = Self::of(scene);
         let count = PARTS.min(keys.len() / PART);
         let area = |i: usize| {

@@ -13,10 +13,10 @@ use super::treelet::{LbvhTreelet, LeafRule};
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::builder::{Phase, Stopwatch};
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::presplit::PresplitConfig;
 use crate::builders::prims::refs::PrimRefs;
 use crate::bvh::limits::MIDDLE_DEPTH;
-use crate::geometry::Mesh;
 use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
 use crate::parallel::ordered_append;
@@ -90,31 +90,31 @@ pub(crate) struct Auxiliary {
 }
 
 impl Auxiliary {
-    /// Builds the LBVH of `mesh`.
-    pub fn build(&mut self, mesh: &Mesh, config: &AuxiliaryConfig) -> Vec<Phase> {
+    /// Builds the LBVH of `geometry`.
+    pub fn build<G: Geometry>(&mut self, geometry: &G, config: &AuxiliaryConfig) -> Vec<Phase> {
         let treelets = std::mem::take(&mut self.treelets);
         let (_, depth) = config.sort();
-        let phases = self.grow(mesh, config, |refs, keys, rule, tree| {
+        let phases = self.grow(geometry, config, |refs, keys, rule, tree| {
             linear(refs, keys, depth, rule, &mut tree.pairs, &treelets)
         });
         self.treelets = treelets;
         phases
     }
 
-    /// Sorts the references of `mesh`, and has `grow` make the tree over one or more of them, of which it returns the root:
+    /// Sorts the references of `geometry`, and has `grow` make the tree over one or more of them, of which it returns the root:
     /// leaves are small by the rule, and runs of the keys, which are put into the order of the tree.
-    pub fn grow(
+    pub fn grow<G: Geometry>(
         &mut self,
-        mesh: &Mesh,
+        geometry: &G,
         config: &AuxiliaryConfig,
-        grow: impl FnOnce(&PrimRefs<'_>, &mut Vec<MortonKey>, LeafRule, &mut BinaryTree) -> Node,
+        grow: impl FnOnce(&PrimRefs<'_, G>, &mut Vec<MortonKey>, LeafRule, &mut BinaryTree) -> Node,
     ) -> Vec<Phase> {
         let mut watch = Stopwatch::start();
         let (bits, _) = config.sort();
-        self.order.sort(mesh, config.presplit.as_ref(), bits, &mut self.tree.pairs, &mut watch);
+        self.order.sort(geometry, config.presplit.as_ref(), bits, &mut self.tree.pairs, &mut watch);
         // Equal codes are partitioned by reordering keys.
         let mut keys = std::mem::take(&mut self.order.keys);
-        let refs = self.order.refs(mesh);
+        let refs = self.order.refs(geometry);
         self.scale = match config.calibration {
             Some(parts) => AreaScale::calibrated(self.order.bounds(), &keys, &refs, parts),
             None => AreaScale::of(self.order.bounds()),
@@ -131,8 +131,8 @@ impl Auxiliary {
 }
 
 /// The root of the LBVH over one or more keys.
-fn linear(
-    refs: &PrimRefs<'_>,
+fn linear<G: Geometry>(
+    refs: &PrimRefs<'_, G>,
     keys: &mut [MortonKey],
     depth: u32,
     rule: LeafRule,
@@ -162,6 +162,7 @@ mod tests {
     use crate::builders::lbvh::key::{code, reference};
     use crate::builders::lbvh::partition::partition;
     use crate::geometry::Aabb;
+    use crate::geometry::Mesh;
 
     fn triangles(n: usize, place: impl Fn(usize) -> [f32; 3]) -> Mesh {
         let vertices = (0..n).flat_map(|i| {

@@ -1,6 +1,7 @@
 //! How a run of sorted keys is partitioned in two (paper 4.7): the definition that treelets are held to.
 
 use super::key::{MortonKey, code, reference};
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::bvh::limits::MIDDLE_DEPTH;
 use crate::geometry::Aabb;
@@ -9,7 +10,11 @@ use glam::Vec3A;
 /// Partitions a run of two or more sorted keys where the highest bit changes in which their codes differ; returns the
 /// length of the left side. A run of one code is reordered and partitioned at the middle of its centroids' bounds, which
 /// is what further bits would say; `depth` counts such partitions, which bounds the depth of any tree.
-pub(crate) fn partition(keys: &mut [MortonKey], refs: &PrimRefs<'_>, depth: &mut u32) -> usize {
+pub(crate) fn partition<G: Geometry>(
+    keys: &mut [MortonKey],
+    refs: &PrimRefs<'_, G>,
+    depth: &mut u32,
+) -> usize {
     let (first, last) = (code(keys[0]), code(keys[keys.len() - 1]));
     if first != last {
         let bit = 1 << (31 - (first ^ last).leading_zeros());

@@ -1,15 +1,21 @@
-//! Prefetches along sorted keys: the processor cannot guess which triangle is read next.
+//! Prefetches along sorted keys: the processor cannot guess which primitive is read next.
 
 use super::key::{MortonKey, reference};
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
-use crate::geometry::Mesh;
 use crate::memory::prefetch::line;
 
-/// Prefetches the pairs and the triangles below `node`, which one thread is about to build, in a tree of leaves of up to
+/// Prefetches the pairs and the primitives below `node`, which one thread is about to build, in a tree of leaves of up to
 /// `leaf` references. Their addresses depend on loads; here many such loads are in flight at once.
-pub(crate) fn subtree(tree: &BinaryTree, keys: &[MortonKey], refs: &PrimRefs<'_>, node: &Node, leaf: u32) {
+pub(crate) fn subtree<G: Geometry>(
+    tree: &BinaryTree,
+    keys: &[MortonKey],
+    refs: &PrimRefs<'_, G>,
+    node: &Node,
+    leaf: u32,
+) {
     // The pairs of a subtree lie in a row that ends with its root's; leaves of several references are half full.
     if let Some(pair) = node.pair() {
         let count = node.count() as usize;
@@ -19,50 +25,39 @@ pub(crate) fn subtree(tree: &BinaryTree, keys: &[MortonKey], refs: &PrimRefs<'_>
     run(tree, keys, refs, node);
 }
 
-/// Prefetches the triangles below `node`: in Morton order a subtree is a run, in other trees nearly so.
-pub(crate) fn run(tree: &BinaryTree, keys: &[MortonKey], refs: &PrimRefs<'_>, node: &Node) {
+/// Prefetches the primitives below `node`: in Morton order a subtree is a run, in other trees nearly so.
+pub(crate) fn run<G: Geometry>(tree: &BinaryTree, keys: &[MortonKey], refs: &PrimRefs<'_, G>, node: &Node) {
     let run = tree.run(node);
-    triangles(refs.mesh, &keys[run.start..keys.len().min(run.end)]);
+    primitives(refs.geometry, &keys[run.start..keys.len().min(run.end)]);
 }
 
-/// Prefetches the triangles of a run of keys that one thread is about to use.
-pub(crate) fn triangles(mesh: &Mesh, keys: &[MortonKey]) {
-    let (triangles, vertices) = (mesh.triangles(), mesh.padded_vertices());
+/// Prefetches the primitives of a run of keys that one thread is about to use.
+pub(crate) fn primitives(geometry: &impl Geometry, keys: &[MortonKey]) {
     for key in keys {
-        line(triangles, reference(*key) as usize);
+        geometry.prefetch(reference(*key));
     }
     for key in keys {
-        if let Some(triangle) = triangles.get(reference(*key) as usize) {
-            line(vertices, triangle[0] as usize);
-        }
+        geometry.prefetch_first_corner(reference(*key));
     }
 }
 
-/// Prefetches the triangles that a walk along `keys`, now at `i`, comes to next.
+/// Prefetches the primitives that a walk along `keys`, now at `i`, comes to next.
 #[inline]
-pub(crate) fn triangle(mesh: &Mesh, keys: &[MortonKey], i: usize) {
+pub(crate) fn ahead(geometry: &impl Geometry, keys: &[MortonKey], i: usize) {
     const AHEAD: usize = 16;
     if let Some(&key) = keys.get(i + 2 * AHEAD) {
-        line(mesh.triangles(), reference(key) as usize);
+        geometry.prefetch(reference(key));
     }
-    if let Some(&key) = keys.get(i + AHEAD)
-        && let Some(triangle) = mesh.triangles().get(reference(key) as usize)
-    {
-        triangle.iter().for_each(|&vertex| line(mesh.padded_vertices(), vertex as usize));
+    if let Some(&key) = keys.get(i + AHEAD) {
+        geometry.prefetch_corners(reference(key));
     }
 }
 
-/// Prefetches the vertex indices of a triangle that a walk along `keys`, now at `i`, comes to next.
+/// Prefetches of a primitive that a walk along `keys`, now at `i`, comes to next what its corners are found by.
 #[inline]
-pub(crate) fn indices(mesh: &Mesh, keys: &[MortonKey], i: usize) {
+pub(crate) fn far_ahead(geometry: &impl Geometry, keys: &[MortonKey], i: usize) {
     const AHEAD: usize = 32;
     if let Some(&key) = keys.get(i + AHEAD) {
-        line(mesh.triangles(), reference(key) as usize);
+        geometry.prefetch(reference(key));
     }
-}
-
-/// Prefetches the corners of a triangle.
-#[inline]
-pub(crate) fn corners(mesh: &Mesh, triangle: [u32; 3]) {
-    triangle.iter().for_each(|&vertex| line(mesh.padded_vertices(), vertex as usize));
 }

@@ -5,9 +5,10 @@
 use super::key::{MortonKey, key_of};
 use super::morton::MortonEncoder;
 use crate::builders::builder::Stopwatch;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::presplit::{Presplit, PresplitConfig};
 use crate::builders::prims::refs::{GRAIN, PrimInfo, PrimRefs};
-use crate::geometry::{Aabb, Mesh};
+use crate::geometry::Aabb;
 use crate::memory::huge_pages;
 use crate::parallel;
 use crate::parallel::radix_sort::{self, BUCKET_BITS};
@@ -44,28 +45,28 @@ pub(crate) struct MortonOrder {
 }
 
 impl MortonOrder {
-    /// Sorts the triangles of a mesh by these bits of their codes, needles in pieces where `presplit` says so. The memory of `spare` is used
+    /// Sorts primitives by these bits of their codes, needles in pieces where `presplit` says so. The memory of `spare` is used
     /// meanwhile; its elements are lost.
-    pub fn sort<T>(
+    pub fn sort<G: Geometry, T>(
         &mut self,
-        mesh: &Mesh,
+        geometry: &G,
         presplit: Option<&PresplitConfig>,
         bits: SortBits,
         spare: &mut Vec<T>,
         watch: &mut Stopwatch,
     ) {
-        let mut info = PrimInfo::of(mesh);
+        let mut info = PrimInfo::of(geometry);
         watch.lap("bounds");
         self.presplit.clear();
-        if let Some(config) = presplit {
+        if let (Some(config), Some(mesh)) = (presplit, geometry.triangles()) {
             self.presplit.split(mesh, info.bounds, config);
             info = self.presplit.chunks.iter().fold(info, |info, chunk| info.union(chunk.info));
             watch.lap("presplit");
         }
         self.info = Some(info);
         let more: usize = self.presplit.chunks.iter().map(|chunk| chunk.pieces - chunk.needles).sum();
-        let keys = huge_pages::lend(spare, mesh.len() + more);
-        self.encode(mesh, &MortonEncoder::new(info.centers), bits.mask(), keys);
+        let keys = huge_pages::lend(spare, geometry.len() + more);
+        self.encode(geometry, &MortonEncoder::new(info.centers), bits.mask(), keys);
         // SAFETY: `encode` has written every key.
         let keys = unsafe { &mut *(std::ptr::from_mut(keys) as *mut [MortonKey]) };
         watch.lap("codes");
@@ -79,8 +80,14 @@ impl MortonOrder {
 
     /// Writes every key: those of the triangles in order, then those of the pieces but for the first of each needle,
     /// which takes the place of its triangle.
-    fn encode(&self, mesh: &Mesh, encoder: &MortonEncoder, mask: u32, keys: &mut [MaybeUninit<MortonKey>]) {
-        let (of_triangles, mut of_pieces) = keys.split_at_mut(mesh.len());
+    fn encode<G: Geometry>(
+        &self,
+        geometry: &G,
+        encoder: &MortonEncoder,
+        mask: u32,
+        keys: &mut [MaybeUninit<MortonKey>],
+    ) {
+        let (of_triangles, mut of_pieces) = keys.split_at_mut(geometry.len());
         let mut tasks = Vec::with_capacity(of_triangles.len().div_ceil(GRAIN));
         let mut piece = 0;
         for (i, of_triangles) in of_triangles.chunks_mut(GRAIN).enumerate() {
@@ -94,7 +101,7 @@ impl MortonOrder {
         parallel::for_each(tasks, |(first, of_triangles, of_pieces, pieces)| {
             let prims = first as u32..(first + of_triangles.len()) as u32;
             let mut triangles = prims.clone().zip(&mut *of_triangles);
-            encoder.codes(prims.map(|prim| mesh.bounds_of(prim).center2()), |code| {
+            encoder.codes(prims.map(|prim| geometry.bounds_of(prim).center2()), |code| {
                 if let Some((prim, key)) = triangles.next() {
                     key.write(key_of(code & mask, prim));
                 }
@@ -107,15 +114,15 @@ impl MortonOrder {
                     &mut of_triangles[fragment.prim as usize - first]
                 };
                 let code = encoder.code(fragment.bounds.center2()) & mask;
-                key.write(key_of(code, (mesh.len() + i) as u32));
+                key.write(key_of(code, (geometry.len() + i) as u32));
             }
             assert!(others.next().is_none());
         });
     }
 
     /// What the keys refer to.
-    pub fn refs<'a>(&'a self, mesh: &'a Mesh) -> PrimRefs<'a> {
-        PrimRefs { mesh, fragments: &self.presplit.fragments }
+    pub fn refs<'a, G>(&'a self, geometry: &'a G) -> PrimRefs<'a, G> {
+        PrimRefs { geometry, fragments: &self.presplit.fragments }
     }
 
     /// Box of the scene.

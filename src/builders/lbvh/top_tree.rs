@@ -2,6 +2,7 @@
 
 use super::key::MortonKey;
 use super::partition::partition;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use std::sync::{Mutex, MutexGuard};
 
@@ -34,15 +35,15 @@ pub(crate) struct TopTree<'a> {
 impl<'a> TopTree<'a> {
     /// Divides one or more `keys`, which count as partitioned by the middle `depth` times before; keys of one code are
     /// reordered.
-    pub fn new(refs: &PrimRefs<'_>, keys: &'a mut [MortonKey], depth: u32) -> Self {
+    pub fn new<G: Geometry>(refs: &PrimRefs<'_, G>, keys: &'a mut [MortonKey], depth: u32) -> Self {
         let mut top = Self { treelets: Vec::new(), pairs: Vec::new() };
         top.divide(refs, keys, 0, depth);
         top
     }
 
-    fn divide(
+    fn divide<G: Geometry>(
         &mut self,
-        refs: &PrimRefs<'_>,
+        refs: &PrimRefs<'_, G>,
         keys: &'a mut [MortonKey],
         first: usize,
         depth: u32,

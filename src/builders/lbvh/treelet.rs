@@ -6,6 +6,7 @@ use super::equal_codes::EqualCodes;
 use super::key::{MortonKey, reference};
 use super::prefetch;
 use crate::builders::binary::node::Node;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::bvh::limits::BLOCK;
 use crate::geometry::Aabb;
@@ -52,9 +53,9 @@ pub(crate) struct LbvhTreelet {
 impl LbvhTreelet {
     /// Builds the tree over `keys`, which begin at position `first` and have been partitioned by the middle `depth`
     /// times. Returns the root.
-    pub fn build(
+    pub fn build<G: Geometry>(
         &mut self,
-        refs: &PrimRefs<'_>,
+        refs: &PrimRefs<'_, G>,
         keys: &mut [MortonKey],
         first: usize,
         depth: u32,
@@ -63,7 +64,7 @@ impl LbvhTreelet {
         // All boxes first: a plain loop has many loads from memory in flight, and more with prefetches.
         self.bounds.clear();
         self.bounds.extend(keys.iter().enumerate().map(|(i, &key)| {
-            prefetch::triangle(refs.mesh, keys, i);
+            prefetch::ahead(refs.geometry, keys, i);
             refs.bounds(reference(key))
         }));
         let Self { equal_codes, bounds, deltas, leaves, copied_keys, copied_bounds, .. } = self;

@@ -3,15 +3,24 @@
 use super::tree::Tree;
 use crate::builders::wide::optimal::{Choice, Choices, CollapseSource};
 use crate::builders::wide::top_down::TopDown;
+use crate::bvh::TriangleBlock;
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
+use std::marker::PhantomData;
 
 /// A binary tree and the choices for it.
-pub(super) struct CollapsedTree<'a> {
+pub(super) struct CollapsedTree<'a, B = TriangleBlock> {
     /// The tree.
     pub tree: &'a Tree,
     /// The choices.
     pub choices: &'a Choices,
+    block: PhantomData<fn() -> B>,
+}
+
+impl<'a, B> CollapsedTree<'a, B> {
+    pub fn new(tree: &'a Tree, choices: &'a Choices) -> Self {
+        Self { tree, choices, block: PhantomData }
+    }
 }
 
 impl CollapseSource for Tree {
@@ -30,7 +39,7 @@ impl CollapseSource for Tree {
     }
 }
 
-impl CollapsedTree<'_> {
+impl<B> CollapsedTree<'_, B> {
     fn choice(&self, index: u32) -> Option<Choice> {
         self.tree.node(index).pair().map(|pair| self.choices.of(pair))
     }
@@ -50,10 +59,11 @@ impl CollapsedTree<'_> {
     }
 }
 
-impl TopDown for CollapsedTree<'_> {
+impl<B> TopDown for CollapsedTree<'_, B> {
     type Task = u32;
     type Part = u32;
     type Scratch = ();
+    type Block = B;
 
     fn import(&self, index: u32, (): &mut ()) -> u32 {
         index

@@ -6,9 +6,9 @@ use crate::builders::builder::{Build, Builder, Stopwatch};
 use crate::builders::config_error::ConfigError;
 use crate::builders::phr::memory::CutMemory;
 use crate::builders::phr::{Extensions, PhrConfig, begin};
-use crate::bvh::WideBvh;
+use crate::builders::prims::geometry::Geometry;
 use crate::bvh::limits::BLOCK;
-use crate::geometry::Mesh;
+use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::simd::Isa;
 
 /// Parameters of [`OptimisedPhr`].
@@ -21,17 +21,17 @@ pub struct OptimisedPhrConfig {
 }
 
 /// Builds trees of nodes of up to `N` children by PHR and optimises; memory is kept between builds.
-pub struct OptimisedPhr<const N: usize> {
+pub struct OptimisedPhr<const N: usize, B: LeafBlock = TriangleBlock> {
     name: &'static str,
     config: OptimisedPhrConfig,
     /// Leaves of one block: which are worth more is decided in the end.
     phr: PhrConfig,
-    memory: CutMemory<N>,
-    optimiser: Optimiser<N>,
+    memory: CutMemory<N, B>,
+    optimiser: Optimiser<N, B>,
     isa: Isa,
 }
 
-impl<const N: usize> OptimisedPhr<N> {
+impl<const N: usize, B: LeafBlock> OptimisedPhr<N, B> {
     /// A builder called `name` in records.
     ///
     /// # Errors
@@ -54,7 +54,7 @@ impl<const N: usize> OptimisedPhr<N> {
     }
 }
 
-impl<const N: usize> Builder<N> for OptimisedPhr<N> {
+impl<const N: usize, G: Geometry> Builder<N, G> for OptimisedPhr<N, G::Block> {
     fn name(&self) -> &'static str {
         self.name
     }
@@ -63,16 +63,17 @@ impl<const N: usize> Builder<N> for OptimisedPhr<N> {
         serde_json::json!(self.config)
     }
 
-    fn build(&mut self, mesh: &Mesh) -> Build<N> {
+    fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let CutMemory { auxiliary, recursion: memory } = &mut self.memory;
         let extensions = &self.phr.extensions;
-        let mut phases = extensions.auxiliary_tree.build(auxiliary, mesh, &extensions.auxiliary, self.isa);
+        let mut phases =
+            extensions.auxiliary_tree.build(auxiliary, geometry, &extensions.auxiliary, self.isa);
         let mut watch = Stopwatch::start();
-        let (recursion, cut) = begin(auxiliary, mesh, &self.phr, self.isa);
-        let has_root = self.optimiser.record(&recursion, cut, mesh, memory);
+        let (recursion, cut) = begin(auxiliary, geometry, &self.phr, self.isa);
+        let has_root = self.optimiser.record(&recursion, cut, geometry, memory);
         watch.lap("cuts and nodes");
         let tree = if has_root {
-            self.optimiser.improve(mesh, &self.config.optimise, &mut watch)
+            self.optimiser.improve(geometry, &self.config.optimise, &mut watch)
         } else {
             WideBvh::default()
         };
@@ -80,7 +81,7 @@ impl<const N: usize> Builder<N> for OptimisedPhr<N> {
         self.memory.finish(tree, phases)
     }
 
-    fn recycle(&mut self, tree: WideBvh<N>) {
+    fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
         self.optimiser.recycle(tree);
     }
 }

@@ -8,11 +8,10 @@ use crate::builders::phr::cut::{Cut, OwnedCut};
 use crate::builders::phr::memory::CutScratch;
 use crate::builders::phr::policy::CutPolicy;
 use crate::builders::phr::recursion::CutRecursion;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::memory::{Memory, Scratch, Worker};
 use crate::builders::wide::parallel::ParallelBuild;
 use crate::builders::wide::top_down::BinarySplits;
-use crate::geometry::Mesh;
-use crate::geometry::triangle_split::visible;
 use crate::memory::pool::Pool;
 use crate::parallel::ordered_append::{Chunk, Offset};
 
@@ -45,23 +44,23 @@ impl Chunk for RecordedChunk {
 }
 
 impl Tree {
-    /// Becomes the tree of the splits of `recursion` below `root`, over leaves of up to four triangles of `mesh`. Returns
+    /// Becomes the tree of the splits of `recursion` below `root`, over leaves of up to four primitives of `geometry`. Returns
     /// false if there are none.
-    pub fn record<P: CutPolicy, const N: usize>(
+    pub fn record<P: CutPolicy, G: Geometry, const N: usize>(
         &mut self,
-        recursion: &CutRecursion<'_, P>,
+        recursion: &CutRecursion<'_, P, G>,
         root: (OwnedCut, Subtrees),
-        mesh: &Mesh,
-        memory: &Memory<CutScratch, N>,
+        geometry: &G,
+        memory: &Memory<CutScratch, N, G::Block>,
         pool: &Pool<RecordedChunk>,
     ) -> bool {
-        self.clear(mesh.len());
-        let (tree, built) = ParallelBuild::new(recursion, &memory.workers, mesh.len()).run(
+        self.clear(geometry.len());
+        let (tree, built) = ParallelBuild::new(recursion, &memory.workers, geometry.len()).run(
             root,
             pool,
             (&mut self.pairs, &mut self.prims),
             |cut, scratch| recursion.split(cut, scratch).into_iter().flatten().collect(),
-            |cut, chunk, worker| record(recursion, mesh, cut, chunk, worker),
+            |cut, chunk, worker| record(recursion, geometry, cut, chunk, worker),
         );
         let moved =
             |(root, [pairs, prims]): (Option<Node>, Offset)| root.map(|root| root.moved(pairs, prims));
@@ -88,9 +87,9 @@ fn merge(halves: [Option<Node>; 2], pairs: &mut Vec<Pair>) -> Option<Node> {
 }
 
 /// Records the splits below a cut, depth first; returns the root, if clipping left anything.
-fn record<P: CutPolicy>(
-    recursion: &CutRecursion<'_, P>,
-    mesh: &Mesh,
+fn record<P: CutPolicy, G: Geometry>(
+    recursion: &CutRecursion<'_, P, G>,
+    geometry: &G,
     cut: &Cut,
     chunk: &mut RecordedChunk,
     worker: &mut Worker<CutScratch>,
@@ -99,14 +98,14 @@ fn record<P: CutPolicy>(
         let Worker { scratch, prims } = worker;
         prims.clear();
         // The leaf sees what lies of its triangles within the cut; those of which nothing does are left out.
-        let bounds = recursion.gather(cut, prims, scratch, |prim, bounds| visible(mesh, prim, bounds));
+        let bounds = recursion.gather(cut, prims, scratch, |prim, bounds| geometry.visible(prim, bounds));
         let first = chunk.prims.len();
         chunk.prims.extend_from_slice(prims);
         return (!prims.is_empty()).then(|| Node::leaf(bounds, first, prims.len()));
     }
     let checkpoint = worker.scratch.checkpoint();
     let sides = recursion.split(cut, &mut worker.scratch);
-    let halves = sides.map(|side| side.and_then(|side| record(recursion, mesh, &side, chunk, worker)));
+    let halves = sides.map(|side| side.and_then(|side| record(recursion, geometry, &side, chunk, worker)));
     worker.scratch.rollback(checkpoint);
     merge(halves, &mut chunk.pairs)
 }

@@ -4,8 +4,9 @@
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::lbvh::key::{MortonKey, reference};
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Mesh};
 
 /// Which boxes of a node's children reach into a clip box.
 ///
@@ -60,15 +61,14 @@ pub(crate) fn open(tree: &BinaryTree, node: &Node, clip: &Aabb, mut take: impl F
 }
 
 /// The references in Morton order, to which the leaves of the auxiliary BVH are opened.
-#[derive(Clone, Copy)]
-pub(crate) struct RefOrder<'a> {
+pub(crate) struct RefOrder<'a, G = Mesh> {
     /// Sorted keys.
     pub keys: &'a [MortonKey],
     /// What they refer to.
-    pub refs: PrimRefs<'a>,
+    pub refs: PrimRefs<'a, G>,
 }
 
-impl RefOrder<'_> {
+impl<G: Geometry> RefOrder<'_, G> {
     /// Gives `take` the references below `node`, a node of a cut clipped to `clip`: leaves of one
     /// reference, their boxes clipped.
     pub fn open_all(&self, tree: &BinaryTree, node: &Node, clip: &Aabb, take: &mut impl FnMut(Node)) {
@@ -93,7 +93,7 @@ impl RefOrder<'_> {
         }
     }
 
-    /// The triangle at a position.
+    /// The primitive at a position.
     #[inline]
     pub fn prim(&self, position: usize) -> u32 {
         self.refs.prim(reference(self.keys[position]))

@@ -10,7 +10,7 @@ use crate::builders::split::spatial::SpatialSweep;
 use crate::builders::split::sweep_sah::SubtreeSweep;
 use crate::builders::wide::memory::{Memory, Scratch};
 use crate::builders::wide::optimal::Choices;
-use crate::bvh::WideBvh;
+use crate::bvh::{TriangleBlock, WideBvh};
 
 /// A thread's memory.
 #[derive(Default)]
@@ -49,17 +49,22 @@ impl Scratch for CutScratch {
 }
 
 /// The memory of a builder over cuts.
-#[derive(Default)]
-pub(crate) struct CutMemory<const N: usize> {
+pub(crate) struct CutMemory<const N: usize, B = TriangleBlock> {
     /// The auxiliary BVH.
     pub auxiliary: Auxiliary,
     /// Of the recursion.
-    pub recursion: Memory<CutScratch, N>,
+    pub recursion: Memory<CutScratch, N, B>,
 }
 
-impl<const N: usize> CutMemory<N> {
+impl<const N: usize, B> Default for CutMemory<N, B> {
+    fn default() -> Self {
+        Self { auxiliary: Auxiliary::default(), recursion: Memory::default() }
+    }
+}
+
+impl<const N: usize, B> CutMemory<N, B> {
     /// Puts a build together.
-    pub fn finish(&mut self, tree: WideBvh<N>, phases: Vec<Phase>) -> Build<N> {
+    pub fn finish(&mut self, tree: WideBvh<N, B>, phases: Vec<Phase>) -> Build<N, B> {
         let mut counts =
             Counts { auxiliary_nodes: 2 * self.auxiliary.tree.pairs.len() as u64 + 1, ..Counts::default() };
         self.recursion.workers.for_each(|worker| {

@@ -10,21 +10,21 @@ use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::builder::{Build, Builder, Stopwatch};
 use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::auxiliary::Auxiliary;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::build;
-use crate::bvh::WideBvh;
 use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
-use crate::geometry::Mesh;
+use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::simd::Isa;
 
 /// Builds trees of nodes of up to `N` children by PHR; memory is kept between builds.
-pub struct Phr<const N: usize> {
+pub struct Phr<const N: usize, B: LeafBlock = TriangleBlock> {
     name: &'static str,
     config: PhrConfig,
-    memory: CutMemory<N>,
+    memory: CutMemory<N, B>,
     isa: Isa,
 }
 
-impl<const N: usize> Phr<N> {
+impl<const N: usize, B: LeafBlock> Phr<N, B> {
     /// A builder called `name` in records.
     ///
     /// # Errors
@@ -40,7 +40,7 @@ impl<const N: usize> Phr<N> {
     }
 }
 
-impl<const N: usize> Builder<N> for Phr<N> {
+impl<const N: usize, G: Geometry> Builder<N, G> for Phr<N, G::Block> {
     fn name(&self) -> &'static str {
         self.name
     }
@@ -49,41 +49,41 @@ impl<const N: usize> Builder<N> for Phr<N> {
         serde_json::json!(self.config)
     }
 
-    fn build(&mut self, mesh: &Mesh) -> Build<N> {
+    fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let Self { config, memory: CutMemory { auxiliary, recursion: memory }, isa, .. } = self;
         // Presplit, Morton codes, sort, auxiliary BVH (4.7).
         let extensions = &config.extensions;
-        let mut phases = extensions.auxiliary_tree.build(auxiliary, mesh, &extensions.auxiliary, *isa);
+        let mut phases = extensions.auxiliary_tree.build(auxiliary, geometry, &extensions.auxiliary, *isa);
         let mut watch = Stopwatch::start();
         // Initial cut (4.1).
-        let (recursion, cut) = begin(auxiliary, mesh, config, *isa);
+        let (recursion, cut) = begin(auxiliary, geometry, config, *isa);
         // Split, refine, recurse (4.2 to 4.4), to a wide tree (4.5) in parallel (4.6).
-        let tree = build::build(&recursion, cut, mesh, memory);
+        let tree = build::build(&recursion, cut, geometry, memory);
         watch.lap("cuts and nodes");
         phases.extend(watch.phases);
         self.memory.finish(tree, phases)
     }
 
-    fn recycle(&mut self, tree: WideBvh<N>) {
+    fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
         self.memory.recursion.recycle(tree);
     }
 }
 
 /// The recursion over a scene, refined by the thresholds of equation 2, and the initial cut that it begins with.
-pub(crate) fn begin<'a>(
+pub(crate) fn begin<'a, G: Geometry>(
     auxiliary: &'a Auxiliary,
-    mesh: &'a Mesh,
+    geometry: &'a G,
     config: &'a PhrConfig,
     isa: Isa,
-) -> (CutRecursion<'a, Threshold>, Option<(OwnedCut, Subtrees)>) {
+) -> (CutRecursion<'a, Threshold, G>, Option<(OwnedCut, Subtrees)>) {
     let threshold = Threshold::new(auxiliary.scale.scene, config);
-    let (area, len) = config.initial_cut(mesh.len(), &threshold);
+    let (area, len) = config.initial_cut(geometry.len(), &threshold);
     let cut = auxiliary.tree.root.map(|root| {
         let nodes = initial_cut(&auxiliary.tree, root, area, len);
-        let most = mesh.len() * MAX_REFERENCES_PER_TRIANGLE;
+        let most = geometry.len() * MAX_REFERENCES_PER_TRIANGLE;
         (Cut::whole(nodes, config.max_references, most), Subtrees::default())
     });
-    (CutRecursion::new(auxiliary, mesh, config, threshold, isa), cut)
+    (CutRecursion::new(auxiliary, geometry, config, threshold, isa), cut)
 }
 
 impl PhrConfig {

@@ -10,6 +10,7 @@ use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::lbvh::prefetch;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::top_down::{BinarySplits, TopDown};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
 use crate::geometry::{Aabb, Mesh};
@@ -17,11 +18,11 @@ use crate::simd::Isa;
 use arrayvec::ArrayVec;
 
 /// The recursion over cuts of an auxiliary BVH.
-pub(crate) struct CutRecursion<'a, P> {
+pub(crate) struct CutRecursion<'a, P, G = Mesh> {
     /// The auxiliary BVH.
     pub tree: &'a BinaryTree,
     /// What its leaves hold.
-    pub order: RefOrder<'a>,
+    pub order: RefOrder<'a, G>,
     /// The parameters.
     pub config: &'a PhrConfig,
     /// How cuts are refined.
@@ -32,17 +33,23 @@ pub(crate) struct CutRecursion<'a, P> {
     spatial_above: f32,
 }
 
-impl<'a, P: CutPolicy> CutRecursion<'a, P> {
-    /// Over the auxiliary BVH of `mesh`.
-    pub fn new(auxiliary: &'a Auxiliary, mesh: &'a Mesh, config: &'a PhrConfig, policy: P, isa: Isa) -> Self {
-        let scale = auxiliary.scale.scale;
+impl<'a, P: CutPolicy, G: Geometry> CutRecursion<'a, P, G> {
+    /// Over the auxiliary BVH of `geometry`.
+    pub fn new(
+        auxiliary: &'a Auxiliary,
+        geometry: &'a G,
+        config: &'a PhrConfig,
+        policy: P,
+        isa: Isa,
+    ) -> Self {
+        let above = auxiliary.scale.scale * config.spatial_threshold;
         Self {
             tree: &auxiliary.tree,
-            order: RefOrder { keys: &auxiliary.order.keys, refs: auxiliary.order.refs(mesh) },
+            order: RefOrder { keys: &auxiliary.order.keys, refs: auxiliary.order.refs(geometry) },
             config,
             policy,
             isa,
-            spatial_above: scale * config.spatial_threshold,
+            spatial_above: if geometry.splits() { above } else { f32::INFINITY },
         }
     }
 
@@ -53,7 +60,7 @@ impl<'a, P: CutPolicy> CutRecursion<'a, P> {
     }
 }
 
-impl<P: CutPolicy> BinarySplits for CutRecursion<'_, P> {
+impl<P: CutPolicy, G: Geometry> BinarySplits for CutRecursion<'_, P, G> {
     fn kind(&self, cut: &Cut) -> Kind {
         cut.kind
     }
@@ -74,10 +81,11 @@ impl<P: CutPolicy> BinarySplits for CutRecursion<'_, P> {
     }
 }
 
-impl<P: CutPolicy> TopDown for CutRecursion<'_, P> {
+impl<P: CutPolicy, G: Geometry> TopDown for CutRecursion<'_, P, G> {
     type Task = (OwnedCut, Subtrees);
     type Part = Cut;
     type Scratch = CutScratch;
+    type Block = G::Block;
 
     fn import(&self, (cut, from): Self::Task, scratch: &mut CutScratch) -> Cut {
         let cut = cut.import(&mut scratch.arena);
@@ -125,7 +133,7 @@ impl<P: CutPolicy> TopDown for CutRecursion<'_, P> {
     fn try_emit<const N: usize>(
         &self,
         cut: &Cut,
-        treelet: &mut WideTreelet<N>,
+        treelet: &mut WideTreelet<N, G::Block>,
         scratch: &mut CutScratch,
     ) -> Option<Subtree> {
         if let Some(costs) = &self.config.extensions.collapse {
@@ -139,8 +147,8 @@ impl<P: CutPolicy> TopDown for CutRecursion<'_, P> {
     }
 }
 
-impl<P: CutPolicy> CutRecursion<'_, P> {
-    /// Appends the triangles of a leaf; returns their box. Of a triangle that is not wholly inside the clip box,
+impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
+    /// Appends the primitives of a leaf; returns their box. Of one that is not wholly inside the clip box,
     /// `visible` tells the box that the leaf sees, given the box of its part.
     pub fn gather(
         &self,
@@ -168,7 +176,7 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
             }
         }
         if !self.order.refs.fragments.is_empty() {
-            // Parts of one triangle may meet in a leaf.
+            // Parts of one primitive may meet in a leaf.
             prims.sort_unstable();
             prims.dedup();
         }

@@ -8,6 +8,7 @@ use super::policy::{CutPolicy, SeenSplit};
 use super::recursion::CutRecursion;
 use crate::builders::binary::kind::{Kind, leaf_is_cheaper};
 use crate::builders::binary::node::Node;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::split::by_triangles;
 use crate::builders::split::cost::Weight;
 use crate::builders::split::object::ObjectSweep;
@@ -16,9 +17,8 @@ use crate::builders::split::spatial::SpatialSweep;
 use crate::builders::split::spatial::split::SpatialSplit;
 use crate::bvh::limits::CUT_DEPTH;
 use crate::geometry::Aabb;
-use crate::geometry::triangle_split::split_triangle;
 
-impl<P: CutPolicy> CutRecursion<'_, P> {
+impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
     /// Splits a cut in two and refines both sides, either of which may be clipped away.
     pub(super) fn split_cut(&self, part: &Cut, scratch: &mut CutScratch) -> [Option<Cut>; 2] {
         let CutScratch { counts, arena, object: object_sweep, spatial: spatial_sweep, sides, .. } = scratch;
@@ -172,15 +172,14 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
     fn parts(&self, node: &Node, split: &SpatialSplit) -> [Option<Node>; 2] {
         let bounds = node.bounds();
         let sides = [split.on_left(bounds), split.on_right(bounds)];
-        let clips_triangle = self.config.extensions.clip_triangles && node.is_leaf() && node.count() == 1;
-        let parts = if clips_triangle && sides == [true; 2] {
+        let clips_primitive = self.config.extensions.clip_triangles && node.is_leaf() && node.count() == 1;
+        let parts = if clips_primitive && sides == [true; 2] {
             let prim = self.order.prim(node.run().start);
-            let corners = self.order.refs.mesh.corners(prim);
-            split_triangle(&corners, bounds, split.axis, split.plane)
+            self.order.refs.geometry.split(prim, bounds, split.axis, split.plane)
         } else {
             [split.left_of(bounds), split.right_of(bounds)]
         };
-        // The triangle may be on one side only of a plane through its box.
+        // The primitive may be on one side only of a plane through its box.
         [0, 1].map(|side| (sides[side] && !parts[side].is_empty()).then(|| node.with_bounds(parts[side])))
     }
 

@@ -8,10 +8,11 @@ use super::recursion::CutRecursion;
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::Node;
 use crate::builders::binary::subtrees::Subtrees;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::binary_source::{BinarySource, Leaves};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
 
-impl<P: CutPolicy> CutRecursion<'_, P> {
+impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
     /// The subtree of a cut that is split down to its leaves in one go, nothing if clipping left nothing; `None` for other
     /// cuts.
     pub(super) fn sweep(&self, cut: &Cut, scratch: &mut CutScratch) -> Option<Option<Node>> {
@@ -43,7 +44,7 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
     pub(super) fn emit_swept<const N: usize>(
         &self,
         cut: &Cut,
-        treelet: &mut WideTreelet<N>,
+        treelet: &mut WideTreelet<N, G::Block>,
         scratch: &mut CutScratch,
     ) -> Option<Subtree> {
         if cut.level == CutLevel::Swept {
@@ -67,7 +68,7 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
         node: &Node,
         kind: Kind,
         subtrees: &Subtrees,
-        treelet: &mut WideTreelet<N>,
+        treelet: &mut WideTreelet<N, G::Block>,
     ) -> Subtree {
         let leaves = Leaves::of(&self.order.refs, self.config.leaf_size());
         subtrees

@@ -1,6 +1,7 @@
-//! What a tree is built over: references to triangles, each with a box. A triangle is referred to once by its
+//! What a tree is built over: references to primitives, each with a box. One is referred to once by its
 //! whole box, or several times by the boxes of its parts where it was split before.
 
+use super::geometry::Geometry;
 use crate::geometry::{Aabb, Mesh};
 use crate::parallel;
 use rayon::prelude::*;
@@ -17,27 +18,34 @@ pub(crate) struct Fragment {
     pub prim: u32,
 }
 
-/// The references of a build. Boxes are computed from the mesh each time: that costs hardly more than reading them back,
+/// The references of a build. Boxes of triangles are computed from the mesh each time: that costs hardly more than reading them back,
 /// and no memory.
-#[derive(Clone, Copy)]
-pub(crate) struct PrimRefs<'a> {
-    /// The triangles; reference i < `mesh.len()` is triangle i.
-    pub mesh: &'a Mesh,
-    /// The references from `mesh.len()` on.
+pub(crate) struct PrimRefs<'a, G = Mesh> {
+    /// The primitives; reference i < `geometry.len()` is primitive i.
+    pub geometry: &'a G,
+    /// The references from `geometry.len()` on.
     pub fragments: &'a [Fragment],
 }
 
-impl PrimRefs<'_> {
+impl<G> Clone for PrimRefs<'_, G> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<G> Copy for PrimRefs<'_, G> {}
+
+impl<G: Geometry> PrimRefs<'_, G> {
     /// The box of a reference.
     #[inline]
     pub fn bounds(&self, reference: u32) -> Aabb {
         match self.fragment(reference) {
-            None => self.mesh.bounds_of(reference),
+            None => self.geometry.bounds_of(reference),
             Some(fragment) => fragment.bounds,
         }
     }
 
-    /// The triangle of a reference.
+    /// The primitive of a reference.
     #[inline]
     pub fn prim(&self, reference: u32) -> u32 {
         self.fragment(reference).map_or(reference, |fragment| fragment.prim)
@@ -46,7 +54,7 @@ impl PrimRefs<'_> {
     #[inline]
     fn fragment(&self, reference: u32) -> Option<&Fragment> {
         // One comparison for nearly all references.
-        (reference as usize).checked_sub(self.mesh.len()).map(|i| &self.fragments[i])
+        (reference as usize).checked_sub(self.geometry.len()).map(|i| &self.fragments[i])
     }
 }
 
@@ -63,15 +71,15 @@ impl PrimInfo {
     /// Of nothing.
     pub const EMPTY: Self = Self { bounds: Aabb::EMPTY, centers: Aabb::EMPTY };
 
-    /// Of all triangles of `mesh`.
-    pub fn of(mesh: &Mesh) -> Self {
-        let parts = parallel::map(mesh.triangles().par_chunks(GRAIN), |triangles| {
+    /// Of all primitives of `geometry`.
+    pub fn of(geometry: &impl Geometry) -> Self {
+        let tasks = geometry.len().div_ceil(GRAIN);
+        let parts = parallel::map((0..tasks).into_par_iter(), |task| {
             let (mut bounds, mut centers) = (Aabb::EMPTY, Aabb::EMPTY);
-            for triangle in triangles {
-                let b = Aabb::of_triangle(mesh.corners_of(triangle));
+            geometry.for_each(task * GRAIN..geometry.len().min((task + 1) * GRAIN), |b| {
                 bounds = bounds.union(b);
                 centers = centers.grow(b.center2());
-            }
+            });
             Self { bounds, centers }
         });
         parts.into_iter().fold(Self::EMPTY, Self::union)

@@ -11,6 +11,7 @@ use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
 use crate::builders::lbvh::direct::Lbvh;
 use crate::builders::optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
 use crate::builders::phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, Phr, PhrConfig};
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::presplit::PresplitConfig;
 use crate::builders::wide::optimal::CollapseCosts;
 
@@ -257,17 +258,17 @@ pub fn cuts_of(name: &str) -> Option<CutConfig> {
 ///
 /// # Errors
 /// A parameter out of range.
-pub(crate) fn build<const N: usize>(
+pub(crate) fn build<const N: usize, G: Geometry>(
     name: &'static str,
     config: Config,
-) -> Result<Box<dyn Builder<N>>, ConfigError> {
+) -> Result<Box<dyn Builder<N, G>>, ConfigError> {
     Ok(match config {
-        Config::Lbvh => Box::<Lbvh<N>>::default(),
-        Config::Aac(config) => Box::new(Aac::new(config)?),
-        Config::Ploc(config) => Box::new(Ploc::new(config)?),
-        Config::Hunt(config) => Box::new(Hunt::new(name, config)?),
-        Config::Phr(config) => Box::new(Phr::new(name, config)?),
-        Config::OptimisedPhr(config) => Box::new(OptimisedPhr::new(name, config)?),
+        Config::Lbvh => Box::<Lbvh<N, G::Block, G::Item>>::default(),
+        Config::Aac(config) => Box::new(Aac::<N, G::Block>::new(config)?),
+        Config::Ploc(config) => Box::new(Ploc::<N, G::Block>::new(config)?),
+        Config::Hunt(config) => Box::new(Hunt::<N, G::Block>::new(name, config)?),
+        Config::Phr(config) => Box::new(Phr::<N, G::Block>::new(name, config)?),
+        Config::OptimisedPhr(config) => Box::new(OptimisedPhr::<N, G::Block>::new(name, config)?),
     })
 }
 

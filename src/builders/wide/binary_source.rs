@@ -5,6 +5,7 @@ use super::treelet::{Subtree, WideTreelet};
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::NodeRun;
 use crate::builders::binary::subtrees::Subtrees;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::bvh::Link;
 use crate::bvh::limits::{BLOCK, MAX_LEAF};
@@ -16,7 +17,7 @@ pub(crate) trait BinarySource {
     /// The children of a subtree that is no [`Kind::Leaf`].
     fn children(&self, run: &NodeRun) -> [NodeRun; 2];
 
-    /// The triangle at a position.
+    /// The primitive at a position.
     fn prim(&self, position: usize) -> u32;
 
     /// What becomes of a subtree.
@@ -37,12 +38,12 @@ pub(crate) trait BinarySource {
 
     /// Appends the wide nodes and leaf blocks of a subtree, as [`open_largest`] forms them. `None` if there are splits
     /// below `levels` others: the treelet is then to be rolled back. Counts binary splits.
-    fn emit<const N: usize>(
+    fn emit<G: Geometry, const N: usize>(
         &self,
         (run, kind): (&NodeRun, Kind),
         levels: u32,
-        leaves: &Leaves<'_>,
-        treelet: &mut WideTreelet<N>,
+        leaves: &Leaves<'_, G>,
+        treelet: &mut WideTreelet<N, G::Block>,
         splits: &mut u64,
     ) -> Option<Subtree> {
         if kind != Kind::Inner {
@@ -85,34 +86,34 @@ impl BinarySource for Subtrees {
 }
 
 /// How leaves are made.
-pub(crate) struct Leaves<'a> {
-    /// The triangles.
-    pub mesh: &'a Mesh,
-    /// Most triangles of a leaf of several blocks.
+pub(crate) struct Leaves<'a, G = Mesh> {
+    /// The primitives.
+    pub geometry: &'a G,
+    /// Most primitives of a leaf of several blocks.
     pub max_leaf: u32,
-    /// Whether parts of one triangle may meet in a leaf.
+    /// Whether parts of one primitive may meet in a leaf.
     pub may_repeat: bool,
 }
 
-impl<'a> Leaves<'a> {
+impl<'a, G: Geometry> Leaves<'a, G> {
     /// Of references each of which is in one leaf.
-    pub fn of(refs: &PrimRefs<'a>, max_leaf: u32) -> Self {
-        Self { mesh: refs.mesh, max_leaf, may_repeat: !refs.fragments.is_empty() }
+    pub fn of(refs: &PrimRefs<'a, G>, max_leaf: u32) -> Self {
+        Self { geometry: refs.geometry, max_leaf, may_repeat: !refs.fragments.is_empty() }
     }
 
-    /// Appends the leaf of a subtree's triangles.
+    /// Appends the leaf of a subtree's primitives.
     #[inline]
     pub fn emit<const N: usize>(
         &self,
         source: &(impl BinarySource + ?Sized),
         run: &NodeRun,
-        treelet: &mut WideTreelet<N>,
+        treelet: &mut WideTreelet<N, G::Block>,
     ) -> Subtree {
         let positions = run.first as usize..(run.first + run.node.count()) as usize;
         let bounds = run.node.bounds();
         if !self.may_repeat && positions.len() <= BLOCK as usize {
             let prim = |lane: usize| source.prim((positions.start + lane).min(positions.end - 1));
-            return Some((bounds, treelet.block(self.mesh, positions.len(), std::array::from_fn(prim))));
+            return Some((bounds, treelet.block(self.geometry, positions.len(), std::array::from_fn(prim))));
         }
         let mut prims: ArrayVec<u32, { MAX_LEAF as usize }> =
             positions.map(|position| source.prim(position)).collect();
@@ -122,7 +123,7 @@ impl<'a> Leaves<'a> {
             let mut last = None;
             prims.retain(|prim| last.replace(*prim) != Some(*prim));
         }
-        treelet.leaf(self.mesh, &prims).map(|link| (bounds, link))
+        treelet.leaf(self.geometry, &prims).map(|link| (bounds, link))
     }
 }
 

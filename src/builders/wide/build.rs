@@ -4,25 +4,26 @@ use super::memory::{Memory, Scratch, Worker};
 use super::parallel::ParallelBuild;
 use super::top_down::TopDown;
 use super::treelet::{self, Subtree, WideTreelet};
+use crate::builders::prims::geometry::Geometry;
 use crate::bvh::{Link, WideBvh};
-use crate::geometry::{Aabb, Mesh};
+use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
-/// Builds the tree of nodes of up to `N` children below `root` over `mesh`.
-pub(crate) fn build<T: TopDown, const N: usize>(
+/// Builds the tree of nodes of up to `N` children below `root` over `geometry`.
+pub(crate) fn build<T: TopDown<Block = G::Block>, G: Geometry, const N: usize>(
     builder: &T,
     root: Option<T::Task>,
-    mesh: &Mesh,
-    memory: &mut Memory<T::Scratch, N>,
-) -> WideBvh<N> {
+    geometry: &G,
+    memory: &mut Memory<T::Scratch, N, G::Block>,
+) -> WideBvh<N, G::Block> {
     let Some(root) = root else { return WideBvh::default() };
-    let (mut nodes, mut blocks) = memory.arrays(mesh.len());
-    let (tree, built) = ParallelBuild::new(builder, &memory.workers, mesh.len()).run(
+    let (mut nodes, mut blocks) = memory.arrays(geometry.len());
+    let (tree, built) = ParallelBuild::new(builder, &memory.workers, geometry.len()).run(
         root,
         &memory.treelets,
         (&mut nodes, &mut blocks),
         |part, scratch| builder.children::<N>(part, scratch).into_iter().collect(),
-        |part, treelet: &mut WideTreelet<N>, worker| emit(builder, mesh, part, treelet, worker),
+        |part, treelet: &mut WideTreelet<N, G::Block>, worker| emit(builder, geometry, part, treelet, worker),
     );
     let subtrees = treelet::moved(built);
     let root = tree.fold(&subtrees, &mut |parts| {
@@ -36,11 +37,11 @@ pub(crate) fn build<T: TopDown, const N: usize>(
 }
 
 /// Appends the subtree of a part to `treelet`, depth first.
-fn emit<T: TopDown, const N: usize>(
+fn emit<T: TopDown<Block = G::Block>, G: Geometry, const N: usize>(
     builder: &T,
-    mesh: &Mesh,
+    geometry: &G,
     part: &T::Part,
-    treelet: &mut WideTreelet<N>,
+    treelet: &mut WideTreelet<N, G::Block>,
     worker: &mut Worker<T::Scratch>,
 ) -> Subtree {
     if let Some(subtree) = builder.try_emit(part, treelet, &mut worker.scratch) {
@@ -49,12 +50,12 @@ fn emit<T: TopDown, const N: usize>(
     if builder.is_leaf(part) {
         worker.prims.clear();
         let bounds = builder.leaf(part, &mut worker.prims, &mut worker.scratch);
-        return treelet.leaf(mesh, &worker.prims).map(|link| (bounds, link));
+        return treelet.leaf(geometry, &worker.prims).map(|link| (bounds, link));
     }
     let checkpoint = worker.scratch.checkpoint();
     let children = builder.children::<N>(part, &mut worker.scratch);
     let built: ArrayVec<(Aabb, Link), N> =
-        children.iter().filter_map(|child| emit(builder, mesh, child, treelet, worker)).collect();
+        children.iter().filter_map(|child| emit(builder, geometry, child, treelet, worker)).collect();
     // Clipping may leave a single child, or the part be found to be a leaf: it takes its parent's place.
     let subtree = treelet.node(&built);
     worker.scratch.rollback(checkpoint);

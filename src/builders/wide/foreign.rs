@@ -46,7 +46,7 @@ pub fn widened<const N: usize>(tree: &impl ForeignTree, mesh: &Mesh) -> Result<W
     let Some(root) = tree.root() else { return Ok(WideBvh::default()) };
     let Some(root) = copied(tree, root, 0, &mut subtrees)? else { return Ok(WideBvh::default()) };
     let mut treelet = WideTreelet::<N>::default();
-    let leaves = Leaves { mesh, max_leaf: MAX_LEAF, may_repeat: tree.may_repeat() };
+    let leaves = Leaves { geometry: mesh, max_leaf: MAX_LEAF, may_repeat: tree.may_repeat() };
     let (source, run) = (Foreign(&subtrees), NodeRun { node: root, first: 0 });
     let kind = source.kind(&run, MAX_LEAF);
     let subtree = source.emit((&run, kind), MOST_LEVELS, &leaves, &mut treelet, &mut 0);

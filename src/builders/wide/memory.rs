@@ -47,28 +47,28 @@ pub(crate) struct Worker<S> {
 }
 
 /// Memory of tasks, and a tree no longer used.
-pub(crate) struct Memory<S, const N: usize> {
+pub(crate) struct Memory<S, const N: usize, B = TriangleBlock> {
     /// Of threads.
     pub workers: Pool<Box<Worker<S>>>,
     /// Of treelets.
-    pub treelets: Pool<WideTreelet<N>>,
-    tree: Option<WideBvh<N>>,
+    pub treelets: Pool<WideTreelet<N, B>>,
+    tree: Option<WideBvh<N, B>>,
 }
 
-impl<S, const N: usize> Default for Memory<S, N> {
+impl<S, const N: usize, B> Default for Memory<S, N, B> {
     fn default() -> Self {
         Self { workers: Pool::default(), treelets: Pool::default(), tree: None }
     }
 }
 
-impl<S: Default, const N: usize> Memory<S, N> {
+impl<S: Default, const N: usize, B> Memory<S, N, B> {
     /// Takes a tree whose memory the next one may use.
-    pub fn recycle(&mut self, tree: WideBvh<N>) {
+    pub fn recycle(&mut self, tree: WideBvh<N, B>) {
         self.tree = Some(tree);
     }
 
-    /// The arrays of a tree over `n` triangles, empty, with the capacity that most trees need.
-    pub fn arrays(&mut self, n: usize) -> (Vec<WideNode<N>>, Vec<TriangleBlock>) {
+    /// The arrays of a tree over `n` primitives, empty, with the capacity that most trees need.
+    pub fn arrays(&mut self, n: usize) -> (Vec<WideNode<N>>, Vec<B>) {
         self.blocks(n);
         let WideBvh { mut nodes, mut blocks, .. } = self.tree.take().unwrap_or_default();
         nodes.clear();
@@ -78,7 +78,7 @@ impl<S: Default, const N: usize> Memory<S, N> {
     }
 
     /// The leaf blocks that [`Memory::arrays`] is going to give; until then others may use their memory.
-    pub fn blocks(&mut self, n: usize) -> &mut Vec<TriangleBlock> {
+    pub fn blocks(&mut self, n: usize) -> &mut Vec<B> {
         let blocks = &mut self.tree.get_or_insert_default().blocks;
         blocks.clear();
         huge_pages::reserve(blocks, n / 2 + 64);

@@ -16,6 +16,8 @@ pub(crate) trait TopDown: Sync {
     type Part;
     /// A thread's scratch memory.
     type Scratch: Scratch;
+    /// What leaves are made of.
+    type Block;
 
     /// Copies a task into scratch memory.
     fn import(&self, task: Self::Task, scratch: &mut Self::Scratch) -> Self::Part;
@@ -39,7 +41,7 @@ pub(crate) trait TopDown: Sync {
         scratch: &mut Self::Scratch,
     ) -> ArrayVec<Self::Part, N>;
 
-    /// Appends the triangles of a leaf; returns their box, clipped like the part.
+    /// Appends the primitives of a leaf; returns their box, clipped like the part.
     fn leaf(&self, part: &Self::Part, prims: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb;
 
     /// Appends the whole subtree of a part, where there is a faster or another way than one wide node after another;
@@ -47,7 +49,7 @@ pub(crate) trait TopDown: Sync {
     fn try_emit<const N: usize>(
         &self,
         _: &Self::Part,
-        _: &mut WideTreelet<N>,
+        _: &mut WideTreelet<N, Self::Block>,
         _: &mut Self::Scratch,
     ) -> Option<Subtree> {
         None

@@ -2,9 +2,10 @@
 
 #![allow(unsafe_code)]
 
+use crate::builders::prims::geometry::Geometry;
 use crate::bvh::limits::{BLOCK, MAX_LEAF};
-use crate::bvh::{Link, TriangleBlock, WideNode};
-use crate::geometry::{Aabb, Mesh};
+use crate::bvh::{IdBlock, Link, TriangleBlock, WideNode};
+use crate::geometry::Aabb;
 use crate::memory::stream::{self, Vectors};
 use crate::parallel::ordered_append::{Chunk, Offset};
 use glam::Vec4;
@@ -38,15 +39,20 @@ pub(crate) fn append_node<const N: usize>(
 }
 
 /// Nodes of `N` children and leaf blocks of one task.
-#[derive(Default)]
-pub(crate) struct WideTreelet<const N: usize> {
+pub(crate) struct WideTreelet<const N: usize, B = TriangleBlock> {
     /// Children before parents.
     pub nodes: Vec<WideNode<N>>,
     /// Those of a leaf in a row.
-    pub blocks: Vec<TriangleBlock>,
+    pub blocks: Vec<B>,
 }
 
-impl<const N: usize> WideTreelet<N> {
+impl<const N: usize, B> Default for WideTreelet<N, B> {
+    fn default() -> Self {
+        Self { nodes: Vec::new(), blocks: Vec::new() }
+    }
+}
+
+impl<const N: usize, B> WideTreelet<N, B> {
     /// Removes what was appended since the lengths were as given.
     pub fn rollback(&mut self, [nodes, blocks]: Offset) {
         self.nodes.truncate(nodes);
@@ -58,28 +64,28 @@ impl<const N: usize> WideTreelet<N> {
         append_node(children, &mut self.nodes)
     }
 
-    /// Appends the block of a leaf of the first `count` triangles, one to four, of `prims`.
+    /// Appends the block of a leaf of the first `count` primitives, one to four, of `prims`.
     #[inline]
-    pub fn block(&mut self, mesh: &Mesh, count: usize, prims: [u32; 4]) -> Link {
-        self.blocks.push(TriangleBlock::of_first(count, prims, mesh));
+    pub fn block<G: Geometry<Block = B>>(&mut self, geometry: &G, count: usize, prims: [u32; 4]) -> Link {
+        self.blocks.push(geometry.block(count, prims));
         Link::leaf(self.blocks.len() - 1, 1)
     }
 
-    /// Appends the blocks of a leaf; `None` without triangles.
-    pub fn leaf(&mut self, mesh: &Mesh, prims: &[u32]) -> Option<Link> {
+    /// Appends the blocks of a leaf; `None` without primitives.
+    pub fn leaf<G: Geometry<Block = B>>(&mut self, geometry: &G, prims: &[u32]) -> Option<Link> {
         if prims.is_empty() {
             return None;
         }
         let first = self.blocks.len();
-        assert!(prims.len() <= MAX_LEAF as usize, "a leaf of {} triangles", prims.len());
-        self.blocks.extend(prims.chunks(BLOCK as usize).map(|prims| TriangleBlock::of(mesh, prims)));
+        assert!(prims.len() <= MAX_LEAF as usize, "a leaf of {} primitives", prims.len());
+        self.blocks.extend(prims.chunks(BLOCK as usize).map(|prims| geometry.block_of(prims)));
         Some(Link::leaf(first, self.blocks.len() - first))
     }
 }
 
-impl<const N: usize> Chunk for WideTreelet<N> {
+impl<const N: usize, B: Vectors + Copy + Send> Chunk for WideTreelet<N, B> {
     type A = WideNode<N>;
-    type B = TriangleBlock;
+    type B = B;
 
     fn elements(&self) -> (&[Self::A], &[Self::B]) {
         (&self.nodes, &self.blocks)
@@ -142,5 +148,13 @@ unsafe impl Vectors for TriangleBlock {
         }
         let prim = |lane: usize| f32::from_bits(self.prims[lane]);
         write(9, Vec4::new(prim(0), prim(1), prim(2), prim(3)));
+    }
+}
+
+// SAFETY: a block is four numbers; any bits are numbers.
+unsafe impl Vectors for IdBlock {
+    #[inline(always)]
+    fn for_each(&self, mut write: impl FnMut(usize, Vec4)) {
+        write(0, Vec4::from_array(self.prims.map(f32::from_bits)));
     }
 }

@@ -5,6 +5,7 @@ use crate::builders::binary::node::Node;
 use crate::builders::lbvh::key::{MortonKey, reference};
 use crate::builders::lbvh::partition::partition;
 use crate::builders::lbvh::prefetch;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::parallel;
 
@@ -12,9 +13,9 @@ use crate::parallel;
 const SERIAL: usize = 1 << 12;
 
 /// The root of the clusters of all `keys`, whose pairs go to `pairs`; `None` without keys.
-pub(crate) fn cluster(
+pub(crate) fn cluster<G: Geometry>(
     config: &AacConfig,
-    refs: PrimRefs<'_>,
+    refs: PrimRefs<'_, G>,
     keys: &mut [MortonKey],
     pairs: &mut [[Node; 2]],
 ) -> Option<Node> {
@@ -36,14 +37,14 @@ struct Forest {
     nearest: Vec<Neighbour>,
 }
 
-struct Clustering<'a> {
+struct Clustering<'a, G> {
     config: &'a AacConfig,
     /// f(n) of few triangles: most runs are short, and powers are slow.
     of_few: [usize; 64],
-    refs: PrimRefs<'a>,
+    refs: PrimRefs<'a, G>,
 }
 
-impl Clustering<'_> {
+impl<G: Geometry> Clustering<'_, G> {
     /// Appends the clusters of a run of sorted keys that begins at `first`, whose pairs are `pairs`.
     fn build(
         &self,
@@ -55,7 +56,7 @@ impl Clustering<'_> {
     ) {
         let len = keys.len();
         if len < SERIAL {
-            prefetch::triangles(self.refs.mesh, keys);
+            prefetch::primitives(self.refs.geometry, keys);
             self.build_serial(keys, first, depth, pairs, forest);
             return;
         }

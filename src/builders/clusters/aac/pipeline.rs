@@ -8,21 +8,21 @@ use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
 use crate::builders::clusters::collapse::ClusterTree;
 use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::sort::{MortonOrder, SortBits};
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::build;
 use crate::builders::wide::memory::Memory;
-use crate::bvh::WideBvh;
-use crate::geometry::Mesh;
+use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::memory::huge_pages;
 
 /// Builds trees of nodes of up to `N` children by AAC; memory is kept between builds.
-pub struct Aac<const N: usize> {
+pub struct Aac<const N: usize, B: LeafBlock = TriangleBlock> {
     config: AacConfig,
     order: MortonOrder,
     tree: BinaryTree,
-    memory: Memory<Vec<u32>, N>,
+    memory: Memory<Vec<u32>, N, B>,
 }
 
-impl<const N: usize> Aac<N> {
+impl<const N: usize, B: LeafBlock> Aac<N, B> {
     /// A builder with the given parameters.
     ///
     /// # Errors
@@ -38,7 +38,7 @@ impl<const N: usize> Aac<N> {
     }
 }
 
-impl<const N: usize> Builder<N> for Aac<N> {
+impl<const N: usize, G: Geometry> Builder<N, G> for Aac<N, G::Block> {
     fn name(&self) -> &'static str {
         "aac"
     }
@@ -47,23 +47,23 @@ impl<const N: usize> Builder<N> for Aac<N> {
         serde_json::json!(self.config)
     }
 
-    fn build(&mut self, mesh: &Mesh) -> Build<N> {
+    fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, None, SortBits::All, self.memory.blocks(mesh.len()), &mut watch);
+        self.order.sort(geometry, None, SortBits::All, self.memory.blocks(geometry.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
-        huge_pages::resize(&mut self.tree.pairs, mesh.len().saturating_sub(1), [Node::ZERO; 2]);
-        self.tree.root = cluster(&self.config, self.order.refs(mesh), &mut keys, &mut self.tree.pairs);
+        huge_pages::resize(&mut self.tree.pairs, geometry.len().saturating_sub(1), [Node::ZERO; 2]);
+        self.tree.root = cluster(&self.config, self.order.refs(geometry), &mut keys, &mut self.tree.pairs);
         self.order.keys = keys;
         watch.lap("clusters");
-        let refs = self.order.refs(mesh);
+        let refs = self.order.refs(geometry);
         let clusters = ClusterTree { tree: &self.tree, keys: &self.order.keys, refs, has_rows: true };
-        let tree = build::build(&clusters, clusters.root(), mesh, &mut self.memory);
+        let tree = build::build(&clusters, clusters.root(), geometry, &mut self.memory);
         watch.lap("nodes");
-        let counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };
+        let counts = Counts { auxiliary_nodes: 2 * geometry.len() as u64, ..Counts::default() };
         Build { tree, phases: watch.phases, counts }
     }
 
-    fn recycle(&mut self, tree: WideBvh<N>) {
+    fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
         self.memory.recycle(tree);
     }
 }

@@ -3,6 +3,7 @@
 use super::pass::{Merged, Pass, TASK};
 use crate::builders::binary::node::Node;
 use crate::builders::lbvh::key::MortonKey;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
@@ -23,10 +24,10 @@ pub(crate) struct Clustering {
 impl Clustering {
     /// The root of the clusters of sorted `keys`, whose pairs go to `pairs`, those of a pass in the order of the
     /// clusters; `None` without keys.
-    pub fn cluster(
+    pub fn cluster<G: Geometry>(
         &mut self,
         (radius, isa): (usize, Isa),
-        refs: &PrimRefs<'_>,
+        refs: &PrimRefs<'_, G>,
         keys: &[MortonKey],
         pairs: &mut Vec<[Node; 2]>,
     ) -> Option<Node> {
@@ -76,7 +77,7 @@ mod tests {
             let size = 1.0 + i as f32;
             [Vec3::splat(-size), Vec3::new(size, -size, 0.0), Vec3::splat(size)]
         });
-        let refs = PrimRefs { mesh: &mesh, fragments: &[] };
+        let refs = PrimRefs { geometry: &mesh, fragments: &[] };
         let keys: Vec<MortonKey> = (0..n as u32).map(|i| key_of(0, i)).collect();
         let mut pairs = Vec::new();
         let root = Clustering::default().cluster((8, Isa::best()), &refs, &keys, &mut pairs).unwrap();

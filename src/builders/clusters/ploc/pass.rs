@@ -4,6 +4,7 @@ use super::nearest::{Boxes, forced};
 use crate::builders::binary::node::Node;
 use crate::builders::lbvh::key::{MortonKey, reference};
 use crate::builders::lbvh::prefetch;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::parallel::ordered_append::{Chunk, Offset};
 use crate::simd::Isa;
@@ -38,12 +39,12 @@ pub(super) struct Merged {
 
 impl Merged {
     /// Makes the clusters of a single reference each of a task.
-    pub fn of_leaves(&mut self, refs: &PrimRefs<'_>, keys: &[MortonKey], task: usize) {
+    pub fn of_leaves<G: Geometry>(&mut self, refs: &PrimRefs<'_, G>, keys: &[MortonKey], task: usize) {
         let positions = task * TASK..keys.len().min((task + 1) * TASK);
         self.kept = [positions.len(), 0];
         self.clusters.clear();
         self.clusters.extend(positions.map(|i| {
-            prefetch::triangle(refs.mesh, keys, i);
+            prefetch::ahead(refs.geometry, keys, i);
             Node::leaf(refs.bounds(reference(keys[i])), i, 1)
         }));
     }

@@ -7,23 +7,23 @@ use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
 use crate::builders::clusters::collapse::ClusterTree;
 use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::sort::{MortonOrder, SortBits};
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::build;
 use crate::builders::wide::memory::Memory;
-use crate::bvh::WideBvh;
-use crate::geometry::Mesh;
+use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::simd::Isa;
 
 /// Builds trees of nodes of up to `N` children by PLOC; memory is kept between builds.
-pub struct Ploc<const N: usize> {
+pub struct Ploc<const N: usize, B: LeafBlock = TriangleBlock> {
     config: PlocConfig,
     isa: Isa,
     order: MortonOrder,
     clustering: Clustering,
     tree: BinaryTree,
-    memory: Memory<Vec<u32>, N>,
+    memory: Memory<Vec<u32>, N, B>,
 }
 
-impl<const N: usize> Ploc<N> {
+impl<const N: usize, B: LeafBlock> Ploc<N, B> {
     /// A builder with the given parameters.
     ///
     /// # Errors
@@ -46,7 +46,7 @@ impl<const N: usize> Ploc<N> {
     }
 }
 
-impl<const N: usize> Builder<N> for Ploc<N> {
+impl<const N: usize, G: Geometry> Builder<N, G> for Ploc<N, G::Block> {
     fn name(&self) -> &'static str {
         "ploc"
     }
@@ -55,21 +55,21 @@ impl<const N: usize> Builder<N> for Ploc<N> {
         serde_json::json!(self.config)
     }
 
-    fn build(&mut self, mesh: &Mesh) -> Build<N> {
+    fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, None, SortBits::All, self.memory.blocks(mesh.len()), &mut watch);
-        let (refs, keys) = (self.order.refs(mesh), &self.order.keys);
+        self.order.sort(geometry, None, SortBits::All, self.memory.blocks(geometry.len()), &mut watch);
+        let (refs, keys) = (self.order.refs(geometry), &self.order.keys);
         let Self { config, isa, clustering, tree, .. } = self;
         tree.root = clustering.cluster((config.radius, *isa), &refs, keys, &mut tree.pairs);
         watch.lap("clusters");
         let clusters = ClusterTree { tree, keys, refs, has_rows: false };
-        let built = build::build(&clusters, clusters.root(), mesh, &mut self.memory);
+        let built = build::build(&clusters, clusters.root(), geometry, &mut self.memory);
         watch.lap("nodes");
-        let counts = Counts { auxiliary_nodes: 2 * mesh.len() as u64, ..Counts::default() };
+        let counts = Counts { auxiliary_nodes: 2 * geometry.len() as u64, ..Counts::default() };
         Build { tree: built, phases: watch.phases, counts }
     }
 
-    fn recycle(&mut self, tree: WideBvh<N>) {
+    fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
         self.memory.recycle(tree);
     }
 }

@@ -6,32 +6,34 @@ use crate::builders::binary::kind::Kind;
 use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
 use crate::builders::lbvh::sort::{MortonOrder, SortBits};
 use crate::builders::lbvh::top_tree::{TopNode, TopTree, result_of};
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::memory::Memory;
 use crate::builders::wide::open_largest::{Priority, open_largest, replace};
 use crate::builders::wide::treelet::{self, Subtree, WideTreelet};
 use crate::bvh::limits::MORTON_BITS;
-use crate::bvh::{Link, WideBvh, WideNode};
-use crate::geometry::{Aabb, Mesh};
+use crate::bvh::{LeafBlock, Link, TriangleBlock, WideBvh, WideNode};
+use crate::geometry::Aabb;
 use crate::memory::pool::Pool;
+use crate::memory::stream::Vectors;
 use crate::parallel::ordered_append;
 use crate::simd::Isa;
 use arrayvec::ArrayVec;
 
 /// Builds the LBVH of paper 4.7 as a tree of nodes of up to `N` children; memory is kept between builds.
-pub struct Lbvh<const N: usize> {
+pub struct Lbvh<const N: usize, B: LeafBlock = TriangleBlock, I = [u32; 4]> {
     order: MortonOrder,
-    treelets: Pool<DirectTreelet<N>>,
-    memory: Memory<(), N>,
+    treelets: Pool<DirectTreelet<I, N>>,
+    memory: Memory<(), N, B>,
     isa: Isa,
 }
 
-impl<const N: usize> Default for Lbvh<N> {
+impl<const N: usize, B: LeafBlock, I: Default> Default for Lbvh<N, B, I> {
     fn default() -> Self {
         Self::with_isa(Isa::best())
     }
 }
 
-impl<const N: usize> Builder<N> for Lbvh<N> {
+impl<const N: usize, G: Geometry> Builder<N, G> for Lbvh<N, G::Block, G::Item> {
     fn name(&self) -> &'static str {
         "lbvh"
     }
@@ -40,37 +42,43 @@ impl<const N: usize> Builder<N> for Lbvh<N> {
         serde_json::json!({ "code_bits": MORTON_BITS })
     }
 
-    fn build(&mut self, mesh: &Mesh) -> Build<N> {
+    fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, None, SortBits::All, self.memory.blocks(mesh.len()), &mut watch);
+        self.order.sort(geometry, None, SortBits::All, self.memory.blocks(geometry.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
-        let (tree, pairs) = if keys.is_empty() { Default::default() } else { self.tree(mesh, &mut keys) };
+        let (tree, pairs) = if keys.is_empty() { Default::default() } else { self.tree(geometry, &mut keys) };
         self.order.keys = keys;
         watch.lap("tree");
         let counts = Counts { auxiliary_nodes: 2 * pairs as u64 + 1, ..Counts::default() };
         Build { tree, phases: watch.phases, counts }
     }
 
-    fn recycle(&mut self, tree: WideBvh<N>) {
+    fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
         self.memory.recycle(tree);
     }
 }
 
-impl<const N: usize> Lbvh<N> {
+impl<const N: usize, B: LeafBlock, I: Default> Lbvh<N, B, I> {
     /// A builder with the given instructions.
     pub(crate) fn with_isa(isa: Isa) -> Self {
         Self { order: MortonOrder::default(), treelets: Pool::default(), memory: Memory::default(), isa }
     }
+}
 
+impl<const N: usize, B: LeafBlock + Vectors, I: Copy + Default + Send> Lbvh<N, B, I> {
     /// The tree over one or more sorted keys, and the pairs of the binary tree below it.
-    fn tree(&mut self, mesh: &Mesh, keys: &mut [u64]) -> (WideBvh<N>, usize) {
-        let refs = &self.order.refs(mesh);
-        let (mut nodes, mut blocks) = self.memory.arrays(mesh.len());
+    fn tree<G: Geometry<Block = B, Item = I>>(
+        &mut self,
+        geometry: &G,
+        keys: &mut [u64],
+    ) -> (WideBvh<N, B>, usize) {
+        let refs = &self.order.refs(geometry);
+        let (mut nodes, mut blocks) = self.memory.arrays(geometry.len());
         let top = TopTree::new(refs, keys, 0);
-        let make = |i: usize, wide: &mut WideTreelet<N>| {
+        let make = |i: usize, wide: &mut WideTreelet<N, B>| {
             let mut treelet = self.treelets.take();
             let (_, depth, keys) = top.treelet(i);
-            let built = treelet.build(self.isa, mesh, &keys, depth, wide);
+            let built = treelet.build(self.isa, geometry, &keys, depth, wide);
             self.treelets.put(treelet);
             built
         };

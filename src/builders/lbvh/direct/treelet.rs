@@ -6,19 +6,18 @@ use crate::builders::lbvh::deltas::Deltas;
 use crate::builders::lbvh::equal_codes::EqualCodes;
 use crate::builders::lbvh::key::{MortonKey, reference};
 use crate::builders::lbvh::prefetch;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::branchless::{Slot, Widen};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
-use crate::bvh::TriangleBlock;
 use crate::bvh::limits::BLOCK;
-use crate::geometry::{Aabb, Mesh};
 use crate::simd::Isa;
 
 /// Memory of a task that builds one treelet.
 #[derive(Default)]
-pub(crate) struct DirectTreelet<const N: usize> {
-    /// Corners of the triangles, as vertex indices, and the triangle.
-    triangles: Vec<[u32; 4]>,
-    copied_triangles: Vec<[u32; 4]>,
+pub(crate) struct DirectTreelet<I, const N: usize> {
+    /// The primitives: of triangles, corners as vertex indices, and the triangle.
+    items: Vec<I>,
+    copied_items: Vec<I>,
     deltas: Deltas,
     equal_codes: EqualCodes,
     /// Where the leaves begin, and where the last one ends.
@@ -28,34 +27,29 @@ pub(crate) struct DirectTreelet<const N: usize> {
     widen: Widen<N>,
 }
 
-impl<const N: usize> DirectTreelet<N> {
-    /// Builds the subtree over `keys`, whole triangles of `mesh` that have been partitioned by the middle `depth` times.
+impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
+    /// Builds the subtree over `keys`, whole primitives of `geometry` that have been partitioned by the middle `depth` times.
     /// Returns it with the number of its binary nodes' pairs.
-    pub fn build(
+    pub fn build<G: Geometry<Item = I>>(
         &mut self,
         isa: Isa,
-        mesh: &Mesh,
+        geometry: &G,
         keys: &[MortonKey],
         depth: u32,
-        treelet: &mut WideTreelet<N>,
+        treelet: &mut WideTreelet<N, G::Block>,
     ) -> (Subtree, usize) {
-        let Self { triangles, copied_triangles, deltas, equal_codes, leaves, slots, widen } = self;
-        triangles.clear();
-        triangles.extend(keys.iter().enumerate().map(|(i, &key)| {
-            prefetch::indices(mesh, keys, i);
-            let prim = reference(key);
-            let [a, b, c] = mesh.triangles()[prim as usize];
-            prefetch::corners(mesh, [a, b, c]);
-            [a, b, c, prim]
+        let Self { items, copied_items, deltas, equal_codes, leaves, slots, widen } = self;
+        items.clear();
+        items.extend(keys.iter().enumerate().map(|(i, &key)| {
+            prefetch::far_ahead(geometry, keys, i);
+            geometry.item(reference(key))
         }));
         deltas.of_codes(keys);
-        equal_codes.partition(deltas, keys.len(), [depth, BLOCK], |i| {
-            let [a, b, c, _] = triangles[i];
-            Aabb::of_triangle(mesh.corners_of(&[a, b, c])).center2()
-        });
-        equal_codes.reorder(triangles, copied_triangles);
+        equal_codes
+            .partition(deltas, keys.len(), [depth, BLOCK], |i| geometry.bounds_of_item(&items[i]).center2());
+        equal_codes.reorder(items, copied_items);
         deltas.leaves(BLOCK, leaves);
-        emit_leaves(isa, mesh, triangles, leaves, slots, &mut treelet.blocks);
+        emit_leaves(isa, geometry, items, leaves, slots, &mut treelet.blocks);
         widen.pairs.clear();
         let leaves = slots.iter().zip(&*leaves).map(|(&slot, &begin)| (slot, deltas.before(begin as usize)));
         let root = cartesian_tree(Slot::NONE, leaves, |children| {
@@ -74,55 +68,50 @@ impl<const N: usize> DirectTreelet<N> {
     }
 }
 
-/// Makes leaf blocks and slots of the triangles between `leaves`.
-fn emit_leaves(
+/// Makes leaf blocks and slots of the primitives between `leaves`.
+fn emit_leaves<G: Geometry>(
     isa: Isa,
-    mesh: &Mesh,
-    triangles: &[[u32; 4]],
+    geometry: &G,
+    items: &[G::Item],
     leaves: &[u32],
     slots: &mut Vec<Slot>,
-    blocks: &mut Vec<TriangleBlock>,
+    blocks: &mut Vec<G::Block>,
 ) {
     match isa.avx2() {
-        None => emit_leaves_with(mesh, triangles, leaves, slots, blocks),
+        None => emit_leaves_with(geometry, items, leaves, slots, blocks),
         Some(token) => token.run(
             #[inline(always)]
-            move || emit_leaves_with(mesh, triangles, leaves, slots, blocks),
+            move || emit_leaves_with(geometry, items, leaves, slots, blocks),
         ),
     }
 }
 
 #[inline(always)]
-fn emit_leaves_with(
-    mesh: &Mesh,
-    triangles: &[[u32; 4]],
+fn emit_leaves_with<G: Geometry>(
+    geometry: &G,
+    items: &[G::Item],
     leaves: &[u32],
     slots: &mut Vec<Slot>,
-    blocks: &mut Vec<TriangleBlock>,
+    blocks: &mut Vec<G::Block>,
 ) {
     slots.clear();
     slots.reserve(leaves.len());
     blocks.reserve(leaves.len());
     for (number, leaf) in leaves.windows(2).enumerate() {
         let [begin, end] = [leaf[0] as usize, leaf[1] as usize];
-        // Some may be fetched twice: a branch on the number of triangles could not be predicted.
-        let at = |i: usize| &triangles[(begin + i).min(end - 1)];
-        let [p, q, r, s] = [at(0), at(1), at(2), at(3)];
-        let corners = |&[a, b, c, _]: &[u32; 4]| mesh.corners_of(&[a, b, c]);
-        let prims = [p[3], q[3], r[3], s[3]];
-        let [p, q, r, s] = [corners(p), corners(q), corners(r), corners(s)];
-        let halves = [
-            Aabb::of_triangle(p).union(Aabb::of_triangle(q)),
-            Aabb::of_triangle(r).union(Aabb::of_triangle(s)),
-        ];
-        slots.push(Slot::leaf(halves[0].union(halves[1]), number));
-        blocks.push(TriangleBlock::of_corners(end - begin, prims, [p, q, r, s]));
+        // Some may be fetched twice: a branch on the number of primitives could not be predicted.
+        let at = |i: usize| &items[(begin + i).min(end - 1)];
+        let (bounds, block) = geometry.block_of_items(end - begin, [at(0), at(1), at(2), at(3)]);
+        slots.push(Slot::leaf(bounds, number));
+        blocks.push(block);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bvh::TriangleBlock;
+    use crate::geometry::{Aabb, Mesh};
 
     #[test]
     fn leaves_are_the_same_with_any_instructions() {

@@ -6,12 +6,13 @@ use crate::builders::phr::cut::{Cut, CutLevel};
 use crate::builders::phr::memory::CutScratch;
 use crate::builders::phr::policy::CutPolicy;
 use crate::builders::phr::recursion::CutRecursion;
+use crate::builders::prims::geometry::Geometry;
 use crate::bvh::limits::{CUT_DEPTH, SUBTREE_MOST};
 
 /// Fewest leaves of a cut that is split in one go: shorter ones are split faster one by one.
 const FEWEST: usize = 9;
 
-impl<P: CutPolicy> CutRecursion<'_, P> {
+impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
     /// Whether a cut is of leaves alone, and no extension applies near the leaves.
     pub(in crate::builders::phr) fn is_of_leaves(&self, cut: &Cut) -> bool {
         // Clipped references are seen otherwise by leaves, and where parts of a triangle meet they count once for the

@@ -11,6 +11,7 @@ use crate::builders::phr::cut::{Cut, CutLevel};
 use crate::builders::phr::memory::CutScratch;
 use crate::builders::phr::policy::CutPolicy;
 use crate::builders::phr::recursion::CutRecursion;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::split::cost::Weight;
 use crate::builders::split::object::split::ObjectSplit;
 use crate::builders::wide::binary_source::{BinarySource, Leaves};
@@ -18,12 +19,12 @@ use crate::builders::wide::treelet::{Subtree, WideTreelet};
 use crate::bvh::limits::{BLOCK, CUT_DEPTH};
 
 /// The splits of an auxiliary BVH over single references.
-struct SingleNodes<'a> {
+struct SingleNodes<'a, G> {
     tree: &'a BinaryTree,
-    order: &'a RefOrder<'a>,
+    order: &'a RefOrder<'a, G>,
 }
 
-impl BinarySource for SingleNodes<'_> {
+impl<G: Geometry> BinarySource for SingleNodes<'_, G> {
     #[inline(always)]
     fn children(&self, run: &NodeRun) -> [NodeRun; 2] {
         let [a, b] = self.tree.children(&run.node);
@@ -41,8 +42,8 @@ impl BinarySource for SingleNodes<'_> {
     }
 }
 
-impl<P: CutPolicy> CutRecursion<'_, P> {
-    fn single_nodes(&self) -> SingleNodes<'_> {
+impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
+    fn single_nodes(&self) -> SingleNodes<'_, G> {
         SingleNodes { tree: self.tree, order: &self.order }
     }
 
@@ -92,7 +93,7 @@ impl<P: CutPolicy> CutRecursion<'_, P> {
         &self,
         cut: &Cut,
         node: &Node,
-        treelet: &mut WideTreelet<N>,
+        treelet: &mut WideTreelet<N, G::Block>,
         counts: &mut Counts,
     ) -> Option<Subtree> {
         let max_leaf = self.config.leaf_size();

@@ -10,7 +10,7 @@ use crate::builders::clusters::ploc::{Clustering, PlocConfig};
 use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};
 use crate::builders::phr::extensions::binned::{BinnedSahConfig, binned_sah};
-use crate::geometry::Mesh;
+use crate::builders::prims::geometry::Geometry;
 use crate::simd::Isa;
 
 /// Which builder makes the auxiliary tree.
@@ -44,18 +44,18 @@ impl AuxiliaryTree {
         }
     }
 
-    /// Builds the auxiliary tree of `mesh`. Memory of those that are no LBVH is not kept.
-    pub(crate) fn build(
+    /// Builds the auxiliary tree of `geometry`. Memory of those that are no LBVH is not kept.
+    pub(crate) fn build<G: Geometry>(
         &self,
         auxiliary: &mut Auxiliary,
-        mesh: &Mesh,
+        geometry: &G,
         config: &AuxiliaryConfig,
         isa: Isa,
     ) -> Vec<Phase> {
         if self.is_lbvh() {
-            return auxiliary.build(mesh, config);
+            return auxiliary.build(geometry, config);
         }
-        auxiliary.grow(mesh, config, |refs, keys, rule, tree| {
+        auxiliary.grow(geometry, config, |refs, keys, rule, tree| {
             let mut made = BinaryTree::default();
             let pairs = &mut made.pairs;
             if !matches!(self, Self::Ploc(_)) {

@@ -8,6 +8,7 @@ use crate::builders::phr::cut::{Cut, CutLevel};
 use crate::builders::phr::memory::CutScratch;
 use crate::builders::phr::policy::CutPolicy;
 use crate::builders::phr::recursion::CutRecursion;
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::binary_source::Leaves;
 use crate::builders::wide::optimal::{Choices, CollapseCosts, CollapseSource};
 use crate::builders::wide::top_down::{BinarySplits, TopDown};
@@ -16,13 +17,13 @@ use crate::bvh::Link;
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
-impl<P: CutPolicy> CutRecursion<'_, P> {
+impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
     /// Appends the cheapest wide nodes and blocks of a part.
     pub(in crate::builders::phr) fn collapse<const N: usize>(
         &self,
         part: &Cut,
         costs: &CollapseCosts,
-        treelet: &mut WideTreelet<N>,
+        treelet: &mut WideTreelet<N, G::Block>,
         scratch: &mut CutScratch,
     ) -> Subtree {
         let root = self.split_to_blocks(part, scratch)?;
@@ -78,12 +79,12 @@ impl CollapseSource for Subtrees {
 }
 
 /// Appends the nodes and blocks chosen for a subtree.
-fn emit<const N: usize>(
+fn emit<G: Geometry, const N: usize>(
     node: &Node,
     choices: &Choices,
     subtrees: &Subtrees,
-    leaves: &Leaves<'_>,
-    treelet: &mut WideTreelet<N>,
+    leaves: &Leaves<'_, G>,
+    treelet: &mut WideTreelet<N, G::Block>,
 ) -> Subtree {
     if node.pair().is_none_or(|pair| choices.of(pair).is_leaf()) {
         return leaves.emit(subtrees, &subtrees.run_of(node), treelet);

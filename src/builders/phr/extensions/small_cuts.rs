@@ -5,9 +5,10 @@ use crate::builders::phr::cut::Cut;
 use crate::builders::phr::memory::CutScratch;
 use crate::builders::phr::policy::CutPolicy;
 use crate::builders::phr::recursion::CutRecursion;
+use crate::builders::prims::geometry::Geometry;
 use crate::bvh::limits::BLOCK;
 
-impl<P: CutPolicy> CutRecursion<'_, P> {
+impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
     /// Whether a cut that is not split spatially is split down to its leaves in one go.
     #[inline]
     pub(in crate::builders::phr) fn is_small(&self, cut: &Cut) -> bool {

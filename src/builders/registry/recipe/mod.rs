@@ -85,7 +85,7 @@ impl Recipe {
         };
         let config = fields::changed(&self.config, &template, &path, value).map_err(refused)?;
         // Both widths have the same ranges.
-        registry::build::<4>(self.base, config).map_err(|error| refused(error.to_string()))?;
+        registry::build::<4, Mesh>(self.base, config).map_err(|error| refused(error.to_string()))?;
         self.config = config;
         let inside = format!("{path}.");
         self.changes.retain(|(known, _)| *known != path && !known.starts_with(&inside));
@@ -118,7 +118,7 @@ impl Recipe {
 
     /// The builder, of trees of nodes of up to `N` children, 4 or 8.
     pub fn builder<const N: usize>(&self) -> Box<dyn Builder<N>> {
-        let built = registry::build(self.base, self.config);
+        let built = registry::build::<N, Mesh>(self.base, self.config);
         let builder = built.expect("changes are in range, as was seen when they were made");
         if self.changes.is_empty() { builder } else { Box::new(Renamed { name: self.name(), builder }) }
     }

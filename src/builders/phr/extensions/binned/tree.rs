@@ -4,6 +4,7 @@ use super::bins::{Binning, Bins, info};
 use super::config::BinnedSahConfig;
 use crate::builders::binary::node::Node;
 use crate::builders::lbvh::key::{MortonKey, reference};
+use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::{GRAIN, PrimInfo, PrimRefs};
 use crate::bvh::limits::CLUSTER_DEPTH;
 use crate::geometry::Aabb;
@@ -18,9 +19,9 @@ const SERIAL: usize = 1 << 12;
 
 /// The root of the tree over `keys`, whose pairs go to `pairs`, one less: those below a node in a row that ends with its
 /// own. Keys are put into the order of the leaves. `None` without keys.
-pub(crate) fn binned_sah(
+pub(crate) fn binned_sah<G: Geometry>(
     config: &BinnedSahConfig,
-    refs: &PrimRefs<'_>,
+    refs: &PrimRefs<'_, G>,
     keys: &mut [MortonKey],
     pairs: &mut [[Node; 2]],
 ) -> Option<Node> {

@@ -1,0 +1,40 @@
+//! Leaves of anything: four numbers of primitives, which the caller's own test takes up.
+
+use super::TriangleBlock;
+use std::fmt::Debug;
+
+/// Up to four primitives of a leaf, used lanes first.
+pub trait LeafBlock: Copy + Debug + PartialEq + Send + Sync + 'static {
+    /// The primitives in use.
+    fn ids(&self) -> impl Iterator<Item = u32> + '_;
+}
+
+impl LeafBlock for TriangleBlock {
+    #[inline]
+    fn ids(&self) -> impl Iterator<Item = u32> + '_ {
+        self.ids()
+    }
+}
+
+/// Four primitives by their numbers; unused lanes hold `u32::MAX`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C, align(16))]
+pub struct IdBlock {
+    /// The numbers.
+    pub prims: [u32; 4],
+}
+
+impl IdBlock {
+    /// The first `count` of `prims`.
+    #[inline]
+    pub fn of_first(count: usize, prims: [u32; 4]) -> Self {
+        Self { prims: std::array::from_fn(|lane| if lane < count { prims[lane] } else { u32::MAX }) }
+    }
+}
+
+impl LeafBlock for IdBlock {
+    #[inline(always)]
+    fn ids(&self) -> impl Iterator<Item = u32> + '_ {
+        self.prims.iter().copied().take_while(|&prim| prim != u32::MAX)
+    }
+}
