@@ -108,7 +108,10 @@ pub mod scene;
 mod simd;
 pub mod trace;
 
-pub use query::{Bvh, BvhConfig};
+pub use builders::Primitives;
+#[doc(no_inline)]
+pub use glam;
+pub use query::{Bvh, BvhConfig, Instance, InstanceBvh, PrimitiveBvh};
 
 #[cfg(feature = "harness")]
 pub mod bench;

@@ -1,5 +1,6 @@
 //! What all builders have in common: a trait, a finished build, its phases and counts.
 
+use super::prims::boxes::Boxes;
 use super::prims::geometry::Geometry;
 use crate::bvh::{TriangleBlock, WideBvh};
 use crate::geometry::Mesh;
@@ -58,6 +59,9 @@ pub trait Builder<const N: usize, G: Geometry = Mesh>: Send {
     /// costs as much as a good part of a build.
     fn recycle(&mut self, tree: WideBvh<N, G::Block>);
 }
+
+/// A builder over boxes; as other builders it keeps its memory from build to build.
+pub type BoxBuilder<const N: usize> = dyn for<'a> Builder<N, Boxes<'a>>;
 
 impl<const N: usize, B> Build<N, B> {
     /// The whole build's duration: the sum of its phases.

@@ -1,6 +1,6 @@
 //! Builders: from an indexed mesh to a traversable [`Bvh4`](crate::bvh::Bvh4). The modules, in reading order:
 //!
-//! * `prims`: references to triangles; needles are presplit;
+//! * `prims`: references to triangles, or to boxes of anything; needles are presplit;
 //! * `binary`: binary trees; `wide`: wide trees (paper 4.5, 4.6), also of trees made elsewhere;
 //! * `lbvh`: the auxiliary BVH (4.7), and the builder `lbvh`;
 //! * `split`: object splits (4.2) and spatial splits (4.4) of a cut;
@@ -32,7 +32,7 @@ pub mod steps;
 mod testing;
 mod wide;
 
-pub use builder::{Build, Builder, Counts, Phase};
+pub use builder::{BoxBuilder, Build, Builder, Counts, Phase};
 pub use clusters::aac::{Aac, AacConfig};
 pub use clusters::ploc::{Ploc, PlocConfig};
 pub use config_error::ConfigError;
@@ -41,10 +41,10 @@ pub use lbvh::auxiliary::{AuxiliaryConfig, Clusters};
 pub use lbvh::direct::Lbvh;
 pub use optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
 pub use phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, Phr, PhrConfig};
-pub use prims::boxes::{Boxes, BoxesError};
+pub use prims::boxes::{Boxes, BoxesError, Primitives};
 pub use prims::geometry::Geometry;
 pub use prims::presplit::PresplitConfig;
-pub use registry::recipe::{Recipe, RecipeError, by_name};
+pub use registry::recipe::{Recipe, RecipeError, by_name, over_boxes};
 pub use registry::{ABLATION, CutConfig, NAMES, OVER, WITHOUT, cuts_of, on_request};
 pub use wide::foreign::{ForeignTree, Opened, widened};
 pub use wide::optimal::CollapseCosts;

@@ -11,7 +11,7 @@ use glam::Vec3A;
 pub(super) const GEOMETRY: u32 = 0;
 
 /// A reference to an Embree scene, released when dropped.
-struct Handle(sys::RTCScene);
+pub(super) struct Handle(pub(super) sys::RTCScene);
 
 // SAFETY: a scene is not bound to a thread; its reference count is atomic.
 unsafe impl Send for Handle {}

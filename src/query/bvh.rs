@@ -4,7 +4,7 @@ use super::{BvhConfig, BvhError, Hit};
 use crate::builders;
 use crate::bvh::saved::{SavedError, header_of};
 use crate::bvh::{Bvh4, Bvh8, TriangleBlock, WideBvh};
-use crate::geometry::{self, Mesh, Ray, Tracer};
+use crate::geometry::{self, Aabb, Mesh, Ray, Tracer};
 use crate::trace::ProvenTree;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -120,6 +120,24 @@ impl Bvh {
             4 => Bvh4::load(mesh, path).map_err(unusable)?.try_into(),
             _ => Bvh8::load(mesh, path).map_err(unusable)?.try_into(),
         }
+    }
+
+    /// The box of all triangles; [empty](Aabb::is_empty) without any.
+    pub fn bounds(&self) -> Aabb {
+        match &self.tree {
+            Tree::Four(tree) => tree.get().bounds,
+            Tree::Eight(tree) => tree.get().bounds,
+        }
+    }
+
+    /// The tree of nodes of four children, where it has these: to upload it, or for a traversal of your own.
+    pub fn as_bvh4(&self) -> Option<&Bvh4> {
+        if let Tree::Four(tree) = &self.tree { Some(tree.get()) } else { None }
+    }
+
+    /// The tree of nodes of eight children, where it has these.
+    pub fn as_bvh8(&self) -> Option<&Bvh8> {
+        if let Tree::Eight(tree) = &self.tree { Some(tree.get()) } else { None }
     }
 
     /// Bytes of the tree and of what finds a triangle in it.

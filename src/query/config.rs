@@ -1,6 +1,6 @@
 //! What tree to build, and why it could not be built.
 
-use crate::builders::NAMES;
+use crate::builders::{BoxesError, NAMES};
 
 /// What tree to build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,7 +19,7 @@ impl Default for BvhConfig<'_> {
 }
 
 /// Why a [`Bvh`](super::Bvh) could not be made.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BvhError {
     /// No builder has the name.
     #[error("no builder is called {0}; there are {list}", list = NAMES.join(", "))]
@@ -27,6 +27,17 @@ pub enum BvhError {
     /// No builder makes nodes of so many children.
     #[error("no tree has nodes of {0} children; give 4 or 8")]
     NoSuchWidth(usize),
+    /// Boxes that cannot be built over.
+    #[error(transparent)]
+    Boxes(#[from] BoxesError),
+    /// A transform under which no instance can be traced.
+    #[error("the transform of instance {instance} is of no use: {reason}; leave the instance out")]
+    Transform {
+        /// Index of the instance.
+        instance: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
     /// A saved tree that cannot be loaded.
     #[error("{0}")]
     Saved(String),

@@ -1,4 +1,5 @@
-//! The library's front door: [`Bvh`] is built from a mesh and answers rays.
+//! The library's front door: [`Bvh`] is built from a mesh and answers rays; [`PrimitiveBvh`] from anything that has boxes,
+//! with tests of the caller's; [`InstanceBvh`] from many places of such meshes.
 //!
 //! What is fixed, and tested in `tests/query.rs`:
 //!
@@ -19,7 +20,12 @@
 mod bvh;
 mod config;
 mod hit;
+mod instances;
+mod placed;
+mod primitives;
 
 pub use bvh::Bvh;
 pub use config::{BvhConfig, BvhError};
 pub use hit::Hit;
+pub use instances::{Instance, InstanceBvh, InstanceHit};
+pub use primitives::{PrimitiveBvh, PrimitiveHit};

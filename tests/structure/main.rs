@@ -22,8 +22,8 @@ const ORDER: &[&str] = &[
     "memory",
     "parallel",
     "builders::config_error",
-    "builders::builder",
     "builders::prims",
+    "builders::builder",
     "builders::binary",
     "builders::wide",
     "builders::lbvh",
@@ -76,6 +76,7 @@ const UNSAFE_FILES: &[&str] = &[
     // Embree's C interface.
     "embree/capture.rs",
     "embree/device.rs",
+    "embree/instances.rs",
     "embree/packets.rs",
     "embree/query.rs",
     "embree/scene.rs",

@@ -1,17 +1,14 @@
 //! The builders by name: those of the paper, PLOC, ours, the paper's with one extension each, and ours without one each.
 
+mod make;
 pub mod recipe;
 
-use crate::builders::builder::Builder;
-use crate::builders::clusters::aac::{Aac, AacConfig};
-use crate::builders::clusters::ploc::{Ploc, PlocConfig};
-use crate::builders::config_error::ConfigError;
-use crate::builders::hunt::{Hunt, HuntConfig};
+use crate::builders::clusters::aac::AacConfig;
+use crate::builders::clusters::ploc::PlocConfig;
+use crate::builders::hunt::HuntConfig;
 use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
-use crate::builders::lbvh::direct::Lbvh;
-use crate::builders::optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
-use crate::builders::phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, Phr, PhrConfig};
-use crate::builders::prims::geometry::Geometry;
+use crate::builders::optimise::{OptimiseConfig, OptimisedPhrConfig};
+use crate::builders::phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, PhrConfig};
 use crate::builders::prims::presplit::PresplitConfig;
 use crate::builders::wide::optimal::CollapseCosts;
 
@@ -252,24 +249,6 @@ pub fn cuts_of(name: &str) -> Option<CutConfig> {
         Config::Hunt(config) => Some(CutConfig::Hunt(config)),
         Config::Lbvh | Config::Aac(_) | Config::Ploc(_) => None,
     }
-}
-
-/// The builder of a configuration.
-///
-/// # Errors
-/// A parameter out of range.
-pub(crate) fn build<const N: usize, G: Geometry>(
-    name: &'static str,
-    config: Config,
-) -> Result<Box<dyn Builder<N, G>>, ConfigError> {
-    Ok(match config {
-        Config::Lbvh => Box::<Lbvh<N, G::Block, G::Item>>::default(),
-        Config::Aac(config) => Box::new(Aac::<N, G::Block>::new(config)?),
-        Config::Ploc(config) => Box::new(Ploc::<N, G::Block>::new(config)?),
-        Config::Hunt(config) => Box::new(Hunt::<N, G::Block>::new(name, config)?),
-        Config::Phr(config) => Box::new(Phr::<N, G::Block>::new(name, config)?),
-        Config::OptimisedPhr(config) => Box::new(OptimisedPhr::<N, G::Block>::new(name, config)?),
-    })
 }
 
 #[cfg(test)]

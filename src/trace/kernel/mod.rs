@@ -7,13 +7,15 @@
 //! 5. [`watertight`]: the same traversal with tests that leave no gap between triangles, over [`corners`] instead of
 //!    edges, and the ray as those tests see it ([`frame`]);
 //! 6. [`batch`]: many rays at once;
-//! 7. [`counts`]: nodes and leaf blocks visited.
+//! 7. [`custom`]: the same traversal with a test of the caller's in place of that of triangles;
+//! 8. [`counts`]: nodes and leaf blocks visited.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod batch;
 mod corners;
 mod counts;
+mod custom;
 mod frame;
 mod scalar;
 mod sound_tree;

@@ -24,9 +24,9 @@ impl<const N: usize, B> Clone for SoundTree<'_, N, B> {
 
 impl<const N: usize, B> Copy for SoundTree<'_, N, B> {}
 
-impl<'a, const N: usize> SoundTree<'a, N> {
+impl<'a, const N: usize, B> SoundTree<'a, N, B> {
     /// Walks `tree` from the root.
-    pub(super) fn new(tree: &'a WideBvh<N>) -> Result<Self, String> {
+    pub(super) fn new(tree: &'a WideBvh<N, B>) -> Result<Self, String> {
         const { assert!(2 <= N && N <= 8, "the stack has room for at most eight children per node") };
         let mut seen = vec![false; tree.nodes.len()];
         let mut pending = vec![(tree.root, 0)];
@@ -55,7 +55,7 @@ impl<'a, const N: usize> SoundTree<'a, N> {
     }
 
     /// The same tree over `blocks`, one for each of its own.
-    pub(super) fn over<B>(self, blocks: &'a [B]) -> SoundTree<'a, N, B> {
+    pub(super) fn over<C>(self, blocks: &'a [C]) -> SoundTree<'a, N, C> {
         assert_eq!(blocks.len(), self.blocks.len(), "a block for each of the tree's");
         SoundTree { root: self.root, nodes: self.nodes, blocks }
     }
@@ -113,24 +113,37 @@ impl<'a, const N: usize, B> SoundTree<'a, N, B> {
 
 /// A sound tree that owns its nodes: proven once, traced often.
 #[derive(Debug)]
-pub struct ProvenTree<const N: usize>(WideBvh<N>);
+pub struct ProvenTree<const N: usize, B = TriangleBlock>(WideBvh<N, B>);
 
-impl<const N: usize> ProvenTree<N> {
+impl<const N: usize, B> Default for ProvenTree<N, B> {
+    /// A tree of nothing.
+    fn default() -> Self {
+        Self(WideBvh::default())
+    }
+}
+
+impl<const N: usize, B> ProvenTree<N, B> {
     /// Walks `tree` once, to prove that kernels may follow its links unchecked.
     ///
     /// # Errors
     /// The flaw of a malformed tree: links out of range, shared or cyclic nodes, more than [`MAX_DEPTH`] inner levels.
-    pub fn new(tree: WideBvh<N>) -> Result<Self, String> {
+    pub fn new(tree: WideBvh<N, B>) -> Result<Self, String> {
         SoundTree::new(&tree)?;
         Ok(Self(tree))
     }
 
     /// The tree.
-    pub fn get(&self) -> &WideBvh<N> {
+    pub fn get(&self) -> &WideBvh<N, B> {
         &self.0
     }
 
-    pub(super) fn sound(&self) -> SoundTree<'_, N> {
+    /// The tree, given back.
+    pub fn into_inner(self) -> WideBvh<N, B> {
+        self.0
+    }
+
+    #[inline(always)]
+    pub(super) fn sound(&self) -> SoundTree<'_, N, B> {
         SoundTree { root: self.0.root, nodes: &self.0.nodes, blocks: &self.0.blocks }
     }
 }

@@ -9,8 +9,8 @@ mod fields;
 
 pub use error::RecipeError;
 
-use crate::builders::builder::{Build, Builder};
-use crate::builders::registry::{self, Config};
+use crate::builders::builder::{BoxBuilder, Build, Builder};
+use crate::builders::registry::{self, Config, make};
 use crate::bvh::WideBvh;
 use crate::geometry::Mesh;
 use serde_json::Value;
@@ -85,7 +85,7 @@ impl Recipe {
         };
         let config = fields::changed(&self.config, &template, &path, value).map_err(refused)?;
         // Both widths have the same ranges.
-        registry::build::<4, Mesh>(self.base, config).map_err(|error| refused(error.to_string()))?;
+        make::over_triangles::<4>(self.base, config).map_err(|error| refused(error.to_string()))?;
         self.config = config;
         let inside = format!("{path}.");
         self.changes.retain(|(known, _)| *known != path && !known.starts_with(&inside));
@@ -118,7 +118,7 @@ impl Recipe {
 
     /// The builder, of trees of nodes of up to `N` children, 4 or 8.
     pub fn builder<const N: usize>(&self) -> Box<dyn Builder<N>> {
-        let built = registry::build::<N, Mesh>(self.base, self.config);
+        let built = make::over_triangles(self.base, self.config);
         let builder = built.expect("changes are in range, as was seen when they were made");
         if self.changes.is_empty() { builder } else { Box::new(Renamed { name: self.name(), builder }) }
     }
@@ -129,6 +129,12 @@ impl Recipe {
 /// [`Recipe::parse`].
 pub fn by_name<const N: usize>(name: &str) -> Option<Box<dyn Builder<N>>> {
     Recipe::parse(name).ok().map(|recipe| recipe.builder())
+}
+
+/// The same over boxes of anything, under the name that it has without changes.
+pub fn over_boxes<const N: usize>(name: &str) -> Option<Box<BoxBuilder<N>>> {
+    let recipe = Recipe::parse(name).ok()?;
+    make::over_boxes(recipe.base, recipe.config).ok()
 }
 
 /// A builder under another name.

@@ -1,0 +1,130 @@
+//! Two levels: instances of trees, each under a transform of its own, and a tree over their boxes.
+
+use super::placed::{Placed, Slabs};
+use super::{Bvh, BvhConfig, BvhError, Hit, PrimitiveBvh};
+use crate::geometry::{Aabb, Ray};
+use glam::Affine3A;
+use std::borrow::Borrow;
+
+/// An object, a tree that many instances may share (`&Bvh`, `Arc<Bvh>`), at a place.
+#[derive(Clone, Copy, Debug)]
+pub struct Instance<B> {
+    /// The object.
+    pub bvh: B,
+    /// From the object's space to the world's; any affine map that can be inverted, mirrors and shears included.
+    pub transform: Affine3A,
+}
+
+/// The closest hit of a ray among instances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InstanceHit {
+    /// Index of the instance.
+    pub instance: u32,
+    /// The hit in the object; distance and normal are the world's, the normal that of the transformed triangle.
+    pub hit: Hit,
+}
+
+/// A tree over instances. A ray is taken to the space of each object that it may hit, its direction not to unit length, so
+/// that distances stay the world's.
+///
+/// ```
+/// use phr::geometry::{Mesh, Ray};
+/// use phr::glam::{Affine3A, Vec3};
+/// use phr::{Bvh, BvhConfig, Instance, InstanceBvh};
+///
+/// let (mesh, _) = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let object = Bvh::build(&mesh, &BvhConfig::default())?;
+/// let place = |x: f32| Instance { bvh: &object, transform: Affine3A::from_translation(Vec3::new(x, 0.0, 0.0)) };
+/// let mut world = InstanceBvh::build(vec![place(0.0), place(10.0)], &BvhConfig::default())?;
+///
+/// let ray = Ray { org: [10.2, 0.3, 2.0].into(), tnear: 0.0, dir: [0.0, 0.0, -1.0].into(), tfar: f32::INFINITY };
+/// assert_eq!(world.intersect(&ray).map(|found| (found.instance, found.hit.prim)), Some((1, 0)));
+///
+/// world.rebuild(vec![place(0.0), place(20.0)])?; // the next frame
+/// assert!(!world.occluded(&ray));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct InstanceBvh<B> {
+    placed: Vec<Placed<B>>,
+    top: PrimitiveBvh,
+}
+
+impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
+    /// Builds the tree over `instances` on the current rayon pool. `phr-turbo` and `lbvh` build fastest.
+    ///
+    /// # Errors
+    /// [`BvhError::Transform`]: one that cannot be inverted, or takes its object too far away; those of
+    /// [`PrimitiveBvh::build`].
+    pub fn build(instances: Vec<Instance<B>>, config: &BvhConfig<'_>) -> Result<Self, BvhError> {
+        let placed = placed(instances)?;
+        let top = PrimitiveBvh::build(&placed, config)?;
+        Ok(Self { placed, top })
+    }
+
+    /// Builds the tree anew over other `instances`, or the same ones that moved, in the memory of this one; their objects
+    /// stay as they are.
+    ///
+    /// # Errors
+    /// [`BvhError::Transform`]; the tree is then as before.
+    pub fn rebuild(&mut self, instances: Vec<Instance<B>>) -> Result<(), BvhError> {
+        let placed = placed(instances)?;
+        self.top.rebuild(&placed)?;
+        self.placed = placed;
+        Ok(())
+    }
+
+    /// The closest hit of `ray`; the [`query`](crate::query) module says what is promised.
+    pub fn intersect(&self, ray: &Ray) -> Option<InstanceHit> {
+        let slabs = Slabs::of(ray);
+        let mut closest = None;
+        let found = self.top.intersect_with(ray, |id, ray| {
+            let placed = &self.placed[id as usize];
+            if !slabs.meet(placed.bounds, ray) {
+                return None;
+            }
+            let hit = placed.bvh.borrow().intersect(&placed.to_object(ray))?;
+            // As the traversal asks: a distance may be rounded to the interval's open end.
+            if !(ray.tnear < hit.t && hit.t <= ray.tfar) {
+                return None;
+            }
+            closest = Some((id, hit));
+            Some(hit.t)
+        });
+        let (instance, hit) = found.and(closest)?;
+        let normal = self.placed[instance as usize].to_world_normal(hit.normal);
+        Some(InstanceHit { instance, hit: Hit { normal, ..hit } })
+    }
+
+    /// Whether `ray` hits anything.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        let slabs = Slabs::of(ray);
+        self.top.occluded_with(ray, |id, ray| {
+            let placed = &self.placed[id as usize];
+            slabs.meet(placed.bounds, ray) && placed.bvh.borrow().occluded(&placed.to_object(ray))
+        })
+    }
+
+    /// Number of instances.
+    pub fn len(&self) -> usize {
+        self.placed.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.placed.is_empty()
+    }
+
+    /// The box of all instances; [empty](Aabb::is_empty) without any.
+    pub fn bounds(&self) -> Aabb {
+        self.top.bounds()
+    }
+}
+
+/// The instances, ready for rays.
+fn placed<B: Borrow<Bvh>>(instances: Vec<Instance<B>>) -> Result<Vec<Placed<B>>, BvhError> {
+    let place = |(instance, Instance { bvh, transform })| {
+        Placed::new(bvh, transform).map_err(|reason| BvhError::Transform { instance, reason })
+    };
+    instances.into_iter().enumerate().map(place).collect()
+}

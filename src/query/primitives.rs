@@ -1,0 +1,162 @@
+//! A tree over anything that has a box.
+
+use super::{BvhConfig, BvhError};
+use crate::builders::{BoxBuilder, Boxes, Primitives, over_boxes};
+use crate::bvh::{IdBlock, WideBvh};
+use crate::geometry::{Aabb, Ray};
+use crate::simd::Isa;
+use crate::trace::ProvenTree;
+use std::fmt;
+use std::sync::{Mutex, PoisonError};
+
+/// A tree over primitives of the caller, who tests them; leaves hold their numbers. Boxes are tested as in
+/// [`Bvh`](super::Bvh), with the best instructions of the machine, and the caller's test is compiled into the traversal.
+///
+/// ```
+/// use phr::geometry::{Aabb, Ray};
+/// use phr::{BvhConfig, PrimitiveBvh};
+///
+/// let centres = [[0.0f32, 0.0, 0.0], [5.0, 0.0, 0.0], [0.0, 0.0, -4.0]];
+/// let boxes: Vec<Aabb> =
+///     centres.iter().map(|c| Aabb::new(c.map(|x| x - 1.0).into(), c.map(|x| x + 1.0).into())).collect();
+/// let bvh = PrimitiveBvh::build(&boxes, &BvhConfig::default())?;
+///
+/// // Spheres of radius 1; directions are units.
+/// let sphere = |id: u32, ray: &Ray| {
+///     let to = ray.org - phr::glam::Vec3::from(centres[id as usize]);
+///     let (b, c) = (to.dot(ray.dir), to.dot(to) - 1.0);
+///     let root = (b * b - c).sqrt(); // NaN, which is no hit, where the line misses
+///     [-b - root, -b + root].into_iter().find(|&t| ray.tnear < t && t <= ray.tfar)
+/// };
+/// let down = Ray { org: [0.0, 0.0, 9.0].into(), tnear: 0.0, dir: [0.0, 0.0, -1.0].into(), tfar: f32::INFINITY };
+/// let hit = bvh.intersect_with(&down, sphere).expect("a hit");
+/// assert_eq!((hit.id, hit.t), (0, 8.0));
+/// assert!(!bvh.occluded_with(&Ray { tfar: 7.0, ..down }, |id, ray| sphere(id, ray).is_some()));
+/// # Ok::<(), phr::query::BvhError>(())
+/// ```
+pub struct PrimitiveBvh(Tree);
+
+/// A tree of either width and what builds it.
+enum Tree {
+    Four(Built<4>),
+    Eight(Built<8>),
+}
+
+struct Built<const N: usize> {
+    tree: ProvenTree<N, IdBlock>,
+    /// Keeps its memory for the next build. Locked by nobody: builds have the tree to themselves.
+    builder: Mutex<Box<BoxBuilder<N>>>,
+}
+
+/// The closest hit of a ray by the caller's test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrimitiveHit {
+    /// Distance in units of the ray's direction.
+    pub t: f32,
+    /// The primitive.
+    pub id: u32,
+}
+
+impl PrimitiveBvh {
+    /// Builds a tree over `primitives` on the current rayon pool: with a builder of spatial splits (`phr-quality`, `phr-best`)
+    /// those that [can be split](Primitives::splits) are.
+    ///
+    /// # Errors
+    /// [`BvhError::Boxes`], [`BvhError::NoSuchBuilder`], [`BvhError::NoSuchWidth`].
+    pub fn build<P: Primitives>(primitives: &P, config: &BvhConfig<'_>) -> Result<Self, BvhError> {
+        let boxes = Boxes::of(primitives)?;
+        match config.width {
+            4 => Ok(Self(Tree::Four(Built::new(&boxes, config.builder)?))),
+            8 => Ok(Self(Tree::Eight(Built::new(&boxes, config.builder)?))),
+            width => Err(BvhError::NoSuchWidth(width)),
+        }
+    }
+
+    /// Builds the tree anew over other `primitives`, or the same ones that moved, in the memory of this one.
+    ///
+    /// # Errors
+    /// [`BvhError::Boxes`]; the tree is then as before.
+    pub fn rebuild<P: Primitives>(&mut self, primitives: &P) -> Result<(), BvhError> {
+        let boxes = Boxes::of(primitives)?;
+        match &mut self.0 {
+            Tree::Four(built) => built.rebuild(&boxes),
+            Tree::Eight(built) => built.rebuild(&boxes),
+        }
+    }
+
+    /// The closest hit of `ray`. `test` is given a primitive and the ray, which ends (`tfar`) at the closest hit so far; it
+    /// returns the distance at which the ray hits the primitive. Only a distance in the ray's interval, `tnear < t <= tfar`
+    /// and finite, is a hit. Primitives come about nearest first; one that was split may come more than once.
+    #[inline]
+    pub fn intersect_with(
+        &self,
+        ray: &Ray,
+        test: impl FnMut(u32, &Ray) -> Option<f32>,
+    ) -> Option<PrimitiveHit> {
+        let hit = match &self.0 {
+            Tree::Four(built) => built.tree.closest_with(Isa::best(), ray, test),
+            Tree::Eight(built) => built.tree.closest_with(Isa::best(), ray, test),
+        };
+        hit.is_hit().then_some(PrimitiveHit { t: hit.t, id: hit.prim })
+    }
+
+    /// Whether `test` says of any primitive whose box the ray enters that it is hit. Primitives come in no order.
+    #[inline]
+    pub fn occluded_with(&self, ray: &Ray, test: impl FnMut(u32, &Ray) -> bool) -> bool {
+        match &self.0 {
+            Tree::Four(built) => built.tree.any_with(Isa::best(), ray, test),
+            Tree::Eight(built) => built.tree.any_with(Isa::best(), ray, test),
+        }
+    }
+
+    /// The box of all primitives; [empty](Aabb::is_empty) without any.
+    pub fn bounds(&self) -> Aabb {
+        match &self.0 {
+            Tree::Four(built) => built.tree.get().bounds,
+            Tree::Eight(built) => built.tree.get().bounds,
+        }
+    }
+
+    /// Bytes of the tree.
+    pub fn bytes(&self) -> usize {
+        match &self.0 {
+            Tree::Four(built) => built.tree.get().bytes(),
+            Tree::Eight(built) => built.tree.get().bytes(),
+        }
+    }
+
+    /// The tree of nodes of four children, where it has these: for a traversal of your own, or to upload it.
+    pub fn as_bvh4(&self) -> Option<&WideBvh<4, IdBlock>> {
+        if let Tree::Four(built) = &self.0 { Some(built.tree.get()) } else { None }
+    }
+
+    /// The tree of nodes of eight children, where it has these.
+    pub fn as_bvh8(&self) -> Option<&WideBvh<8, IdBlock>> {
+        if let Tree::Eight(built) = &self.0 { Some(built.tree.get()) } else { None }
+    }
+}
+
+impl<const N: usize> Built<N> {
+    fn new(boxes: &Boxes<'_>, name: &str) -> Result<Self, BvhError> {
+        let mut builder = over_boxes(name).ok_or_else(|| BvhError::NoSuchBuilder(name.to_owned()))?;
+        let tree = ProvenTree::new(builder.build(boxes).tree).map_err(BvhError::Malformed)?;
+        Ok(Self { tree, builder: Mutex::new(builder) })
+    }
+
+    fn rebuild(&mut self, boxes: &Boxes<'_>) -> Result<(), BvhError> {
+        let builder = self.builder.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let old = std::mem::take(&mut self.tree);
+        builder.recycle(old.into_inner());
+        self.tree = ProvenTree::new(builder.build(boxes).tree).map_err(BvhError::Malformed)?;
+        Ok(())
+    }
+}
+
+impl fmt::Debug for PrimitiveBvh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
+            Tree::Four(built) => f.debug_tuple("PrimitiveBvh").field(built.tree.get()).finish(),
+            Tree::Eight(built) => f.debug_tuple("PrimitiveBvh").field(built.tree.get()).finish(),
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Traversal with a test of the caller's: boxes are tested by our kernels, what leaves hold by a closure, which is compiled
+//! into the traversal.
+
+#[cfg(target_arch = "x86_64")]
+use super::avx2::FastAvx2;
+use super::scalar::FastScalar;
+use super::sound_tree::ProvenTree;
+use super::traverse::{self, Entries, Kernel};
+use crate::bvh::{IdBlock, LeafBlock as _, WideNode};
+use crate::geometry::{Hit, Ray};
+use crate::simd::Isa;
+use std::cell::RefCell;
+
+/// One ray whose boxes are tested by `K`, and whose primitives by the caller.
+struct Custom<'f, K, F> {
+    boxes: K,
+    ray: Ray,
+    /// Kernels are copied and shared; this one is never borrowed twice at a time, as it cannot get at itself.
+    test: &'f RefCell<F>,
+}
+
+impl<K: Copy, F> Clone for Custom<'_, K, F> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<K: Copy, F> Copy for Custom<'_, K, F> {}
+
+impl<'f, K: Kernel, F: FnMut(u32, &Ray) -> Option<f32>> Kernel for Custom<'f, K, F> {
+    type Setup = (K::Setup, &'f RefCell<F>);
+    type Block = IdBlock;
+
+    #[inline(always)]
+    fn new((setup, test): Self::Setup, ray: &Ray) -> Self {
+        Self { boxes: K::new(setup, ray), ray: *ray, test }
+    }
+
+    #[inline(always)]
+    fn enter<const N: usize>(&self, node: &WideNode<N>, tfar: f32) -> (u32, Entries<N>) {
+        self.boxes.enter(node, tfar)
+    }
+
+    #[inline(always)]
+    fn closest(&self, block: &IdBlock, hit: &mut Hit) {
+        let test = &mut *self.test.borrow_mut();
+        for prim in block.ids() {
+            if let Some(t) = test(prim, &Ray { tfar: hit.t, ..self.ray })
+                && (self.ray.tnear < t) & (t <= hit.t) & (t < f32::INFINITY)
+            {
+                *hit = Hit { t, prim, ..*hit };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn any(&self, block: &IdBlock, tfar: f32) -> bool {
+        let mut hit = Hit { t: tfar, ..Hit::MISS };
+        self.closest(block, &mut hit);
+        hit.is_hit()
+    }
+
+    #[inline(always)]
+    fn prefetch(address: *const u8, bytes: usize) {
+        K::prefetch(address, bytes);
+    }
+}
+
+impl<const N: usize> ProvenTree<N, IdBlock> {
+    /// The closest hit of `ray` by `test`, which is given a primitive and the ray up to the closest hit so far, and returns
+    /// the distance where it hits. Primitives come about in the order of their boxes along the ray. A distance out of the
+    /// ray's interval is no hit. A ray that is not valid hits nothing.
+    #[inline]
+    pub fn closest_with(&self, isa: Isa, ray: &Ray, test: impl FnMut(u32, &Ray) -> Option<f32>) -> Hit {
+        if ray.is_valid() { self.with(isa, ray, test, Closest) } else { Hit::MISS }
+    }
+
+    /// Whether `ray` hits anything by `test`, likewise; primitives come in any order.
+    #[inline]
+    pub fn any_with(&self, isa: Isa, ray: &Ray, mut test: impl FnMut(u32, &Ray) -> bool) -> bool {
+        // A distance that is in any interval, as there must be one.
+        let test = |prim, ray: &Ray| test(prim, ray).then_some(ray.tfar.min(f32::MAX));
+        ray.is_valid() && self.with(isa, ray, test, Any)
+    }
+
+    /// Picks the instructions for boxes.
+    #[inline]
+    fn with<F: FnMut(u32, &Ray) -> Option<f32>, T: Traversal>(
+        &self,
+        isa: Isa,
+        ray: &Ray,
+        test: F,
+        traversal: T,
+    ) -> T::Answer {
+        let test = &RefCell::new(test);
+        match isa {
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx2(token) => token.run(
+                #[inline(always)]
+                || traversal.run::<Custom<'_, FastAvx2<_>, F>, N>((token, test), self, ray),
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx512(token) => token.avx2().run(
+                #[inline(always)]
+                || traversal.run::<Custom<'_, FastAvx2<_>, F>, N>((token, test), self, ray),
+            ),
+            _ => traversal.run::<Custom<'_, FastScalar, F>, N>(((), test), self, ray),
+        }
+    }
+}
+
+/// A query of one ray.
+trait Traversal {
+    type Answer;
+
+    fn run<K: Kernel<Block = IdBlock>, const N: usize>(
+        self,
+        setup: K::Setup,
+        tree: &ProvenTree<N, IdBlock>,
+        ray: &Ray,
+    ) -> Self::Answer;
+}
+
+struct Closest;
+
+impl Traversal for Closest {
+    type Answer = Hit;
+
+    #[inline(always)]
+    fn run<K: Kernel<Block = IdBlock>, const N: usize>(
+        self,
+        setup: K::Setup,
+        tree: &ProvenTree<N, IdBlock>,
+        ray: &Ray,
+    ) -> Hit {
+        traverse::closest::<K, (), N>(K::new(setup, ray), tree.sound(), ray.tfar, &mut ())
+    }
+}
+
+struct Any;
+
+impl Traversal for Any {
+    type Answer = bool;
+
+    #[inline(always)]
+    fn run<K: Kernel<Block = IdBlock>, const N: usize>(
+        self,
+        setup: K::Setup,
+        tree: &ProvenTree<N, IdBlock>,
+        ray: &Ray,
+    ) -> bool {
+        traverse::any::<K, (), N>(K::new(setup, ray), tree.sound(), ray.tfar, &mut ())
+    }
+}
