@@ -76,6 +76,24 @@
 //!
 //! A `Bvh` is also made of a tree that a builder of your own parameters has built: `Bvh::try_from(build.tree)`.
 //!
+//! **Anything with a box** goes the same way: [`PrimitiveBvh`] is built over [`Primitives`] of yours, which your closure
+//! tests. **Instances** of trees, each under a transform, are an [`InstanceBvh`], rebuilt in every frame where they move.
+//!
+//! ```
+//! use phr::glam::{Affine3A, Vec3};
+//! use phr::{Bvh, BvhConfig, Instance, InstanceBvh};
+//!
+//! let object = Bvh::build(&phr::scene::scalable(5_000, 1).mesh, &BvhConfig::default())?;
+//! let place = |i: u8| Affine3A::from_translation(Vec3::X * (100.0 * f32::from(i)));
+//! let instances = (0..10).map(|i| Instance { bvh: &object, transform: place(i) }).collect();
+//! let world = InstanceBvh::build(instances, &BvhConfig::default())?;
+//! assert_eq!(world.len(), 10);
+//! # Ok::<(), phr::query::BvhError>(())
+//! ```
+//!
+//! How these fit into a renderer or an engine, how a tree lies in memory and how it is uploaded to a graphics processor is
+//! in `INTEGRATION.md`, beside the README.
+//!
 //! # From a scene file to a row of the table
 //!
 //! 1. [`scene`] loads or generates an indexed triangle [`geometry::Mesh`] and its cameras;
@@ -126,3 +144,8 @@ pub mod report;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 pub struct ReadmeExamples;
+
+/// Likewise those of the note on integration.
+#[cfg(doctest)]
+#[doc = include_str!("../INTEGRATION.md")]
+pub struct IntegrationExamples;

@@ -153,13 +153,14 @@ fn instances_are_hit_as_embrees() {
 #[cfg(feature = "embree")]
 #[test]
 fn embree_refuses_scenes_of_another_device() {
-    use phr::embree::{Config, Device, EmbreeBuilder, Width};
+    use phr::embree::{Config, Device, EmbreeBuilder, EmbreeError, Width};
 
     let config = Config { builder: EmbreeBuilder::Sah, width: Width::Four, threads: 1 };
     let (device, other) = (Device::new(&config).unwrap(), Device::new(&config).unwrap());
     let mesh = &objects()[1];
     let scene = other.prepare(mesh).unwrap().commit().unwrap();
-    assert!(device.instances(&[(&scene, Affine3A::IDENTITY)]).is_err());
+    let refused = device.instances(&[(&scene, Affine3A::IDENTITY)]);
+    assert!(matches!(refused, Err(EmbreeError::OtherDevice(0))));
     assert!(device.instances(&[]).unwrap().closest(&rays(1)[0]).is_none());
 }
 

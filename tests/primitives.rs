@@ -256,16 +256,18 @@ fn what_can_be_split_is_and_is_hit_as_by_brute_force() {
 
 #[test]
 fn distances_out_of_the_interval_are_no_hits() {
-    let boxes = vec![Aabb::new(Vec3A::ZERO, Vec3A::ONE)];
-    let ray = Ray { org: Vec3::splat(0.5), tnear: 1.0, dir: Vec3::X, tfar: 4.0 };
+    // Others far away, so that the tree has a node: of few primitives it is a leaf, and no box is tested.
+    let at = |x: f32| Aabb::new(Vec3A::splat(x), Vec3A::splat(x + 1.0));
+    let boxes: Vec<Aabb> = (0..40).map(|i| at(100.0 * i as f32)).collect();
+    let first = |t: f32| move |id: u32, _: &Ray| (id == 0).then_some(t);
+    let ray = Ray { org: Vec3::new(-1.0, 0.5, 0.5), tnear: 1.0, dir: Vec3::X, tfar: 4.0 };
     for width in [4, 8] {
         let bvh = PrimitiveBvh::build(&boxes, &BvhConfig { width, ..BvhConfig::default() }).unwrap();
-        // The box is left before the interval begins.
-        assert_eq!(bvh.intersect_with(&ray, |_, _| Some(2.0)), None);
-        let ray = Ray { org: Vec3::new(-1.0, 0.5, 0.5), ..ray };
-        assert_eq!(bvh.intersect_with(&ray, |_, _| Some(2.0)).map(|hit| (hit.id, hit.t)), Some((0, 2.0)));
+        // No box is there.
+        assert_eq!(bvh.intersect_with(&Ray { org: Vec3::splat(-50.0), ..ray }, |_, _| Some(2.0)), None);
+        assert_eq!(bvh.intersect_with(&ray, first(2.0)).map(|hit| (hit.id, hit.t)), Some((0, 2.0)));
         for t in [f32::NAN, -1.0, 0.0, 1.0, 4.5, f32::INFINITY] {
-            assert_eq!(bvh.intersect_with(&ray, |_, _| Some(t)), None, "{t}");
+            assert_eq!(bvh.intersect_with(&ray, first(t)), None, "{t}");
         }
         assert!(bvh.occluded_with(&ray, |_, _| true) && !bvh.occluded_with(&ray, |_, _| false));
         for bad in [Ray { dir: Vec3::NAN, ..ray }, Ray { tnear: -1.0, ..ray }, Ray { tfar: f32::NAN, ..ray }]

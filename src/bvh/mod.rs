@@ -6,8 +6,10 @@ mod id_block;
 pub(crate) mod limits;
 mod link;
 mod links;
+mod record;
 pub mod saved;
 mod statistics;
+mod upload;
 mod validate;
 mod wide;
 

@@ -23,6 +23,9 @@ pub enum EmbreeError {
         /// The device string.
         config: String,
     },
+    /// A scene to be instanced was made by another device.
+    #[error("instance {0} is of a scene of another device; make both with one device")]
+    OtherDevice(usize),
     /// Another builder ran than was asked for.
     #[error(
         "Embree built {found} where {wanted} was asked for; another version or CPU than the device string is for?"

@@ -22,11 +22,15 @@ impl Device {
     /// A scene of `instances`, each a scene of this device and where it is: from its own space to the world's.
     ///
     /// # Errors
-    /// [`EmbreeError::Call`] with Embree's text: a scene of another device.
+    /// [`EmbreeError::OtherDevice`], [`EmbreeError::Call`] with Embree's text.
     pub fn instances<'a>(
         &self,
         instances: &[(&'a EmbreeScene<'a>, Affine3A)],
     ) -> Result<InstanceScene<'a>, EmbreeError> {
+        // Embree would take it.
+        if let Some(other) = instances.iter().position(|(object, _)| object.device().raw() != self.raw()) {
+            return Err(EmbreeError::OtherDevice(other));
+        }
         // SAFETY: the device is live.
         let handle = Handle(unsafe { sys::rtcNewScene(self.raw()) });
         self.check("making a scene")?;

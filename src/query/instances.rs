@@ -83,7 +83,7 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
             if !slabs.meet(placed.bounds, ray) {
                 return None;
             }
-            let hit = placed.bvh.borrow().intersect(&placed.to_object(ray))?;
+            let hit = placed.bvh.borrow().intersect(&placed.local(ray))?;
             // As the traversal asks: a distance may be rounded to the interval's open end.
             if !(ray.tnear < hit.t && hit.t <= ray.tfar) {
                 return None;
@@ -101,8 +101,18 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
         let slabs = Slabs::of(ray);
         self.top.occluded_with(ray, |id, ray| {
             let placed = &self.placed[id as usize];
-            slabs.meet(placed.bounds, ray) && placed.bvh.borrow().occluded(&placed.to_object(ray))
+            slabs.meet(placed.bounds, ray) && placed.bvh.borrow().occluded(&placed.local(ray))
         })
+    }
+
+    /// The tree over the instances, to upload it: its leaves hold their numbers.
+    pub fn upper(&self) -> &PrimitiveBvh {
+        &self.top
+    }
+
+    /// From the world to the space of an instance's object; `None` beyond the last.
+    pub fn to_object(&self, instance: u32) -> Option<Affine3A> {
+        Some(self.placed.get(instance as usize)?.to_object)
     }
 
     /// Number of instances.

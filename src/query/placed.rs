@@ -13,7 +13,8 @@ pub(super) struct Placed<B> {
     pub bvh: B,
     /// Its box in the world.
     pub bounds: Aabb,
-    to_object: Affine3A,
+    /// From the world to its object's space.
+    pub to_object: Affine3A,
     /// Takes normals to the world, with the factor by which areas grow.
     normals: Mat3A,
 }
@@ -52,7 +53,7 @@ impl<B: Borrow<Bvh>> Placed<B> {
 
     /// The ray in the object's space; distances along it are the same.
     #[inline(always)]
-    pub fn to_object(&self, ray: &Ray) -> Ray {
+    pub fn local(&self, ray: &Ray) -> Ray {
         Ray {
             org: self.to_object.transform_point3a(ray.org.into()).into(),
             dir: self.to_object.transform_vector3a(ray.dir.into()).into(),

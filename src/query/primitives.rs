@@ -86,7 +86,8 @@ impl PrimitiveBvh {
 
     /// The closest hit of `ray`. `test` is given a primitive and the ray, which ends (`tfar`) at the closest hit so far; it
     /// returns the distance at which the ray hits the primitive. Only a distance in the ray's interval, `tnear < t <= tfar`
-    /// and finite, is a hit. Primitives come about nearest first; one that was split may come more than once.
+    /// and finite, is a hit. Primitives come about nearest first, all of a leaf (mostly four) where the ray meets its box, so that
+    /// some come whose own boxes it misses; one that was split may come more than once.
     #[inline]
     pub fn intersect_with(
         &self,
@@ -100,7 +101,8 @@ impl PrimitiveBvh {
         hit.is_hit().then_some(PrimitiveHit { t: hit.t, id: hit.prim })
     }
 
-    /// Whether `test` says of any primitive whose box the ray enters that it is hit. Primitives come in no order.
+    /// Whether `test` says of any primitive that the ray hits it. Primitives come in no order, else as in
+    /// [`PrimitiveBvh::intersect_with`].
     #[inline]
     pub fn occluded_with(&self, ray: &Ray, test: impl FnMut(u32, &Ray) -> bool) -> bool {
         match &self.0 {

@@ -20,7 +20,6 @@
 
 mod header;
 mod read;
-mod record;
 mod write;
 
 pub use header::Header;
@@ -28,6 +27,9 @@ pub use read::header_of;
 
 use super::validate::Invalid;
 use std::path::{Path, PathBuf};
+
+/// Records that are converted by a task, and have a checksum together.
+const CHUNK: usize = 1 << 13;
 
 /// Why a tree could not be saved or loaded: one line that names the file and the remedy.
 #[derive(Debug, thiserror::Error)]

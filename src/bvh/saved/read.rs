@@ -1,9 +1,10 @@
 //! Loading a tree: sizes are checked against the file's before memory is taken, links before they are followed.
 
+use super::CHUNK;
 use super::SavedError;
 use super::header::{BYTES, Header, checksum, step};
-use super::record::{CHUNK, Record};
 use crate::bvh::WideBvh;
+use crate::bvh::record::Record;
 use crate::geometry::Mesh;
 use crate::scene::mesh_fingerprint;
 use rayon::prelude::*;

@@ -1,9 +1,10 @@
 //! Saving a tree: into a file beside, which takes the place of an older one when it is whole.
 
+use super::CHUNK;
 use super::SavedError;
 use super::header::{BYTES, Header, checksum, step};
-use super::record::{CHUNK, Record};
 use crate::bvh::WideBvh;
+use crate::bvh::record::Record;
 use crate::geometry::Mesh;
 use crate::scene::mesh_fingerprint;
 use rayon::prelude::*;

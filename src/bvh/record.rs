@@ -1,9 +1,9 @@
-//! Nodes and blocks as bytes.
+//! Nodes and blocks as bytes: little-endian, each as it lies in memory, with zeros for padding.
 
-use crate::bvh::{Link, TriangleBlock, WideNode};
+use super::{IdBlock, Link, TriangleBlock, WideNode};
 
 /// Something of a fixed number of bytes.
-pub(super) trait Record: Sized + Send + Sync {
+pub trait Record: Sized + Send + Sync {
     /// Bytes of one.
     const BYTES: usize;
     /// Writes it over as many zeros.
@@ -11,9 +11,6 @@ pub(super) trait Record: Sized + Send + Sync {
     /// The record in as many bytes.
     fn get(from: &[u8]) -> Self;
 }
-
-/// Records that are converted by a task, and have a checksum together.
-pub(super) const CHUNK: usize = 1 << 13;
 
 fn put<'a>(to: &mut [u8], words: impl Iterator<Item = &'a f32>) {
     for (to, word) in to.as_chunks_mut::<4>().0.iter_mut().zip(words) {
@@ -69,5 +66,22 @@ impl Record for TriangleBlock {
             e2: planes(from, 24),
             prims: std::array::from_fn(|lane| u32::from_le_bytes(prims[lane])),
         }
+    }
+}
+
+impl Record for IdBlock {
+    const BYTES: usize = size_of::<Self>();
+
+    #[inline]
+    fn put(&self, to: &mut [u8]) {
+        for (to, prim) in to.as_chunks_mut::<4>().0.iter_mut().zip(self.prims) {
+            *to = prim.to_le_bytes();
+        }
+    }
+
+    #[inline]
+    fn get(from: &[u8]) -> Self {
+        let prims = from.as_chunks::<4>().0;
+        Self { prims: std::array::from_fn(|lane| u32::from_le_bytes(prims[lane])) }
     }
 }

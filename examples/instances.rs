@@ -1,0 +1,40 @@
+//! A hundred thousand instances of one mesh, all of which move in every frame: the upper tree is rebuilt.
+//! `cargo run --release --example instances`
+
+use phr::glam::{Affine3A, Quat, Vec3};
+use phr::random::SplitMix64;
+use phr::trace::Camera;
+use phr::{Bvh, BvhConfig, Instance, InstanceBvh, scene};
+use std::time::Instant;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let statue = scene::generator("statue").ok_or("no scene is called statue")?.generate();
+    let object = Bvh::build(&statue.mesh, &BvhConfig { builder: "phr-quality", width: 8 })?;
+    let mut random = SplitMix64::new(1);
+    let places: Vec<(Vec3, f32)> = (0..100_000).map(|_| (random.point(-60.0, 60.0), random.unit())).collect();
+    let at = |frame: f32| {
+        places.iter().map(move |&(place, speed)| {
+            let rotation = Quat::from_rotation_y(speed * frame);
+            Instance { bvh: &object, transform: Affine3A::from_rotation_translation(rotation, place) }
+        })
+    };
+    let config = BvhConfig { builder: "phr-turbo", width: 8 };
+    let mut world = InstanceBvh::build(at(0.0).collect(), &config)?;
+    println!("{} triangles, {} times", statue.mesh.len(), world.len());
+
+    let camera = Camera::new(&statue.views[0], 256, 256);
+    let rays: Vec<_> = (0..1 << 16).map(|i| camera.ray(i % 256, i / 256, [0.5; 2])).collect();
+    for frame in 1..=5 {
+        let instances = at(frame as f32).collect();
+        let start = Instant::now();
+        world.rebuild(instances)?;
+        let (rebuilt, start) = (start.elapsed(), Instant::now());
+        let hits = rays.iter().filter(|ray| world.intersect(ray).is_some()).count();
+        println!(
+            "frame {frame}: rebuilt in {rebuilt:.1?}, {hits} of {} rays hit, {:.1?}",
+            rays.len(),
+            start.elapsed()
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,40 @@
+//! A tree over spheres, which the caller tests: leaves hold numbers. Anything with a box goes the same way.
+//! `cargo run --release --example spheres`
+
+use phr::geometry::{Aabb, Ray};
+use phr::glam::Vec3;
+use phr::random::SplitMix64;
+use phr::{BvhConfig, PrimitiveBvh, Primitives};
+
+const RADIUS: f32 = 0.004;
+
+struct Spheres(Vec<Vec3>);
+
+impl Primitives for Spheres {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn bounds(&self, id: u32) -> Aabb {
+        Aabb::new((self.0[id as usize] - RADIUS).into(), (self.0[id as usize] + RADIUS).into())
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut random = SplitMix64::new(1);
+    let spheres = Spheres((0..100_000).map(|_| random.point(-1.0, 1.0)).collect());
+    let bvh = PrimitiveBvh::build(&spheres, &BvhConfig::default())?;
+    // Where a ray of unit direction enters a sphere; NaN is no hit.
+    let enter = |id: u32, ray: &Ray| {
+        let to = ray.org - spheres.0[id as usize];
+        let (b, c) = (to.dot(ray.dir), to.length_squared() - RADIUS * RADIUS);
+        Some(-b - (b * b - c).sqrt())
+    };
+    for y in -12..12 {
+        let org = |x: i32| Vec3::new(x as f32 / 36.0, y as f32 / 12.0, 3.0);
+        let ray = |x| Ray { org: org(x), tnear: 0.0, dir: Vec3::NEG_Z, tfar: f32::INFINITY };
+        let depth = |x| bvh.intersect_with(&ray(x), enter).map_or(7, |hit| (3.5 * (hit.t - 2.0)) as usize);
+        println!("{}", (-36..36).map(|x| "@#*+=-: ".as_bytes()[depth(x)] as char).collect::<String>());
+    }
+    Ok(())
+}
