@@ -12,20 +12,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let object = Bvh::build(&statue.mesh, &BvhConfig { builder: "phr-quality", width: 8 })?;
     let mut random = SplitMix64::new(1);
     let places: Vec<(Vec3, f32)> = (0..100_000).map(|_| (random.point(-60.0, 60.0), random.unit())).collect();
-    let at = |frame: f32| {
-        places.iter().map(move |&(place, speed)| {
-            let rotation = Quat::from_rotation_y(speed * frame);
-            Instance { bvh: &object, transform: Affine3A::from_rotation_translation(rotation, place) }
-        })
+    let at = |frame: f32| -> Vec<_> {
+        let place = |&(place, speed): &(Vec3, f32)| {
+            Affine3A::from_rotation_translation(Quat::from_rotation_y(speed * frame), place)
+        };
+        places.iter().map(place).map(|transform| Instance { bvh: &object, transform }).collect()
     };
     let config = BvhConfig { builder: "phr-turbo", width: 8 };
-    let mut world = InstanceBvh::build(at(0.0).collect(), &config)?;
+    let mut world = InstanceBvh::build(at(0.0), &config)?;
     println!("{} triangles, {} times", statue.mesh.len(), world.len());
 
     let camera = Camera::new(&statue.views[0], 256, 256);
     let rays: Vec<_> = (0..1 << 16).map(|i| camera.ray(i % 256, i / 256, [0.5; 2])).collect();
     for frame in 1..=5 {
-        let instances = at(frame as f32).collect();
+        let instances = at(frame as f32);
         let start = Instant::now();
         world.rebuild(instances)?;
         let (rebuilt, start) = (start.elapsed(), Instant::now());
