@@ -44,10 +44,21 @@ fn the_readme_is_short() {
 
 #[test]
 fn the_examples_are_short() {
-    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")).unwrap() {
-        let path = entry.unwrap().path();
-        let lines = std::fs::read_to_string(&path).unwrap().lines().count();
-        assert!(lines <= 40, "{} has {lines} lines, at most 40 are wanted", path.display());
+    let entries = |folder: &Path| -> Vec<PathBuf> {
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
+    };
+    let check = |path: &Path, most: usize| {
+        let lines = std::fs::read_to_string(path).unwrap().lines().count();
+        assert!(lines <= most, "{} has {lines} lines, at most {most} are wanted", path.display());
+    };
+    for path in entries(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")) {
+        if path.is_dir() {
+            let sources =
+                entries(&path).into_iter().filter(|path| path.extension().is_some_and(|x| x == "rs"));
+            sources.for_each(|path| check(&path, 80));
+        } else {
+            check(&path, 40);
+        }
     }
 }
 
