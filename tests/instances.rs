@@ -239,3 +239,9 @@ fn nothing_is_hit_where_nothing_is() {
         assert!(holes.intersect(&bad).is_none() && !holes.occluded(&bad));
     }
 }
+
+#[test]
+fn trees_are_shared_among_threads() {
+    fn shared<T: Send + Sync + 'static>() {}
+    shared::<InstanceBvh<Arc<Bvh>>>();
+}

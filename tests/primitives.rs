@@ -305,3 +305,9 @@ fn what_cannot_be_built_is_refused_in_one_line() {
     assert!(nothing.bounds().is_empty() && nothing.as_bvh4().is_none());
     assert_eq!(nothing.intersect_with(&rays(1, 1)[0], |_, _| Some(1.0)), None);
 }
+
+#[test]
+fn trees_are_shared_among_threads() {
+    fn shared<T: Send + Sync + 'static>() {}
+    shared::<PrimitiveBvh>();
+}

@@ -45,9 +45,7 @@ impl<'f, K: Kernel, F: FnMut(u32, &Ray) -> Option<f32>> Kernel for Custom<'f, K,
     fn closest(&self, block: &IdBlock, hit: &mut Hit) {
         let test = &mut *self.test.borrow_mut();
         for prim in block.ids() {
-            if let Some(t) = test(prim, &Ray { tfar: hit.t, ..self.ray })
-                && (self.ray.tnear < t) & (t <= hit.t) & (t < f32::INFINITY)
-            {
+            if let Some(t) = self.within(hit.t, |ray| test(prim, ray)) {
                 *hit = Hit { t, prim, ..*hit };
             }
         }
@@ -55,14 +53,22 @@ impl<'f, K: Kernel, F: FnMut(u32, &Ray) -> Option<f32>> Kernel for Custom<'f, K,
 
     #[inline(always)]
     fn any(&self, block: &IdBlock, tfar: f32) -> bool {
-        let mut hit = Hit { t: tfar, ..Hit::MISS };
-        self.closest(block, &mut hit);
-        hit.is_hit()
+        let test = &mut *self.test.borrow_mut();
+        block.ids().any(|prim| self.within(tfar, |ray| test(prim, ray)).is_some())
     }
 
     #[inline(always)]
     fn prefetch(address: *const u8, bytes: usize) {
         K::prefetch(address, bytes);
+    }
+}
+
+impl<K, F> Custom<'_, K, F> {
+    /// The distance of a hit, if it is in the interval of the ray up to `tfar`.
+    #[inline(always)]
+    fn within(&self, tfar: f32, test: impl FnOnce(&Ray) -> Option<f32>) -> Option<f32> {
+        let ray = Ray { tfar, ..self.ray };
+        test(&ray).filter(|&t| (ray.tnear < t) & (t <= tfar) & (t < f32::INFINITY))
     }
 }
 
