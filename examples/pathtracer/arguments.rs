@@ -44,6 +44,17 @@ impl Arguments {
         [self.width, self.height]
     }
 
+    /// Refuses a place that cannot be written before hours are spent on the picture.
+    pub fn check_output(&self) -> Result<(), String> {
+        let folder = self.output.parent().filter(|folder| !folder.as_os_str().is_empty());
+        match folder {
+            Some(folder) if !folder.is_dir() => {
+                Err(format!("{}: no such folder; make it first", folder.display()))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The view asked for.
     pub fn view(&self, scene: &Scene) -> Result<View, String> {
         let count = scene.views.len();

@@ -1,6 +1,7 @@
 //! The light: a clear sky and a sun.
 
 use phr::glam::Vec3;
+use phr::scene::View;
 
 pub struct Light {
     up: Vec3,
@@ -9,22 +10,22 @@ pub struct Light {
 }
 
 /// What a surface gets that faces the sun.
-const SUN: Vec3 = Vec3::new(2.6, 2.3, 1.9);
+const SUN: Vec3 = Vec3::new(4.2, 3.8, 3.2);
 /// Radius of the sun as seen from a distance of 1; larger than ours, for softer shadows.
 const RADIUS: f32 = 0.03;
 
 impl Light {
-    /// A sky whose zenith is `up`.
-    pub fn over(up: Vec3) -> Self {
-        let up = up.try_normalize().unwrap_or(Vec3::Y);
-        let side = up.any_orthonormal_vector();
-        Self { up, sun: (up + 0.6 * side + 0.5 * up.cross(side)).normalize() }
+    /// A sky over the scene, the sun behind the camera's right shoulder.
+    pub fn over(view: &View) -> Self {
+        let up = view.up.try_normalize().unwrap_or(Vec3::Y);
+        let forward = (view.target - view.eye).reject_from(up).normalize_or_zero();
+        Self { up, sun: (up + 0.8 * forward.cross(up) - 0.7 * forward).normalize() }
     }
 
     /// What comes from the sky in a unit direction.
     pub fn sky(&self, dir: Vec3) -> Vec3 {
         let height = self.up.dot(dir);
-        let (horizon, zenith) = (Vec3::new(0.75, 0.8, 0.85), Vec3::new(0.2, 0.38, 0.75));
+        let (horizon, zenith) = (Vec3::new(0.6, 0.66, 0.74), Vec3::new(0.18, 0.34, 0.7));
         let ground = Vec3::new(0.32, 0.3, 0.28);
         if height < 0.0 {
             horizon.lerp(ground, (-8.0 * height).min(1.0))

@@ -31,6 +31,7 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    arguments.check_output()?;
     let scene = scene::load(&arguments.scene)?;
     let start = Instant::now();
     let bvh = Bvh::build(&scene.mesh, &BvhConfig { builder: &arguments.builder, ..BvhConfig::default() })?;
@@ -39,7 +40,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let [width, height] = arguments.size();
     let view = arguments.view(&scene)?;
     let camera = Camera::new(&view, width, height);
-    let tracer = PathTracer { bvh: &bvh, light: Light::over(view.up), bounces: arguments.bounces };
+    let tracer = PathTracer { bvh: &bvh, light: Light::over(&view), bounces: arguments.bounces };
     let mut picture = Picture::new(width, height);
 
     let bar = ProgressBar::new(u64::from(height))
