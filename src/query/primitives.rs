@@ -58,8 +58,8 @@ pub struct PrimitiveHit {
 }
 
 impl PrimitiveBvh {
-    /// Builds a tree over `primitives` on the current rayon pool: with a builder of spatial splits (`phr-quality`, `phr-best`)
-    /// those that [can be split](Primitives::splits) are.
+    /// Builds a tree over `primitives` on the current rayon pool. Those that [may be split](Primitives::splits) are by builders
+    /// of spatial splits.
     ///
     /// # Errors
     /// [`BvhError::Boxes`], [`BvhError::NoSuchBuilder`], [`BvhError::NoSuchWidth`].

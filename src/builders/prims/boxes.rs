@@ -40,8 +40,9 @@ pub trait Primitives: Sync {
     /// The box of primitive `id`: finite and not empty, though it may be flat.
     fn bounds(&self, id: u32) -> Aabb;
 
-    /// Whether builders with spatial splits may split primitives, by [`Primitives::split`]. One that is split is in several
-    /// leaves, and may be tested more than once by a ray.
+    /// Whether primitives may be split where a builder splits space: `phr-quality` and `phr-best` by [`Primitives::split`],
+    /// `phr-turbo`, `phr-speed` and `phr-hq` at the plane alone. One that is split is in several leaves, and may be tested more
+    /// than once by a ray.
     fn splits(&self) -> bool {
         false
     }
