@@ -20,6 +20,7 @@ use crate::geometry::Mesh;
 use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
 use crate::parallel::ordered_append;
+use std::ops::Range;
 
 /// Which subtrees of the auxiliary BVH are leaves beside those of few references: near the leaves nothing is lost
 /// by opening them all at once, where they are small.
@@ -92,33 +93,36 @@ pub(crate) struct Auxiliary {
 impl Auxiliary {
     /// Builds the LBVH of `mesh`.
     pub fn build(&mut self, mesh: &Mesh, config: &AuxiliaryConfig) -> Vec<Phase> {
+        self.build_part(mesh, mesh.prims(), config)
+    }
+
+    /// Builds the LBVH of some triangles of `mesh`.
+    pub fn build_part(&mut self, mesh: &Mesh, prims: Range<u32>, config: &AuxiliaryConfig) -> Vec<Phase> {
         let treelets = std::mem::take(&mut self.treelets);
         let (_, depth) = config.sort();
-        let phases = self.grow(mesh, config, |refs, keys, rule, tree| {
+        let phases = self.grow(mesh, prims, config, |refs, keys, rule, tree| {
             linear(refs, keys, depth, rule, &mut tree.pairs, &treelets)
         });
         self.treelets = treelets;
         phases
     }
 
-    /// Sorts the references of `mesh`, and has `grow` make the tree over one or more of them, of which it returns the root:
+    /// Sorts the references of `prims`, triangles of `mesh`, and has `grow` make the tree over one or more of them, of which it returns the root:
     /// leaves are small by the rule, and runs of the keys, which are put into the order of the tree.
     pub fn grow(
         &mut self,
         mesh: &Mesh,
+        prims: Range<u32>,
         config: &AuxiliaryConfig,
         grow: impl FnOnce(&PrimRefs<'_>, &mut Vec<MortonKey>, LeafRule, &mut BinaryTree) -> Node,
     ) -> Vec<Phase> {
         let mut watch = Stopwatch::start();
         let (bits, _) = config.sort();
-        self.order.sort(mesh, config.presplit.as_ref(), bits, &mut self.tree.pairs, &mut watch);
+        self.order.sort(mesh, prims, config.presplit.as_ref(), bits, &mut self.tree.pairs, &mut watch);
         // Equal codes are partitioned by reordering keys.
         let mut keys = std::mem::take(&mut self.order.keys);
         let refs = self.order.refs(mesh);
-        self.scale = match config.calibration {
-            Some(parts) => AreaScale::calibrated(self.order.bounds(), &keys, &refs, parts),
-            None => AreaScale::of(self.order.bounds()),
-        };
+        self.scale = AreaScale::in_order(self.order.bounds(), &keys, &refs, config.calibration);
         self.tree.root = None;
         if !keys.is_empty() {
             let rule = config.rule(&self.scale);

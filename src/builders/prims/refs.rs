@@ -4,6 +4,7 @@
 use crate::geometry::{Aabb, Mesh};
 use crate::parallel;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// References per task of a parallel pass over all of them.
 pub(crate) const GRAIN: usize = 1 << 13;
@@ -63,9 +64,10 @@ impl PrimInfo {
     /// Of nothing.
     pub const EMPTY: Self = Self { bounds: Aabb::EMPTY, centers: Aabb::EMPTY };
 
-    /// Of all triangles of `mesh`.
-    pub fn of(mesh: &Mesh) -> Self {
-        let parts = parallel::map(mesh.triangles().par_chunks(GRAIN), |triangles| {
+    /// Of some triangles of `mesh`.
+    pub fn of(mesh: &Mesh, prims: Range<u32>) -> Self {
+        let triangles = &mesh.triangles()[prims.start as usize..prims.end as usize];
+        let parts = parallel::map(triangles.par_chunks(GRAIN), |triangles| {
             let (mut bounds, mut centers) = (Aabb::EMPTY, Aabb::EMPTY);
             for triangle in triangles {
                 let b = Aabb::of_triangle(mesh.corners_of(triangle));

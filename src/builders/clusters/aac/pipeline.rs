@@ -49,7 +49,7 @@ impl<const N: usize> Builder<N> for Aac<N> {
 
     fn build(&mut self, mesh: &Mesh) -> Build<N> {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, None, SortBits::All, self.memory.blocks(mesh.len()), &mut watch);
+        self.order.sort(mesh, mesh.prims(), None, SortBits::All, self.memory.blocks(mesh.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
         huge_pages::resize(&mut self.tree.pairs, mesh.len().saturating_sub(1), [Node::ZERO; 2]);
         self.tree.root = cluster(&self.config, self.order.refs(mesh), &mut keys, &mut self.tree.pairs);

@@ -57,7 +57,7 @@ impl<const N: usize> Builder<N> for Ploc<N> {
 
     fn build(&mut self, mesh: &Mesh) -> Build<N> {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, None, SortBits::All, self.memory.blocks(mesh.len()), &mut watch);
+        self.order.sort(mesh, mesh.prims(), None, SortBits::All, self.memory.blocks(mesh.len()), &mut watch);
         let (refs, keys) = (self.order.refs(mesh), &self.order.keys);
         let Self { config, isa, clustering, tree, .. } = self;
         tree.root = clustering.cluster((config.radius, *isa), &refs, keys, &mut tree.pairs);

@@ -42,7 +42,7 @@ impl<const N: usize> Builder<N> for Lbvh<N> {
 
     fn build(&mut self, mesh: &Mesh) -> Build<N> {
         let mut watch = Stopwatch::start();
-        self.order.sort(mesh, None, SortBits::All, self.memory.blocks(mesh.len()), &mut watch);
+        self.order.sort(mesh, mesh.prims(), None, SortBits::All, self.memory.blocks(mesh.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
         let (tree, pairs) = if keys.is_empty() { Default::default() } else { self.tree(mesh, &mut keys) };
         self.order.keys = keys;

@@ -12,6 +12,7 @@ use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};
 use crate::builders::phr::extensions::binned::{BinnedSahConfig, binned_sah};
 use crate::geometry::Mesh;
 use crate::simd::Isa;
+use std::ops::Range;
 
 /// Which builder makes the auxiliary tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -52,10 +53,21 @@ impl AuxiliaryTree {
         config: &AuxiliaryConfig,
         isa: Isa,
     ) -> Vec<Phase> {
+        self.build_part(auxiliary, (mesh, mesh.prims()), config, isa)
+    }
+
+    /// Builds the auxiliary tree of some triangles of a mesh.
+    pub(crate) fn build_part(
+        &self,
+        auxiliary: &mut Auxiliary,
+        (mesh, prims): (&Mesh, Range<u32>),
+        config: &AuxiliaryConfig,
+        isa: Isa,
+    ) -> Vec<Phase> {
         if self.is_lbvh() {
-            return auxiliary.build(mesh, config);
+            return auxiliary.build_part(mesh, prims, config);
         }
-        auxiliary.grow(mesh, config, |refs, keys, rule, tree| {
+        auxiliary.grow(mesh, prims, config, |refs, keys, rule, tree| {
             let mut made = BinaryTree::default();
             let pairs = &mut made.pairs;
             if !matches!(self, Self::Ploc(_)) {
