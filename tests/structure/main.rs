@@ -76,6 +76,7 @@ const UNSAFE_FILES: &[&str] = &[
     // Embree's C interface.
     "embree/capture.rs",
     "embree/device.rs",
+    "embree/moving.rs",
     "embree/packets.rs",
     "embree/query.rs",
     "embree/scene.rs",
