@@ -76,6 +76,11 @@ impl Animated {
 }
 
 impl Animation {
+    /// Whether more than a floor never moves: a tenth of the triangles.
+    pub fn has_static_part(&self) -> bool {
+        10 * self.fixed > self.scene.mesh.len()
+    }
+
     /// The vertices at `time`, 0 to 1, in parallel on the current rayon pool; the same at any number of threads.
     pub fn vertices(&self, time: f32) -> Vec<[f32; 3]> {
         let at = |(i, rest): (usize, &[f32; 3])| (self.motion)(i, Vec3::from_array(*rest), time).to_array();
