@@ -106,13 +106,14 @@ impl<const N: usize> WideBvh<N> {
 
 /// Writes the corners of a block's triangles again; returns their box.
 fn refill(block: &mut TriangleBlock, mesh: &Mesh) -> Aabb {
-    let prims = block.prims;
-    let count = block.ids().count();
+    let (prims, count) = (block.prims, block.ids().count());
     if count == 0 {
         return Aabb::EMPTY;
     }
-    *block = TriangleBlock::of(mesh, &prims[..count]);
-    prims[..count].iter().map(|&prim| mesh.bounds_of(prim)).collect()
+    // The unused lanes repeat the first: there is no branch on their number.
+    let corners = prims.map(|prim| mesh.corners(if prim == u32::MAX { prims[0] } else { prim }));
+    *block = TriangleBlock::of_corners(count, prims, corners);
+    corners.into_iter().map(Aabb::of_triangle).collect()
 }
 
 /// The box of what a link refers to.

@@ -45,6 +45,11 @@ impl Track<'_> {
         self.rows.iter().filter_map(|row| Some(row.trace_ms? * scale(row))).collect()
     }
 
+    /// Steps of a ray in each frame, of a tree that our kernel can have.
+    pub fn steps(&self) -> Vec<f64> {
+        self.rows.iter().filter_map(|row| row.steps).collect()
+    }
+
     /// Milliseconds of each frame.
     pub fn totals(&self, rays: Option<f64>) -> Vec<f64> {
         self.builds().iter().zip(self.traces(rays)).map(|(build, trace)| build + trace).collect()
@@ -104,6 +109,7 @@ pub(super) mod tests {
             build_ms: Some(build),
             trace_ms: Some(trace),
             sah: Some(trace),
+            steps: Some(2.0 * trace),
             verified: true,
             ..FrameRow::default()
         };

@@ -1,8 +1,10 @@
-//! Draws an animation: for each scene the time of all frames so far, relative to one contestant's, and that of each frame.
+//! Draws an animation: for each scene the time of all frames so far, relative to one contestant's, that of each frame, and
+//! the steps of a ray.
 
 use super::compared::{Track, rebuilt, smoothed, tracks};
 use super::entrant::{Entrant, Update};
 use super::records::FrameRow;
+use crate::bench::cell::place;
 use crate::report::figures::scenes_of;
 use crate::report::plot::chart::{Across, Front, INK, Line, Panel, Point, Range, SMALL, sheet};
 use crate::report::plot::labels::Rect;
@@ -49,13 +51,14 @@ pub fn draw(rows: &[FrameRow]) -> Option<String> {
             entrants.push(&track.entrant);
         }
     }
-    let (inside, pitch, left) = ((560.0, 330.0), (660.0, 420.0), 80.0);
-    let wide = left + 2.0 * pitch.0;
+    entrants.sort_by_key(|entrant| place(&entrant.builder));
+    let (inside, pitch, left) = ((500.0, 330.0), (580.0, 420.0), 80.0);
+    let wide = left + 3.0 * pitch.0 - 60.0;
     let places = key(&entrants, wide);
     let top = places.last().map_or(78.0, |(_, y)| *y) + 62.0;
     let about = format!(
         "build + trace, {}-wide trees, {} threads, about {} thousand rays a frame, traces under {}; left: all frames so far, \
-         relative to the tree named there; right: each frame, medians of five",
+         relative to the tree named there; middle: each frame, medians of five; right: node visits and block tests under our kernel",
         first.width,
         first.threads,
         (first.rays as f64 / 1e3).round(),
@@ -93,7 +96,7 @@ fn key(entrants: &[&Entrant], wide: f64) -> Vec<(f64, f64)> {
 }
 
 /// The panels of a scene.
-fn panels(scene: &str, tracks: &[Track<'_>], is_last: bool) -> [Panel; 2] {
+fn panels(scene: &str, tracks: &[Track<'_>], is_last: bool) -> [Panel; 3] {
     let sah = Entrant { builder: "embree-sah".into(), update: Update::Rebuild };
     let base = rebuilt(tracks, &sah).unwrap_or(&tracks[0]);
     let so_far = base.cumulated(None);
@@ -125,6 +128,7 @@ fn panels(scene: &str, tracks: &[Track<'_>], is_last: bool) -> [Panel; 2] {
     };
     let of_frame = |track: &Track<'_>| smoothed(&track.totals(None));
     let least = of_frame(base).first().copied().unwrap_or(1.0);
+    let steps = base.steps().first().copied().unwrap_or(1.0);
     [
         panel(
             format!("{scene}, {triangles} k triangles: all frames so far"),
@@ -133,6 +137,7 @@ fn panels(scene: &str, tracks: &[Track<'_>], is_last: bool) -> [Panel; 2] {
             1.0,
         ),
         panel(format!("{scene}: each frame"), "build + trace, ms".into(), &of_frame, least),
+        panel(format!("{scene}: steps of a ray"), "steps".into(), &|track| track.steps(), steps),
     ]
 }
 

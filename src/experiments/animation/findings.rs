@@ -54,18 +54,19 @@ fn of_scene(rows: &[FrameRow], scene: &str) -> String {
 
 /// Means over the frames after the first, and the whole.
 fn table(tracks: &[Track<'_>]) -> String {
-    let header = ["tree", "update, ms", "trace, ms", "SAH cost, first", "last", "all frames, s"];
+    let header =
+        ["tree", "update, ms", "trace, ms", "steps of a ray, first frame", "last frame", "all frames, s"];
     let loses = RAYS.map(|(_, rays)| format!("loses from, {rays}"));
     let mut grid = Grid::new(header.into_iter().map(String::from).chain(loses));
     for track in tracks {
-        let sah = |row: Option<&&FrameRow>| row.and_then(|row| row.sah).map_or_else(String::new, short);
+        let steps = |row: Option<&&FrameRow>| row.and_then(|row| row.steps).map_or_else(String::new, short);
         let all = track.cumulated(None).last().map_or(0.0, |ms| 1e-3 * ms);
         let mut cells = vec![
             track.entrant.name(),
             short(later(&track.builds())),
             short(later(&track.traces(None))),
-            sah(track.rows.first()),
-            sah(track.rows.last()),
+            steps(track.rows.first()),
+            steps(track.rows.last()),
             short(all),
         ];
         let base = rebuilt(tracks, &track.entrant).filter(|_| track.entrant.update != Update::Rebuild);
@@ -105,23 +106,30 @@ fn sentence(track: &Track<'_>, base: &Track<'_>) -> String {
         Update::MergeSah => "keeping an auxiliary tree of the static part by binned SAH",
     };
     let mut text = format!(
-        "{}: {does} takes {} a frame in place of {} ms ({}); its trees trace {} in the mean",
+        "{}: {does} takes {} a frame in place of {} ms ({}); its trees trace {} in the mean{}.",
         track.entrant.builder,
         short(build),
         short(base_build),
         change(build / base_build, ["more", "less"]),
         change(trace / base_trace, ["slower", "faster"]),
+        aged(track, base).map_or_else(String::new, |ratio| {
+            format!(", a ray takes {} steps in the last frame", change(ratio, ["more", "fewer"]))
+        }),
     );
     let told = RAYS.map(|(rays, name)| {
-        let frame = loses_from(track, base, rays);
+        let from = |frame: Option<usize>| {
+            frame.map_or_else(|| "never".into(), |frame| format!("from frame {frame} on"))
+        };
         let cumulated = above_from(&track.cumulated(rays), &base.cumulated(rays));
-        let frame =
-            frame.map_or_else(|| "never loses".into(), |frame| format!("loses from frame {frame} on"));
-        let sum = cumulated.map_or_else(|| "never".into(), |frame| format!("from frame {frame} on"));
-        format!("with {name} it {frame} (all frames so far together: {sum})")
+        format!("{} ({}) with {name}", from(loses_from(track, base, rays)), from(cumulated))
     });
-    text += &format!(". Against rebuilding, {}.\n\n", told.join(", "));
+    text += &format!(" Against rebuilding it loses (all frames so far together): {}.\n\n", told.join("; "));
     text
+}
+
+/// The steps of a ray in the last frame, relative to those of `base`.
+fn aged(track: &Track<'_>, base: &Track<'_>) -> Option<f64> {
+    Some(track.rows.last()?.steps? / base.rows.last()?.steps?)
 }
 
 /// Who takes the least time for all frames.
@@ -158,8 +166,9 @@ mod tests {
         ]
         .concat();
         let text = findings(&all);
-        assert!(text.contains("with the recorded rays it loses from frame 8 on (all frames so far together: from frame 15 on)"), "{text}");
-        assert!(text.contains("with 1 M rays it loses from frame 0 on"), "{text}");
+        assert!(text.contains("from frame 8 on (from frame 15 on) with the recorded rays"), "{text}");
+        assert!(text.contains("from frame 0 on (from frame 1 on) with 1 M rays"), "{text}");
+        assert!(text.contains("a ray takes 190 % more steps in the last frame"), "{text}");
         assert!(
             text.contains("refitting its tree takes 1.00 a frame in place of 8.00 ms (88 % less)"),
             "{text}"

@@ -9,12 +9,13 @@ use crate::bench::contender::{self, BuiltTree, REFERENCE_KERNEL, TreeUnderKernel
 use crate::bench::environment::moment::utc_now;
 use crate::bench::environment::{Machine, Program};
 use crate::bench::pools::Pools;
-use crate::bench::rays;
+use crate::bench::rays::{self, ViewRays};
 use crate::bench::samples::KernelChecks;
 use crate::bench::settings::Settings;
 use crate::bench::statistics::{figures, median};
 use crate::bench::visit::SceneTraces;
 use crate::scene::{Animation, Scene};
+use crate::trace::RayKind;
 use std::sync::atomic::AtomicBool;
 
 /// How an animation is followed.
@@ -119,7 +120,7 @@ fn follow(
                     Err(error) => one.row.error = error,
                 }
             }
-            one.visit(scene, &mut traces, (round, settings.kernel), pools);
+            one.visit(scene, (&mut traces, &recorded), (round, settings.kernel), pools);
         }
     }
     Ok(())
@@ -143,14 +144,15 @@ impl Measured {
     fn visit(
         &mut self,
         scene: &Scene,
-        traces: &mut SceneTraces<'_>,
+        (traces, recorded): (&mut SceneTraces<'_>, &[ViewRays]),
         (round, kernel): (usize, Kernel),
         pools: &Pools,
     ) {
         let Some(mut contestant) = self.contestant.take() else { return };
         let visited = contestant.update(&scene.mesh, &pools.all).and_then(|duration| {
             self.build_ms.push(1e3 * duration.as_secs_f64());
-            contestant.show(&scene.mesh, &mut |built| self.trace(built, traces, (round, kernel), pools))
+            contestant
+                .show(&scene.mesh, &mut |built| self.trace(built, (traces, recorded), (round, kernel), pools))
         });
         match visited {
             Ok(()) => self.contestant = Some(contestant),
@@ -162,7 +164,7 @@ impl Measured {
     fn trace(
         &mut self,
         built: &BuiltTree<'_>,
-        traces: &mut SceneTraces<'_>,
+        (traces, recorded): (&mut SceneTraces<'_>, &[ViewRays]),
         (round, kernel): (usize, Kernel),
         pools: &Pools,
     ) -> Result<(), String> {
@@ -176,6 +178,7 @@ impl Measured {
         if self.checks.is_none() {
             self.row.kernel = tree.kernel.name().into();
             self.row.sah = built.tree().ok().map(|tree| figures(tree.sah_cost()));
+            self.row.steps = steps(built, recorded, pools);
             self.checks = Some(traces.check(&tree).map_err(|_| "stopped")?);
         }
         let Some(checks) = &mut self.checks else { return Err("not checked".into()) };
@@ -201,7 +204,21 @@ impl Measured {
             row.trace_ms = median(&traces).map(figures);
             return Some(row.clone());
         }
-        (row.verified, row.build_ms, row.trace_ms, row.sah) = (false, None, None, None);
+        row.verified = false;
+        (row.build_ms, row.trace_ms, row.sah, row.steps) = (None, None, None, None);
         (!std::mem::replace(&mut self.is_out, true)).then(|| row.clone())
     }
+}
+
+/// Steps of a ray through the tree under our kernel, on average; `None` where Embree's tree cannot be read.
+fn steps(built: &BuiltTree<'_>, recorded: &[ViewRays], pools: &Pools) -> Option<f64> {
+    let tree = TreeUnderKernel::new(built, Kernel::Phr, pools.all.current_num_threads()).ok()?;
+    let (mut steps, mut rays) = (0, 0);
+    for (view, kind) in recorded.iter().flat_map(|view| RayKind::ALL.map(|kind| (view, kind))) {
+        let batch = view.batches.get(kind);
+        let counts = pools.all.install(|| tree.count(kind, batch))?;
+        steps += counts.node_visits + counts.block_tests;
+        rays += batch.len() as u64;
+    }
+    (rays > 0).then(|| figures(steps as f64 / rays as f64))
 }

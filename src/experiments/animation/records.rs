@@ -56,6 +56,8 @@ pub struct FrameRow {
     pub trace_ms: Option<f64>,
     /// SAH cost of the tree.
     pub sah: Option<f64>,
+    /// Steps of a ray, node visits and block tests, under our kernel: what traces take, without noise.
+    pub steps: Option<f64>,
     /// Whether all hits are those of the reference in this frame.
     pub verified: bool,
     /// Why there are no figures.

@@ -8,8 +8,13 @@ use glam::Vec3;
 use std::collections::HashMap;
 
 /// The bursting statue.
-pub const BURST: Animated =
-    Animated { name: "burst", triangles: 200_000, about: "a statue that bursts into tumbling shards", make };
+pub const BURST: Animated = Animated {
+    name: "burst",
+    triangles: 200_000,
+    about: "a statue that bursts into tumbling shards",
+    seed: 22,
+    make,
+};
 
 /// Side of the cells whose triangles stay together; the statue is 1 high.
 const CELL: f32 = 0.05;
@@ -25,11 +30,12 @@ struct Shard {
 }
 
 fn make(animated: &Animated, triangles: usize) -> Animation {
-    let mut draft = floor(12.0);
+    let mut draft = floor(4.0);
     let fixed = draft.triangles.len();
     let frame = Frame::at(0.0, PEDESTAL, 0.0);
-    let statue = draw(triangles - fixed, 22, &|layout| figure(layout, &frame, layout.seed, [220.0, 7.2]));
-    let (apart, shard_of, shards) = shattered(&statue);
+    let statue =
+        draw(triangles - fixed, animated.seed, &|layout| figure(layout, &frame, layout.seed, [220.0, 7.2]));
+    let (apart, shard_of, shards) = shattered(&statue, animated.seed);
     let still = draft.vertices.len();
     append(&mut draft, apart);
     let views = [
@@ -45,7 +51,7 @@ fn make(animated: &Animated, triangles: usize) -> Animation {
 }
 
 /// The triangles with vertices of their own for each shard, the shard of each vertex, and the shards.
-fn shattered(statue: &Draft) -> (Draft, Vec<u32>, Vec<Shard>) {
+fn shattered(statue: &Draft, seed: u64) -> (Draft, Vec<u32>, Vec<Shard>) {
     let (mut apart, mut shard_of, mut shards) = (Draft::default(), Vec::new(), Vec::new());
     let (mut known, mut copies) = (HashMap::new(), HashMap::new());
     for triangle in &statue.triangles {
@@ -53,7 +59,7 @@ fn shattered(statue: &Draft) -> (Draft, Vec<u32>, Vec<Shard>) {
         let center = (corners[0] + corners[1] + corners[2]) / 3.0;
         let cell = (center / CELL).floor();
         let shard = *known.entry(cell.to_array().map(|x| x as i32)).or_insert_with(|| {
-            shards.push(Shard::of((cell + 0.5) * CELL, shards.len() as u64));
+            shards.push(Shard::of((cell + 0.5) * CELL, (seed, shards.len() as u64)));
             shards.len() as u32 - 1
         });
         let copied = triangle.map(|vertex| {
@@ -70,8 +76,8 @@ fn shattered(statue: &Draft) -> (Draft, Vec<u32>, Vec<Shard>) {
 
 impl Shard {
     /// The shard around `center`, which flies outwards and anywhere.
-    fn of(center: Vec3, stream: u64) -> Self {
-        let mut random = Random::new(23, stream);
+    fn of(center: Vec3, (seed, stream): (u64, u64)) -> Self {
+        let mut random = Random::new(seed, stream);
         let outwards = (center - Vec3::new(0.0, PEDESTAL + 0.3, 0.0)) * random.between(0.5, 1.5);
         let velocity = outwards + random.in_ball() * 0.9 + Vec3::Y * random.between(0.2, 0.9);
         Self { center, velocity, axis: random.in_ball().normalize(), turns: random.between(0.2, 1.5) }

@@ -38,6 +38,8 @@ pub struct Animated {
     pub triangles: usize,
     /// What is seen, in a line.
     pub about: &'static str,
+    /// Names the random choices.
+    seed: u64,
     make: fn(&Animated, usize) -> Animation,
 }
 
@@ -64,14 +66,12 @@ impl Animated {
     }
 
     fn animation(&self, draft: Draft, fixed: usize, views: &[View], motion: Motion) -> Animation {
-        let rest = draft.vertices.clone();
-        let (mesh, dropped) =
-            Mesh::new(draft.vertices, draft.triangles).expect("no more triangles than a mesh may have");
-        let scene = Scene::new(self.name.into(), mesh, dropped, views.to_vec(), "generated".into());
-        let mut animation = Animation { scene, fixed, rest, motion };
-        let start = animation.vertices(0.0);
-        animation.scene.mesh.move_vertices(&start).expect("motions are finite");
-        animation
+        let rest = draft.vertices;
+        let (mesh, dropped) = Mesh::new(at(&rest, &motion, 0.0), draft.triangles)
+            .expect("no generator makes more triangles than a mesh may have");
+        let source = format!("generated, seed {}", self.seed);
+        let scene = Scene::new(self.name.into(), mesh, dropped, views.to_vec(), source);
+        Animation { scene, fixed, rest, motion }
     }
 }
 
@@ -83,9 +83,14 @@ impl Animation {
 
     /// The vertices at `time`, 0 to 1, in parallel on the current rayon pool; the same at any number of threads.
     pub fn vertices(&self, time: f32) -> Vec<[f32; 3]> {
-        let at = |(i, rest): (usize, &[f32; 3])| (self.motion)(i, Vec3::from_array(*rest), time).to_array();
-        self.rest.par_iter().enumerate().with_min_len(1 << 12).map(at).collect()
+        at(&self.rest, &self.motion, time)
     }
+}
+
+/// Where vertices are that `rest` at those places.
+fn at(rest: &[[f32; 3]], motion: &Motion, time: f32) -> Vec<[f32; 3]> {
+    let at = |(i, rest): (usize, &[f32; 3])| motion(i, Vec3::from_array(*rest), time).to_array();
+    rest.par_iter().enumerate().with_min_len(1 << 12).map(at).collect()
 }
 
 /// Appends `more` to `draft`.

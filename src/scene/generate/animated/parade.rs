@@ -12,6 +12,7 @@ pub const PARADE: Animated = Animated {
     name: "parade",
     triangles: 250_000,
     about: "turning statues and cars on their rounds through a town that stands still",
+    seed: 24,
     make,
 };
 
@@ -40,7 +41,7 @@ fn make(animated: &Animated, triangles: usize) -> Animation {
     let [statue_size, car_size] = [(SHARES[0], STATUES), (SHARES[1], CARS)]
         .map(|(share, count)| (share * triangles as f32 / count as f32) as usize);
     let fixed = triangles - statue_size * STATUES - car_size * CARS;
-    let mut draft = draw(fixed, 24, &|layout| town(layout, [2, 2], 5.0));
+    let mut draft = draw(fixed, animated.seed, &|layout| town(layout, [2, 2], 5.0));
     let still = draft.vertices.len();
     let (mut mover_of, mut movers) = (Vec::new(), Vec::new());
     let mut add = |mover: Mover, part: Draft, draft: &mut Draft| {
@@ -49,14 +50,14 @@ fn make(animated: &Animated, triangles: usize) -> Animation {
         append(draft, part);
     };
     for i in 0..STATUES {
-        let statue = draw(statue_size, 30 + i as u64, &|layout| {
+        let statue = draw(statue_size, animated.seed + 1 + i as u64, &|layout| {
             figure(layout, &Frame::WORLD.sized(7.0), layout.seed, [60.0, 2.0]);
         });
         let way = if i % 2 == 0 { ROUND } else { -ROUND };
         add(Mover { way, spin: 2.0, aside: 0.0, ..Mover::of(i, STATUES) }, statue, &mut draft);
     }
     for i in 0..CARS {
-        let made = draw(car_size, 60 + i as u64, &|layout| car(layout, &Frame::WORLD));
+        let made = draw(car_size, animated.seed + 101 + i as u64, &|layout| car(layout, &Frame::WORLD));
         let (way, aside) = if i % 2 == 0 { (2.0 * ROUND, 4.6) } else { (-2.0 * ROUND, -4.6) };
         add(Mover { way, spin: 0.0, aside, ..Mover::of(i, CARS) }, made, &mut draft);
     }

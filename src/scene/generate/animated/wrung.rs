@@ -12,6 +12,7 @@ pub const WRUNG: Animated = Animated {
     name: "wrung",
     triangles: 200_000,
     about: "a statue wrung twice about its axis while it sways",
+    seed: 21,
     make,
 };
 
@@ -19,10 +20,11 @@ pub const WRUNG: Animated = Animated {
 const TURNS: f32 = 2.0;
 
 fn make(animated: &Animated, triangles: usize) -> Animation {
-    let mut draft = floor(12.0);
+    let mut draft = floor(3.0);
     let fixed = draft.triangles.len();
-    let statue =
-        draw(triangles - fixed, 21, &|layout| figure(layout, &Frame::WORLD, layout.seed, [220.0, 7.2]));
+    let statue = draw(triangles - fixed, animated.seed, &|layout| {
+        figure(layout, &Frame::WORLD, layout.seed, [220.0, 7.2])
+    });
     append(&mut draft, statue);
     let views = [
         view([0.65, 0.95, 2.3], [0.0, 0.42, 0.0], 38.0),
