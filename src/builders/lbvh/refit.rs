@@ -102,9 +102,12 @@ mod tests {
         let refused = auxiliary.refit(&other, &AuxiliaryConfig::PAPER).unwrap_err();
         assert_eq!(refused, RefitError::Triangles { tree: 3000, mesh: 2999 });
         let config = AuxiliaryConfig { presplit: Some(PresplitConfig::NEEDLES), ..AuxiliaryConfig::PAPER };
-        let needles = testing::mesh(2000, 1, |i, random| match i {
-            7 => [Vec3::ZERO, Vec3::splat(1000.0), Vec3::new(1e-3, 0.0, 0.0)],
-            _ => [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| corner + 1000.0 * random.unit()),
+        let needles = testing::mesh(2000, 1, |i, random| {
+            let at = random.point(0.0, 1000.0);
+            match i {
+                7 => [Vec3::ZERO, Vec3::splat(1000.0), Vec3::new(1e-3, 0.0, 0.0)],
+                _ => [at, at + Vec3::X, at + Vec3::Y],
+            }
         });
         auxiliary.build(&needles, &config);
         assert_eq!(auxiliary.refit(&needles, &config).unwrap_err(), RefitError::Presplit);

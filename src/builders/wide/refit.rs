@@ -1,13 +1,20 @@
 //! Refitting a wide tree to a mesh that has moved: leaf data and boxes are made anew bottom-up, the topology stays.
 //! Where triangles were split, each of the leaves that hold one now has its whole box.
+//!
+//! Trees come from anywhere, so nothing is known of the order of their nodes. Boxes are gathered depth first, where all
+//! builders have put neighbours, into an array of their own, and then written to the nodes in the order of these.
 
 use crate::bvh::{Child, Invalid, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::{Aabb, Mesh};
 use crate::parallel;
+use glam::Vec3A;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
 /// Nodes or blocks of one task.
 const GRAIN: usize = 1 << 10;
+/// Nodes less deep than this have their children refitted in parallel.
+const PARALLEL_DEPTH: usize = 5;
 
 /// Why a tree cannot be fitted to a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -32,7 +39,8 @@ impl<const N: usize> WideBvh<N> {
     /// Fits the tree to `mesh`, the one it was built over with vertices moved, in parallel on the current rayon pool.
     ///
     /// # Errors
-    /// A mesh of another number of triangles, or links that are not those of a tree; nothing is changed then.
+    /// A mesh of another number of triangles: the tree is as before then. Links that are not those of a tree: it is of no use
+    /// then.
     pub fn refit(&mut self, mesh: &Mesh) -> Result<(), RefitError> {
         let last = parallel::map(self.blocks.par_chunks(GRAIN), |blocks| {
             blocks.iter().flat_map(TriangleBlock::ids).max()
@@ -41,66 +49,21 @@ impl<const N: usize> WideBvh<N> {
         if triangles != mesh.len() {
             return Err(RefitError::Triangles { tree: triangles, mesh: mesh.len() });
         }
-        let levels = self.levels()?;
 
-        let of_chunks = parallel::map(self.blocks.par_chunks_mut(GRAIN), |blocks| {
-            blocks.iter_mut().map(|block| refill(block, mesh)).collect::<Vec<Aabb>>()
+        let mut of_blocks = vec![Aabb::EMPTY; self.blocks.len()];
+        let chunks = self.blocks.par_chunks_mut(GRAIN).zip(of_blocks.par_chunks_mut(GRAIN));
+        parallel::for_each(chunks, |(blocks, boxes)| {
+            blocks.iter_mut().zip(boxes).for_each(|(block, bounds)| *bounds = refill(block, mesh));
         });
-        let of_blocks = of_chunks.concat();
-        let mut of_nodes = vec![Aabb::EMPTY; self.nodes.len()];
-        for level in levels.iter().rev() {
-            let boxes = parallel::map(level.par_chunks(GRAIN), |level| {
-                let whole = |&index: &u32| {
-                    let links = self.nodes[index as usize].links.iter();
-                    links.map(|&link| bounds_of(link, &of_nodes, &of_blocks)).collect()
-                };
-                level.iter().map(whole).collect::<Vec<Aabb>>()
-            });
-            for (&index, bounds) in level.iter().zip(boxes.into_iter().flatten()) {
-                of_nodes[index as usize] = bounds;
-            }
-        }
+        let of_nodes: Vec<NodeBox> = (0..self.nodes.len()).map(|_| NodeBox::default()).collect();
+        let boxes = Boxes { of_nodes: &of_nodes, of_blocks: &of_blocks };
+        self.bounds = boxes.gather(&self.nodes, self.root, 0)?;
         parallel::for_each(self.nodes.par_chunks_mut(GRAIN), |nodes| {
             for node in nodes {
-                let boxes = node.links.map(|link| bounds_of(link, &of_nodes, &of_blocks));
-                *node = WideNode::of_slots(&boxes, node.links);
+                *node = WideNode::of_slots(&node.links.map(|link| boxes.known(link)), node.links);
             }
         });
-        self.bounds = bounds_of(self.root, &of_nodes, &of_blocks);
         Ok(())
-    }
-
-    /// The nodes by their depth.
-    fn levels(&self) -> Result<Vec<Vec<u32>>, Invalid> {
-        let mut seen = vec![false; self.nodes.len()];
-        let mut levels: Vec<Vec<u32>> = Vec::new();
-        let mut links = vec![self.root];
-        while !links.is_empty() {
-            let mut level = Vec::with_capacity(links.len());
-            for link in links {
-                match link.get() {
-                    Child::Empty => {}
-                    Child::Inner(index) => match seen.get_mut(index) {
-                        Some(seen) if !*seen => {
-                            *seen = true;
-                            level.push(index as u32);
-                        }
-                        _ => return Err(Invalid::Link { what: "node", index }),
-                    },
-                    Child::Leaf { first, count } => {
-                        if first + count > self.blocks.len() {
-                            return Err(Invalid::Link { what: "block", index: first + count - 1 });
-                        }
-                    }
-                }
-            }
-            if levels.len() == MAX_DEPTH && !level.is_empty() {
-                return Err(Invalid::TooDeep);
-            }
-            links = level.iter().flat_map(|&index| self.nodes[index as usize].links).collect();
-            levels.push(level);
-        }
-        Ok(levels)
     }
 }
 
@@ -116,11 +79,75 @@ fn refill(block: &mut TriangleBlock, mesh: &Mesh) -> Aabb {
     corners.into_iter().map(Aabb::of_triangle).collect()
 }
 
-/// The box of what a link refers to.
-fn bounds_of(link: Link, of_nodes: &[Aabb], of_blocks: &[Aabb]) -> Aabb {
-    match link.get() {
-        Child::Empty => Aabb::EMPTY,
-        Child::Inner(index) => of_nodes[index],
-        Child::Leaf { first, count } => of_blocks[first..first + count].iter().copied().collect(),
+/// The box of a node, written by the one task that comes to it.
+#[derive(Default)]
+struct NodeBox {
+    corners: [[AtomicU32; 3]; 2],
+    is_reached: AtomicBool,
+}
+
+impl NodeBox {
+    fn set(&self, bounds: Aabb) {
+        for (places, corner) in self.corners.iter().zip([bounds.min, bounds.max]) {
+            places.iter().zip(corner.to_array()).for_each(|(place, x)| place.store(x.to_bits(), Relaxed));
+        }
+    }
+
+    fn get(&self) -> Aabb {
+        let [min, max] = [0, 1].map(|corner: usize| {
+            Vec3A::from_array(
+                [0, 1, 2].map(|axis: usize| f32::from_bits(self.corners[corner][axis].load(Relaxed))),
+            )
+        });
+        Aabb::new(min, max)
+    }
+}
+
+/// The new boxes of nodes and blocks.
+struct Boxes<'a> {
+    of_nodes: &'a [NodeBox],
+    of_blocks: &'a [Aabb],
+}
+
+impl Boxes<'_> {
+    /// The box of what a link refers to, with those of all nodes below.
+    fn gather<const N: usize>(
+        &self,
+        nodes: &[WideNode<N>],
+        link: Link,
+        depth: usize,
+    ) -> Result<Aabb, Invalid> {
+        let index = match link.get() {
+            Child::Empty => return Ok(Aabb::EMPTY),
+            Child::Leaf { first, count } => {
+                let blocks = self.of_blocks.get(first..first + count);
+                let blocks = blocks.ok_or(Invalid::Link { what: "block", index: first + count - 1 })?;
+                return Ok(blocks.iter().copied().collect());
+            }
+            Child::Inner(index) => index,
+        };
+        let place = self.of_nodes.get(index).filter(|place| !place.is_reached.swap(true, Relaxed));
+        let place = place.ok_or(Invalid::Link { what: "node", index })?;
+        if depth == MAX_DEPTH {
+            return Err(Invalid::TooDeep);
+        }
+        let links = nodes[index].links;
+        let of_child = |link| self.gather(nodes, link, depth + 1);
+        let bounds: Aabb = if depth < PARALLEL_DEPTH {
+            parallel::map(&links[..], |&link| of_child(link)).into_iter().collect::<Result<_, _>>()?
+        } else {
+            links.into_iter().map(of_child).collect::<Result<_, _>>()?
+        };
+        place.set(bounds);
+        Ok(bounds)
+    }
+
+    /// The box of what a link refers to, where those of nodes are known.
+    fn known(&self, link: Link) -> Aabb {
+        match link.get() {
+            Child::Empty => Aabb::EMPTY,
+            Child::Inner(index) => self.of_nodes[index].get(),
+            Child::Leaf { first, count } => self.of_blocks[first..first + count].iter().copied().collect(),
+        }
     }
 }

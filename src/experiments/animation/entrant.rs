@@ -93,6 +93,6 @@ mod tests {
         assert_eq!(updates("lbvh", true), ["rebuild", "refit"]);
         assert_eq!(updates("phr-fast", false), ["rebuild", "refit", "refine"]);
         assert_eq!(updates("phr-hq[delta=8]", true), ["rebuild", "refit", "refine", "merge", "merge-sah"]);
-        assert!(entrants(&["bvh".into()], true).unwrap_err().contains("no builder is called bvh"));
+        assert!(entrants(&["bvh".into()], true).unwrap_err().contains("no builder of ours is called bvh"));
     }
 }

@@ -1,8 +1,11 @@
 //! Lets all contestants follow an animation: in each frame rays are recorded afresh over a reference tree, and every
 //! contestant brings its tree up to date and traces them, by turns. Every answer of every frame is verified.
 
-use super::contestant::{Contestant, contestant};
+use super::contestant::Contestant;
+#[cfg(feature = "embree")]
+use super::embree;
 use super::entrant::Entrant;
+use super::ours::Ours;
 use super::records::{FrameRow, SCHEMA};
 use crate::bench::cell::Kernel;
 use crate::bench::contender::{self, BuiltTree, REFERENCE_KERNEL, TreeUnderKernel};
@@ -14,6 +17,7 @@ use crate::bench::samples::KernelChecks;
 use crate::bench::settings::Settings;
 use crate::bench::statistics::{figures, median};
 use crate::bench::visit::SceneTraces;
+use crate::geometry::Mesh;
 use crate::scene::{Animation, Scene};
 use crate::trace::RayKind;
 use std::sync::atomic::AtomicBool;
@@ -124,6 +128,28 @@ fn follow(
         }
     }
     Ok(())
+}
+
+/// The contestant of `entrant` over trees of `width`, with as many `threads`; the first `fixed` triangles of the mesh never
+/// move.
+///
+/// # Errors
+/// No such builder, or none that can follow so.
+fn contestant(
+    entrant: &Entrant,
+    width: u32,
+    mesh: &Mesh,
+    (fixed, threads): (usize, usize),
+) -> Result<Box<dyn Contestant>, String> {
+    #[cfg(feature = "embree")]
+    if let Some(contestant) = embree::contestant(entrant, width, mesh, threads) {
+        return contestant;
+    }
+    let _ = (mesh, threads);
+    Ok(match width {
+        8 => Box::new(Ours::<8>::new(entrant, fixed)?),
+        _ => Box::new(Ours::<4>::new(entrant, fixed)?),
+    })
 }
 
 impl Measured {

@@ -3,7 +3,7 @@
 use super::super::generated_scene::view;
 use super::super::parts::{Draft, Frame, Random, draw};
 use super::super::statue::figure;
-use super::{Animated, Animation, append, floor};
+use super::animation::{Animated, Animation, append, floor};
 use glam::Vec3;
 use std::collections::HashMap;
 

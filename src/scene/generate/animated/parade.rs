@@ -4,7 +4,7 @@ use super::super::city::{car, town};
 use super::super::generated_scene::view;
 use super::super::parts::{Draft, Frame, draw};
 use super::super::statue::figure;
-use super::{Animated, Animation, append};
+use super::animation::{Animated, Animation, append};
 use glam::Vec3;
 
 /// The parade.

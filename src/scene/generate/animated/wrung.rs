@@ -4,7 +4,7 @@
 use super::super::generated_scene::view;
 use super::super::parts::{Frame, draw, sin_cos};
 use super::super::statue::figure;
-use super::{Animated, Animation, append, floor};
+use super::animation::{Animated, Animation, append, floor};
 use glam::Vec3;
 
 /// The wrung statue.
