@@ -16,7 +16,7 @@
 #                   up to 64 workers, into results/scaling: ten minutes
 # make bench-animation
 #                   trees that follow scenes that move, 100 frames each, 4-wide into results/animation and 8-wide into
-#                   results/animation-8: an hour
+#                   results/animation-8: one to two hours on two cores
 # make bench-reference
 #                   every figure of README and RESULTS again: the runs of bench-builders into results/full, stopped and
 #                   resumed at will, reduced into results/reference and results/reference-ablation, tables, plots and pages

@@ -48,7 +48,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 1, value_name = "N")]
     views: usize,
     /// Pixels across and down
-    #[arg(long, default_value_t = 256, value_name = "PIXELS")]
+    #[arg(long, default_value_t = 160, value_name = "PIXELS")]
     size: u32,
     /// Updates and traces of each contestant in each frame
     #[arg(long, default_value_t = 3, value_name = "N")]

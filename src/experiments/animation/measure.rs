@@ -196,9 +196,11 @@ impl Measured {
     ) -> Result<(), String> {
         let threads = pools.all.current_num_threads();
         let mut tree = TreeUnderKernel::new(built, kernel, threads)?;
-        if tree.tracer().is_err() {
-            // Embree's tree cannot be read by a program without the feature `graft`, nor from another version.
-            tree = TreeUnderKernel::new(built, Kernel::EmbreeNative, threads)?;
+        // Without the feature `graft`, and with another version of Embree, each side has its own kernel alone.
+        for own in [Kernel::EmbreeNative, Kernel::Phr] {
+            if tree.tracer().is_err() {
+                tree = TreeUnderKernel::new(built, own, threads)?;
+            }
         }
         let tracer = tree.tracer().map_err(str::to_owned)?;
         if self.checks.is_none() {
