@@ -14,6 +14,9 @@
 # make bench-scaling
 #                   the tasks of our builders on the files SCENES and the built-in scenes, timed one by one and scheduled on
 #                   up to 64 workers, into results/scaling: ten minutes
+# make bench-animation
+#                   trees that follow scenes that move, 100 frames each, 4-wide into results/animation and 8-wide into
+#                   results/animation-8: one to two hours on two cores
 # make bench-reference
 #                   every figure of README and RESULTS again: the runs of bench-builders into results/full, stopped and
 #                   resumed at will, reduced into results/reference and results/reference-ablation, tables, plots and pages
@@ -73,7 +76,7 @@ KERNEL_TESTS = --test trace_agreement --test trace_batches --test trace_watertig
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: test-peers faults test-slurm sanitize bench bench-scaling bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
+.PHONY: test-peers faults test-slurm sanitize bench bench-scaling bench-animation bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -124,6 +127,11 @@ bench-scaling: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr scaling $(KERNEL_SCENES) $(SCENES) $(addprefix --builder ,$(SCALED)) --width 8 \
 		$(addprefix --workers ,1 2 4 16 64) --out results/scaling $(ARGS)
+
+bench-animation: packages
+	$(CARGO) build --release --bin phr
+	./target/release/phr animate --width 4 --out results/animation $(ARGS)
+	./target/release/phr animate --width 8 --out results/animation-8 $(ARGS)
 
 # A new revision begins anew: it cannot continue the runs of another (remove results/full).
 bench-reference: RESUMED = yes

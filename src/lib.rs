@@ -94,6 +94,20 @@
 //! How these fit into a renderer or an engine, how a tree lies in memory and how it is uploaded to a graphics processor is
 //! in `INTEGRATION.md`, beside the README.
 //!
+//! **A mesh that moves** keeps its triangles, and its tree may keep its nodes: boxes are fitted to where the vertices are now.
+//! When they have moved far, a tree built again traces faster; [`builders::Phr::refit`] is in between, and
+//! [`builders::MergedPhr`] for scenes of which a part stands still.
+//!
+//! ```
+//! let animation = phr::scene::animated_by_name("wrung").expect("a name of the list").generate(5000);
+//! let mut mesh = animation.scene.mesh.clone();
+//! let mut tree = phr::builders::by_name::<4>("phr-speed").expect("a name of the list").build(&mesh).tree;
+//! mesh.move_vertices(&animation.vertices(0.5))?;
+//! tree.refit(&mesh)?;
+//! assert_eq!(tree.validate(&mesh), Ok(()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # From a scene file to a row of the table
 //!
 //! 1. [`scene`] loads or generates an indexed triangle [`geometry::Mesh`] and its cameras;

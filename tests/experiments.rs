@@ -3,6 +3,7 @@
 #![cfg(feature = "harness")]
 
 use phr::bench::row::{self, ROWS};
+use phr::experiments::animation::records;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -106,6 +107,40 @@ fn cuts_and_splits_are_drawn_from_their_csv() {
 }
 
 #[test]
+fn trees_follow_a_moving_scene_and_every_frame_is_verified() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let short = ["--triangles", "2000", "--frames", "3", "--size", "8", "--rounds", "1", "--threads", "2"];
+    let text =
+        told(folder, &[&["animate", "wrung", "parade"], &short[..], &["--builder", "phr-fast"]].concat());
+    assert!(text.contains("# wrung") && text.contains("# parade"), "{text}");
+    assert!(text.contains("refining cuts of its refitted auxiliary tree takes"), "{text}");
+    assert!(text.contains("keeping the static part's auxiliary tree takes"), "{text}");
+    let results = folder.join("results/animation");
+    let rows = records::read(&results).unwrap();
+    let embrees = if cfg!(feature = "embree") { 3 } else { 0 };
+    assert_eq!(rows.len(), 3 * (3 + embrees) + 3 * (5 + embrees), "no static part is merged in wrung");
+    for row in &rows {
+        assert!(row.verified && row.error.is_empty() && row.rays > 0, "{row:?}");
+        assert!(row.build_ms > Some(0.0) && row.trace_ms > Some(0.0), "{row:?}");
+    }
+    // The last frame is another scene than the first.
+    let costs: Vec<f64> = rows
+        .iter()
+        .filter(|row| row.scene == "wrung" && row.builder == "phr-fast" && row.update.name() == "refit")
+        .filter_map(|row| row.sah)
+        .collect();
+    assert!(costs.len() == 3 && costs[2] > costs[0], "{costs:?}");
+
+    told(folder, &["animate", "--check"]);
+    let drawn = bytes(&results, "animation.svg");
+    std::fs::write(results.join("animation.svg"), "other").unwrap();
+    assert_eq!(phr(folder, &["animate", "--check"]).status.code(), Some(1));
+    assert_eq!(told(folder, &["animate", "--redraw"]), text);
+    assert_eq!(bytes(&results, "animation.svg"), drawn);
+}
+
+#[test]
 fn what_cannot_be_done_is_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("empty")).unwrap();
@@ -122,6 +157,14 @@ fn what_cannot_be_done_is_refused_in_one_line() {
         (&["heatmap", "scalable-2k", "-o", "map.png", "--size", "0"], &["--size"]),
         (&["heatmap", "scalable-2k", "-o", "map.png", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["heatmap", "--redraw", "-o", "map.png"], &["map.csv", "--redraw"]),
+        (&["animate", "rooms"], &["no moving scene is called rooms", "wrung", "parade"]),
+        (&["animate", "wrung", "--frames", "0"], &["--frames 0"]),
+        (&["animate", "wrung", "--width", "5"], &["--width 5", "4 or 8"]),
+        (&["animate", "wrung", "--triangles", "10"], &["--triangles 10", "1000"]),
+        (&["animate", "wrung", "--kernel", "gpu"], &["--kernel gpu", "phr"]),
+        (&["animate", "wrung", "--builder", "bvh"], &["no builder of ours is called bvh"]),
+        (&["animate", "wrung", "--rounds", "0"], &["--rounds 0"]),
+        (&["animate", "--redraw", "--out", "empty"], &["animation.csv", "phr animate"]),
     ];
     for (arguments, wanted) in cases {
         let output = phr(folder.path(), arguments);

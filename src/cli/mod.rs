@@ -14,7 +14,7 @@ mod verbs;
 use crate::bench::planned_scene::limit;
 use crate::scene::Limits;
 use clap::{Parser, Subcommand};
-use paper::{arguments, experiment, heatmap};
+use paper::{animate, arguments, experiment, heatmap};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
@@ -40,6 +40,7 @@ enum Verb {
     Render(render::Arguments),
     Heatmap(heatmap::Arguments),
     Experiment(arguments::Arguments),
+    Animate(animate::Arguments),
     Verify(verify::Arguments),
     Advise(advise::Arguments),
     Tune(tune::Arguments),
@@ -88,6 +89,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Render(arguments) => render::run(arguments),
         Verb::Heatmap(arguments) => heatmap::run(arguments),
         Verb::Experiment(arguments) => experiment::run(arguments),
+        Verb::Animate(arguments) => animate::run(arguments),
         Verb::Verify(arguments) => verify::run(arguments),
         Verb::Advise(arguments) => advise::run(arguments),
         Verb::Tune(arguments) => tune::run(arguments),

@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code)]
 
-use super::config::Config;
+use super::config::{Config, Width};
 use super::error::{EmbreeError, describe};
 use embree_sys as sys;
 use std::ffi::{CStr, CString, c_char, c_void};
@@ -62,6 +62,13 @@ impl Device {
     /// [`EmbreeError::Device`].
     pub fn robust(config: &Config) -> Result<Self, EmbreeError> {
         Self::from_string(config.robust_string())
+    }
+
+    /// A device whose scenes are built geometry by geometry (`tri_builder=dynamic`), each by its own quality: that of
+    /// refitting is one of a geometry.
+    pub(super) fn refitting(width: Width, threads: usize) -> Result<Self, EmbreeError> {
+        let lanes = width.lanes();
+        Self::from_string(format!("threads={threads},tri_accel=bvh{lanes}.triangle4,tri_builder=dynamic"))
     }
 
     /// A device that builds with `config` and takes kernels for no more than the instruction set `isa`, as Embree

@@ -16,7 +16,7 @@ pub(super) struct Handle(pub(super) sys::RTCScene);
 // SAFETY: a scene is not bound to a thread; its reference count is atomic.
 unsafe impl Send for Handle {}
 // SAFETY: through `&Handle` a committed scene is only traced and asked for its bounds, which Embree allows from
-// any number of threads; `Prepared::commit`, which changes it, takes the only owner by value.
+// any number of threads; what changes it has the only owner (`Prepared::commit`) or the only borrow (`MovingScene`).
 unsafe impl Sync for Handle {}
 
 impl Drop for Handle {
@@ -115,6 +115,13 @@ pub struct EmbreeScene<'a> {
 }
 
 impl<'a> EmbreeScene<'a> {
+    /// A committed scene that another owner has too, who must not change it while this one lives.
+    pub(super) fn shared(handle: &'a Handle, device: &Device, mesh: &'a Mesh) -> Self {
+        // SAFETY: the scene is live; the reference taken here is released when the new handle is dropped.
+        unsafe { sys::rtcRetainScene(handle.0) };
+        Self { handle: Handle(handle.0), device: device.clone(), mesh }
+    }
+
     /// The box of all triangles; empty without any.
     pub fn bounds(&self) -> Aabb {
         let mut bounds = sys::RTCBounds::default();

@@ -21,6 +21,22 @@ pub enum MeshError {
     TooLarge(usize),
 }
 
+/// Why vertices could not be moved.
+#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+pub enum MoveError {
+    /// Not as many vertices as the mesh has.
+    #[error("{given} vertices for a mesh of {vertices}; give one for each, in their order")]
+    Count {
+        /// Vertices given.
+        given: usize,
+        /// Vertices of the mesh.
+        vertices: usize,
+    },
+    /// A vertex of a triangle would have a NaN, infinite or larger coordinate than [`Ray::LARGEST`].
+    #[error("vertex {0} is not finite or too large; move it elsewhere")]
+    NotFinite(u32),
+}
+
 /// Triangles left out of a mesh because Embree would drop them silently, counted by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Dropped {
@@ -104,6 +120,27 @@ impl Mesh {
         let given = triangles.len();
         let (mesh, dropped) = Self::new(vertices, triangles)?;
         if mesh.triangles.is_empty() { Err(MeshError::Empty { given, dropped }) } else { Ok((mesh, dropped)) }
+    }
+
+    /// Moves the vertices, in their order. Triangles keep their vertices and ids, so that trees over the mesh can be
+    /// refitted.
+    ///
+    /// # Errors
+    /// [`MoveError`]; the mesh is as before then.
+    pub fn move_vertices(&mut self, vertices: &[[f32; 3]]) -> Result<(), MoveError> {
+        let (given, own) = (vertices.len(), self.vertices().len());
+        if given != own {
+            return Err(MoveError::Count { given, vertices: own });
+        }
+        let is_bad = |vertex: &[f32; 3]| !vertex.iter().all(|x| x.abs() < Ray::LARGEST);
+        // Vertices in no triangle may be anywhere.
+        if vertices.iter().any(is_bad)
+            && let Some(&bad) = self.triangles.iter().flatten().find(|&&i| is_bad(&vertices[i as usize]))
+        {
+            return Err(MoveError::NotFinite(bad));
+        }
+        self.padded_vertices[..own].copy_from_slice(vertices);
+        Ok(())
     }
 
     /// Number of triangles.
@@ -198,5 +235,18 @@ mod tests {
     fn an_empty_file_is_an_error_but_an_empty_mesh_is_not() {
         assert!(Mesh::new(vec![], vec![]).unwrap().0.is_empty());
         assert!(matches!(Mesh::new_non_empty(vec![], vec![]), Err(MeshError::Empty { .. })));
+    }
+
+    #[test]
+    fn vertices_move_all_together_or_not_at_all() {
+        let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [f32::NAN; 3]];
+        let (mut mesh, _) = Mesh::new(vertices.clone(), vec![[0, 1, 2]]).unwrap();
+        let moved: Vec<[f32; 3]> = vertices.iter().map(|v| v.map(|x| x + 2.0)).collect();
+        mesh.move_vertices(&moved).unwrap();
+        assert_eq!(mesh.bounds().min, Vec3A::splat(2.0));
+        let bad = [moved[0], [f32::INFINITY; 3], moved[2], moved[3]];
+        assert_eq!(mesh.move_vertices(&bad), Err(MoveError::NotFinite(1)));
+        assert_eq!(mesh.move_vertices(&moved[1..]), Err(MoveError::Count { given: 3, vertices: 4 }));
+        assert_eq!(mesh.vertices()[1], moved[1]);
     }
 }

@@ -8,6 +8,6 @@ mod ray;
 pub(crate) mod triangle_split;
 
 pub use aabb::Aabb;
-pub use mesh::{Dropped, Mesh, MeshError};
+pub use mesh::{Dropped, Mesh, MeshError, MoveError};
 pub(crate) use polygon::Polygon;
 pub use ray::{Hit, Ray, Tracer};

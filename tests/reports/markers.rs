@@ -2,6 +2,7 @@
 
 use super::*;
 use phr::bench::{kernels, scaling};
+use phr::experiments::animation;
 use phr::report::readme;
 
 #[test]
@@ -54,7 +55,12 @@ fn every_column_and_marker_is_described() {
     let scaling = folder.path().join(scaling::row::SCALING);
     scaling::row::write(&scaling, &[scaling::row::ScalingRow::default()]).unwrap();
     let scaling = std::fs::read_to_string(scaling).unwrap();
-    for column in [text, kernels, scaling].iter().flat_map(|text| text.lines().next().unwrap().split(',')) {
+    let animation = folder.path().join(animation::ANIMATION);
+    animation::records::write(&animation, &[animation::FrameRow::default()]).unwrap();
+    let animation = std::fs::read_to_string(animation).unwrap();
+    for column in
+        [text, kernels, scaling, animation].iter().flat_map(|text| text.lines().next().unwrap().split(','))
+    {
         assert!(described.contains(&format!("`{column}`")), "{column}");
     }
     let markers = [

@@ -77,6 +77,7 @@ const UNSAFE_FILES: &[&str] = &[
     "embree/capture.rs",
     "embree/device.rs",
     "embree/instances.rs",
+    "embree/moving.rs",
     "embree/packets.rs",
     "embree/query.rs",
     "embree/scene.rs",

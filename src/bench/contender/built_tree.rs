@@ -5,7 +5,7 @@ use crate::bench::cell::Kernel;
 use crate::bench::pools::Pools;
 use crate::bench::tree_facts::TreeFacts;
 use crate::bvh::saved::SavedError;
-use crate::bvh::{Bvh4, Bvh8};
+use crate::bvh::{Bvh4, Bvh8, sah_cost};
 use crate::geometry::{Mesh, Tracer};
 use std::path::Path;
 
@@ -44,7 +44,37 @@ impl From<Bvh8> for EitherWidth {
     }
 }
 
+impl TryFrom<EitherWidth> for Bvh4 {
+    type Error = EitherWidth;
+
+    fn try_from(tree: EitherWidth) -> Result<Self, EitherWidth> {
+        match tree {
+            EitherWidth::Four(tree) => Ok(tree),
+            other => Err(other),
+        }
+    }
+}
+
+impl TryFrom<EitherWidth> for Bvh8 {
+    type Error = EitherWidth;
+
+    fn try_from(tree: EitherWidth) -> Result<Self, EitherWidth> {
+        match tree {
+            EitherWidth::Eight(tree) => Ok(tree),
+            other => Err(other),
+        }
+    }
+}
+
 impl EitherWidth {
+    /// Its SAH cost.
+    pub fn sah_cost(&self) -> f64 {
+        match self {
+            Self::Four(tree) => sah_cost(tree),
+            Self::Eight(tree) => sah_cost(tree),
+        }
+    }
+
     /// Saves the tree, which `builder` built over `mesh`.
     ///
     /// # Errors
@@ -71,7 +101,25 @@ pub struct BuiltTree<'a> {
     pub(super) native: Option<Box<dyn Tracer + 'a>>,
 }
 
-impl BuiltTree<'_> {
+impl<'a> BuiltTree<'a> {
+    /// A tree over `mesh` that was built and timed elsewhere, or why it is unavailable; `native` is Embree's own scene where
+    /// Embree built it.
+    pub fn of(
+        mesh: &'a Mesh,
+        tree: Result<EitherWidth, String>,
+        native: Option<Box<dyn Tracer + 'a>>,
+    ) -> Self {
+        Self { times: BuildTimes::default(), facts: None, mesh, tree, native }
+    }
+
+    /// The tree in our form, for whoever built it.
+    ///
+    /// # Errors
+    /// Why it is unavailable.
+    pub fn into_tree(self) -> Result<EitherWidth, String> {
+        self.tree
+    }
+
     /// The tree in our form.
     ///
     /// # Errors

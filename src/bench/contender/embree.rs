@@ -6,7 +6,7 @@ use crate::bench::build_times::{BuildTimes, WarmTimes, ms};
 use crate::bench::cell::{Cell, Kernel};
 use crate::bench::environment::Library;
 use crate::bench::tree_facts::TreeFacts;
-use crate::bvh::{Statistics, WideBvh, sah_cost};
+use crate::bvh::{Statistics, WideBvh};
 use crate::embree::{
     self, Config, Device, EmbreeBuilder, EmbreeError, EmbreeScene, Inspection, Prepared, Width,
 };
@@ -138,11 +138,7 @@ impl Embree {
 
     /// The SAH cost of a scene's tree, where it is asked for and the tree can be read.
     fn cost(&self, scene: &EmbreeScene<'_>, is_asked_for: bool) -> Option<f64> {
-        let tree = is_asked_for.then(|| read(scene, self.width).ok()).flatten()?;
-        Some(match &tree {
-            EitherWidth::Four(tree) => sah_cost(tree),
-            EitherWidth::Eight(tree) => sah_cost(tree),
-        })
+        is_asked_for.then(|| read(scene, self.width).ok()).flatten().map(|tree| tree.sah_cost())
     }
 
     fn config(&self, threads: usize) -> Config {
@@ -212,8 +208,11 @@ fn is_same(read: f64, printed: f64) -> bool {
 }
 
 /// The tree of `scene` in our form, or why it cannot be read.
+///
+/// # Errors
+/// Why not.
 #[cfg(feature = "graft")]
-fn read(scene: &EmbreeScene<'_>, width: Width) -> Result<EitherWidth, String> {
+pub fn read(scene: &EmbreeScene<'_>, width: Width) -> Result<EitherWidth, String> {
     use crate::embree::native;
     let tree = match width {
         Width::Four => native::read4(scene).map(EitherWidth::Four),
@@ -222,8 +221,12 @@ fn read(scene: &EmbreeScene<'_>, width: Width) -> Result<EitherWidth, String> {
     tree.map_err(|unavailable| unavailable.why)
 }
 
+/// Not without the feature.
+///
+/// # Errors
+/// Always.
 #[cfg(not(feature = "graft"))]
-fn read(_: &EmbreeScene<'_>, _: Width) -> Result<EitherWidth, String> {
+pub fn read(_: &EmbreeScene<'_>, _: Width) -> Result<EitherWidth, String> {
     Err(NO_GRAFT.into())
 }
 

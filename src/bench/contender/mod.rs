@@ -17,10 +17,11 @@ mod tree_under_kernel;
 mod without_embree;
 
 pub use built_tree::{BuildRequest, BuiltTree, EitherWidth};
+pub use caught::caught;
 #[cfg(feature = "graft")]
 pub use embree::isas as embree_isas;
 #[cfg(feature = "embree")]
-pub use embree::{Embree, REFERENCE_KERNEL, library, reference};
+pub use embree::{Embree, REFERENCE_KERNEL, library, read as embree_tree, reference};
 pub use ours::Ours;
 pub use tree_under_kernel::TreeUnderKernel;
 #[cfg(not(feature = "embree"))]

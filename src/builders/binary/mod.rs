@@ -2,6 +2,7 @@
 
 pub(crate) mod kind;
 pub(crate) mod node;
+mod refit;
 pub(crate) mod subtrees;
 pub(crate) mod tagged;
 pub(crate) mod tree;

@@ -96,6 +96,13 @@ impl Node {
         }
     }
 
+    /// The same subtree in a tree whose pairs have moved up, and whose references follow `references` others.
+    #[inline]
+    pub fn appended(self, pairs: u32, references: u32) -> Self {
+        let by = if self.is_leaf() { references } else { pairs };
+        Self(TaggedBox::new(self.bounds(), [self.link() + by, self.count()]))
+    }
+
     /// The parent of this node and `other`, the pair at `index` of those without a place, or, if `other` is this node,
     /// itself: there is no branch, as none could foresee which clusters are merged.
     #[inline(always)]

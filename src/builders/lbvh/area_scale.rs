@@ -27,18 +27,26 @@ pub(crate) struct AreaScale {
 
 impl AreaScale {
     /// Those of a scene with the given box.
-    pub fn of(scene: Aabb) -> Self {
+    fn of(scene: Aabb) -> Self {
         Self { scene: scene.half_area(), scale: scene.half_area() }
+    }
+
+    /// Those of a scene whose keys are in the order of its tree, calibrated or not.
+    pub fn in_order<G: Geometry>(
+        scene: Aabb,
+        keys: &[MortonKey],
+        refs: &PrimRefs<'_, G>,
+        calibration: Option<f32>,
+    ) -> Self {
+        match calibration {
+            Some(parts) => Self::calibrated(scene, keys, refs, parts),
+            None => Self::of(scene),
+        }
     }
 
     /// Those of a scene whose keys are sorted: the scale is `parts` times the median area of parts of the scene, runs of
     /// [`PART`] references along the Morton curve.
-    pub fn calibrated<G: Geometry>(
-        scene: Aabb,
-        keys: &[MortonKey],
-        refs: &PrimRefs<'_, G>,
-        parts: f32,
-    ) -> Self {
+    fn calibrated<G: Geometry>(scene: Aabb, keys: &[MortonKey], refs: &PrimRefs<'_, G>, parts: f32) -> Self {
         let whole = Self::of(scene);
         let count = PARTS.min(keys.len() / PART);
         let area = |i: usize| {

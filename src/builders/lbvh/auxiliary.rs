@@ -20,6 +20,7 @@ use crate::bvh::limits::MIDDLE_DEPTH;
 use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
 use crate::parallel::ordered_append;
+use std::ops::Range;
 
 /// Which subtrees of the auxiliary BVH are leaves beside those of few references: near the leaves nothing is lost
 /// by opening them all at once, where they are small.
@@ -92,33 +93,42 @@ pub(crate) struct Auxiliary {
 impl Auxiliary {
     /// Builds the LBVH of `geometry`.
     pub fn build<G: Geometry>(&mut self, geometry: &G, config: &AuxiliaryConfig) -> Vec<Phase> {
+        self.build_part(geometry, geometry.prims(), config)
+    }
+
+    /// Builds the LBVH of some primitives of `geometry`.
+    pub fn build_part<G: Geometry>(
+        &mut self,
+        geometry: &G,
+        prims: Range<u32>,
+        config: &AuxiliaryConfig,
+    ) -> Vec<Phase> {
         let treelets = std::mem::take(&mut self.treelets);
         let (_, depth) = config.sort();
-        let phases = self.grow(geometry, config, |refs, keys, rule, tree| {
+        let phases = self.grow(geometry, prims, config, |refs, keys, rule, tree| {
             linear(refs, keys, depth, rule, &mut tree.pairs, &treelets)
         });
         self.treelets = treelets;
         phases
     }
 
-    /// Sorts the references of `geometry`, and has `grow` make the tree over one or more of them, of which it returns the root:
+    /// Sorts the references of `prims`, primitives of `geometry`, and has `grow` make the tree over one or more of them, of which it
+    /// returns the root:
     /// leaves are small by the rule, and runs of the keys, which are put into the order of the tree.
     pub fn grow<G: Geometry>(
         &mut self,
         geometry: &G,
+        prims: Range<u32>,
         config: &AuxiliaryConfig,
         grow: impl FnOnce(&PrimRefs<'_, G>, &mut Vec<MortonKey>, LeafRule, &mut BinaryTree) -> Node,
     ) -> Vec<Phase> {
         let mut watch = Stopwatch::start();
         let (bits, _) = config.sort();
-        self.order.sort(geometry, config.presplit.as_ref(), bits, &mut self.tree.pairs, &mut watch);
+        self.order.sort(geometry, prims, config.presplit.as_ref(), bits, &mut self.tree.pairs, &mut watch);
         // Equal codes are partitioned by reordering keys.
         let mut keys = std::mem::take(&mut self.order.keys);
         let refs = self.order.refs(geometry);
-        self.scale = match config.calibration {
-            Some(parts) => AreaScale::calibrated(self.order.bounds(), &keys, &refs, parts),
-            None => AreaScale::of(self.order.bounds()),
-        };
+        self.scale = AreaScale::in_order(self.order.bounds(), &keys, &refs, config.calibration);
         self.tree.root = None;
         if !keys.is_empty() {
             let rule = config.rule(&self.scale);

@@ -8,7 +8,8 @@
 //! 6. [`auxiliary`]: all of it.
 //!
 //! [`direct`] is the builder `lbvh`, which widens the same tree and refines nothing.
-//! [`area_scale`] gives the area that thresholds are relative to; [`prefetch`] fetches triangles ahead.
+//! [`area_scale`] gives the area that thresholds are relative to; [`prefetch`] fetches triangles ahead; `refit` fits the
+//! tree to a mesh that has moved.
 
 pub(crate) mod area_scale;
 pub(crate) mod auxiliary;
@@ -20,6 +21,7 @@ pub(crate) mod key;
 pub(crate) mod morton;
 pub(crate) mod partition;
 pub(crate) mod prefetch;
+mod refit;
 pub(crate) mod sort;
 pub(crate) mod top_tree;
 pub(crate) mod treelet;

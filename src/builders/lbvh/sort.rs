@@ -13,6 +13,7 @@ use crate::memory::huge_pages;
 use crate::parallel;
 use crate::parallel::radix_sort::{self, BUCKET_BITS};
 use std::mem::MaybeUninit;
+use std::ops::Range;
 
 /// What of the codes references are sorted by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,17 +46,19 @@ pub(crate) struct MortonOrder {
 }
 
 impl MortonOrder {
-    /// Sorts primitives by these bits of their codes, needles in pieces where `presplit` says so. The memory of `spare` is used
-    /// meanwhile; its elements are lost.
+    /// Sorts `prims` of a geometry by these bits of their codes, needles in pieces where `presplit` says so, which it does only
+    /// of whole meshes. The memory of `spare` is used meanwhile; its elements are lost.
     pub fn sort<G: Geometry, T>(
         &mut self,
         geometry: &G,
+        prims: Range<u32>,
         presplit: Option<&PresplitConfig>,
         bits: SortBits,
         spare: &mut Vec<T>,
         watch: &mut Stopwatch,
     ) {
-        let mut info = PrimInfo::of(geometry);
+        debug_assert!(presplit.is_none() || prims == geometry.prims());
+        let mut info = PrimInfo::of(geometry, prims.clone());
         watch.lap("bounds");
         self.presplit.clear();
         if let (Some(config), Some(mesh)) = (presplit, geometry.triangles()) {
@@ -65,8 +68,8 @@ impl MortonOrder {
         }
         self.info = Some(info);
         let more: usize = self.presplit.chunks.iter().map(|chunk| chunk.pieces - chunk.needles).sum();
-        let keys = huge_pages::lend(spare, geometry.len() + more);
-        self.encode(geometry, &MortonEncoder::new(info.centers), bits.mask(), keys);
+        let keys = huge_pages::lend(spare, prims.len() + more);
+        self.encode(geometry, prims, &MortonEncoder::new(info.centers), bits.mask(), keys);
         // SAFETY: `encode` has written every key.
         let keys = unsafe { &mut *(std::ptr::from_mut(keys) as *mut [MortonKey]) };
         watch.lap("codes");
@@ -83,18 +86,19 @@ impl MortonOrder {
     fn encode<G: Geometry>(
         &self,
         geometry: &G,
+        prims: Range<u32>,
         encoder: &MortonEncoder,
         mask: u32,
         keys: &mut [MaybeUninit<MortonKey>],
     ) {
-        let (of_triangles, mut of_pieces) = keys.split_at_mut(geometry.len());
+        let (of_triangles, mut of_pieces) = keys.split_at_mut(prims.len());
         let mut tasks = Vec::with_capacity(of_triangles.len().div_ceil(GRAIN));
         let mut piece = 0;
         for (i, of_triangles) in of_triangles.chunks_mut(GRAIN).enumerate() {
             let chunk = self.presplit.chunks.get(i);
             let (pieces, needles) = chunk.map_or((0, 0), |chunk| (chunk.pieces, chunk.needles));
             let (own, others) = of_pieces.split_at_mut(pieces - needles);
-            tasks.push((i * GRAIN, of_triangles, own, piece..piece + pieces));
+            tasks.push((prims.start as usize + i * GRAIN, of_triangles, own, piece..piece + pieces));
             (of_pieces, piece) = (others, piece + pieces);
         }
         assert!(of_pieces.is_empty());

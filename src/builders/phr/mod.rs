@@ -31,5 +31,6 @@ pub(crate) mod watched;
 pub use config::{Extensions, LocalThreshold, PhrConfig};
 pub use extensions::auxiliary_tree::AuxiliaryTree;
 pub use extensions::binned::BinnedSahConfig;
+pub use extensions::merged::MergedPhr;
 pub use pipeline::Phr;
 pub(crate) use pipeline::begin;

@@ -7,13 +7,15 @@ use super::memory::CutMemory;
 use super::recursion::CutRecursion;
 use super::refine::Threshold;
 use crate::builders::binary::subtrees::Subtrees;
-use crate::builders::builder::{Build, Builder, Stopwatch};
+use crate::builders::builder::{Build, Builder, Phase, Stopwatch};
 use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::build;
+use crate::builders::wide::refit::RefitError;
 use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
+use crate::geometry::Mesh;
 use crate::simd::Isa;
 
 /// Builds trees of nodes of up to `N` children by PHR; memory is kept between builds.
@@ -40,6 +42,21 @@ impl<const N: usize, B: LeafBlock> Phr<N, B> {
     }
 }
 
+impl<const N: usize> Phr<N> {
+    /// Builds again over `mesh`, that of the build before with vertices moved: the auxiliary tree is fitted to it and keeps
+    /// its topology, so that nothing is sorted, and its cuts are refined as ever. A tree that has not moved is built as
+    /// before. (The paper, 5.6, leaves animation open.)
+    ///
+    /// # Errors
+    /// A mesh of another number of triangles, and presplit needles ([`AuxiliaryConfig::presplit`]).
+    ///
+    /// [`AuxiliaryConfig::presplit`]: crate::builders::AuxiliaryConfig::presplit
+    pub fn refit(&mut self, mesh: &Mesh) -> Result<Build<N>, RefitError> {
+        let phases = self.memory.auxiliary.refit(mesh, &self.config.extensions.auxiliary)?;
+        Ok(refine(&mut self.memory, mesh, &self.config, self.isa, phases))
+    }
+}
+
 impl<const N: usize, G: Geometry> Builder<N, G> for Phr<N, G::Block> {
     fn name(&self) -> &'static str {
         self.name
@@ -50,23 +67,35 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Phr<N, G::Block> {
     }
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
-        let Self { config, memory: CutMemory { auxiliary, recursion: memory }, isa, .. } = self;
+        let Self { config, memory, isa, .. } = self;
         // Presplit, Morton codes, sort, auxiliary BVH (4.7).
         let extensions = &config.extensions;
-        let mut phases = extensions.auxiliary_tree.build(auxiliary, geometry, &extensions.auxiliary, *isa);
-        let mut watch = Stopwatch::start();
-        // Initial cut (4.1).
-        let (recursion, cut) = begin(auxiliary, geometry, config, *isa);
-        // Split, refine, recurse (4.2 to 4.4), to a wide tree (4.5) in parallel (4.6).
-        let tree = build::build(&recursion, cut, geometry, memory);
-        watch.lap("cuts and nodes");
-        phases.extend(watch.phases);
-        self.memory.finish(tree, phases)
+        let phases =
+            extensions.auxiliary_tree.build(&mut memory.auxiliary, geometry, &extensions.auxiliary, *isa);
+        refine(memory, geometry, config, *isa, phases)
     }
 
     fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
         self.memory.recursion.recycle(tree);
     }
+}
+
+/// Builds from cuts of the auxiliary BVH in `memory`, which took `phases`.
+pub(crate) fn refine<const N: usize, G: Geometry>(
+    memory: &mut CutMemory<N, G::Block>,
+    geometry: &G,
+    config: &PhrConfig,
+    isa: Isa,
+    mut phases: Vec<Phase>,
+) -> Build<N, G::Block> {
+    let mut watch = Stopwatch::start();
+    // Initial cut (4.1).
+    let (recursion, cut) = begin(&memory.auxiliary, geometry, config, isa);
+    // Split, refine, recurse (4.2 to 4.4), to a wide tree (4.5) in parallel (4.6).
+    let tree = build::build(&recursion, cut, geometry, &mut memory.recursion);
+    watch.lap("cuts and nodes");
+    phases.extend(watch.phases);
+    memory.finish(tree, phases)
 }
 
 /// The recursion over a scene, refined by the thresholds of equation 2, and the initial cut that it begins with.

@@ -24,6 +24,11 @@ pub trait Geometry: Sync {
         self.len() == 0
     }
 
+    /// All of them.
+    fn prims(&self) -> Range<u32> {
+        0..self.len() as u32
+    }
+
     /// The box of primitive `prim`.
     fn bounds_of(&self, prim: u32) -> Aabb;
 

@@ -5,6 +5,7 @@ use super::geometry::Geometry;
 use crate::geometry::{Aabb, Mesh};
 use crate::parallel;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// References per task of a parallel pass over all of them.
 pub(crate) const GRAIN: usize = 1 << 13;
@@ -71,12 +72,13 @@ impl PrimInfo {
     /// Of nothing.
     pub const EMPTY: Self = Self { bounds: Aabb::EMPTY, centers: Aabb::EMPTY };
 
-    /// Of all primitives of `geometry`.
-    pub fn of(geometry: &impl Geometry) -> Self {
-        let tasks = geometry.len().div_ceil(GRAIN);
-        let parts = parallel::map((0..tasks).into_par_iter(), |task| {
+    /// Of some primitives of `geometry`.
+    pub fn of(geometry: &impl Geometry, prims: Range<u32>) -> Self {
+        let (first, end) = (prims.start as usize, prims.end as usize);
+        let parts = parallel::map((0..(end - first).div_ceil(GRAIN)).into_par_iter(), |task| {
+            let begin = first + task * GRAIN;
             let (mut bounds, mut centers) = (Aabb::EMPTY, Aabb::EMPTY);
-            geometry.for_each(task * GRAIN..geometry.len().min((task + 1) * GRAIN), |b| {
+            geometry.for_each(begin..end.min(begin + GRAIN), |b| {
                 bounds = bounds.union(b);
                 centers = centers.grow(b.center2());
             });

@@ -7,7 +7,8 @@
 //! * [`binary_source`]: subtrees all of whose binary splits are known, widened at once;
 //! * [`branchless`]: the same for whole LBVH treelets, without a branch that depends on the tree;
 //! * [`optimal`]: the cheapest wide tree over a binary one, by dynamic programming;
-//! * [`foreign`]: trees that were made elsewhere, widened.
+//! * [`foreign`]: trees that were made elsewhere, widened;
+//! * [`refit`]: wide trees fitted to a mesh that has moved.
 
 pub(crate) mod binary_source;
 pub(crate) mod branchless;
@@ -17,5 +18,6 @@ pub(crate) mod memory;
 pub(crate) mod open_largest;
 pub(crate) mod optimal;
 pub(crate) mod parallel;
+pub(crate) mod refit;
 pub(crate) mod top_down;
 pub(crate) mod treelet;

@@ -209,7 +209,8 @@ fn street_lamp(layout: &mut Layout, foot: &Frame) {
     layout.add(Shape::Tube { top: 0.5, closed: false }, &foot.scaled(0.3, 0.8, 0.3), [8.0, 2.0]);
 }
 
-fn car(layout: &mut Layout, frame: &Frame) {
+/// A car, forward along x.
+pub fn car(layout: &mut Layout, frame: &Frame) {
     let body = frame.moved(0.0, 0.55, 0.0);
     layout.add(Shape::Ball, &body.scaled(4.2, 0.8, 1.7), [24.0, 12.0]);
     layout.add(Shape::Ball, &body.moved(-0.2, 0.35, 0.0).scaled(2.4, 1.1, 1.5), [20.0, 12.0]);

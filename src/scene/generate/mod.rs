@@ -1,6 +1,7 @@
 //! Generated scenes: seeded, the same on every platform, with an exact number of triangles.
 
 mod ancient;
+mod animated;
 mod city;
 mod conference;
 mod courtyard;
@@ -14,6 +15,7 @@ mod plant;
 mod sets;
 mod statue;
 
+pub use animated::{Animated, Animation, animated, animated_by_name};
 pub use generated_scene::Generator;
 pub use mixed::{scalable, scalable_name, scalable_triangles};
 pub use sets::{builtin, generator, generators};

@@ -49,7 +49,14 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Aac<N, G::Block> {
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let mut watch = Stopwatch::start();
-        self.order.sort(geometry, None, SortBits::All, self.memory.blocks(geometry.len()), &mut watch);
+        self.order.sort(
+            geometry,
+            geometry.prims(),
+            None,
+            SortBits::All,
+            self.memory.blocks(geometry.len()),
+            &mut watch,
+        );
         let mut keys = std::mem::take(&mut self.order.keys);
         huge_pages::resize(&mut self.tree.pairs, geometry.len().saturating_sub(1), [Node::ZERO; 2]);
         self.tree.root = cluster(&self.config, self.order.refs(geometry), &mut keys, &mut self.tree.pairs);

@@ -57,7 +57,14 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Ploc<N, G::Block> {
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let mut watch = Stopwatch::start();
-        self.order.sort(geometry, None, SortBits::All, self.memory.blocks(geometry.len()), &mut watch);
+        self.order.sort(
+            geometry,
+            geometry.prims(),
+            None,
+            SortBits::All,
+            self.memory.blocks(geometry.len()),
+            &mut watch,
+        );
         let (refs, keys) = (self.order.refs(geometry), &self.order.keys);
         let Self { config, isa, clustering, tree, .. } = self;
         tree.root = clustering.cluster((config.radius, *isa), &refs, keys, &mut tree.pairs);

@@ -44,7 +44,14 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Lbvh<N, G::Block, G::Item> {
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let mut watch = Stopwatch::start();
-        self.order.sort(geometry, None, SortBits::All, self.memory.blocks(geometry.len()), &mut watch);
+        self.order.sort(
+            geometry,
+            geometry.prims(),
+            None,
+            SortBits::All,
+            self.memory.blocks(geometry.len()),
+            &mut watch,
+        );
         let mut keys = std::mem::take(&mut self.order.keys);
         let (tree, pairs) = if keys.is_empty() { Default::default() } else { self.tree(geometry, &mut keys) };
         self.order.keys = keys;

@@ -12,6 +12,7 @@ use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};
 use crate::builders::phr::extensions::binned::{BinnedSahConfig, binned_sah};
 use crate::builders::prims::geometry::Geometry;
 use crate::simd::Isa;
+use std::ops::Range;
 
 /// Which builder makes the auxiliary tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -52,10 +53,21 @@ impl AuxiliaryTree {
         config: &AuxiliaryConfig,
         isa: Isa,
     ) -> Vec<Phase> {
+        self.build_part(auxiliary, (geometry, geometry.prims()), config, isa)
+    }
+
+    /// Builds the auxiliary tree of some primitives of a geometry.
+    pub(crate) fn build_part<G: Geometry>(
+        &self,
+        auxiliary: &mut Auxiliary,
+        (geometry, prims): (&G, Range<u32>),
+        config: &AuxiliaryConfig,
+        isa: Isa,
+    ) -> Vec<Phase> {
         if self.is_lbvh() {
-            return auxiliary.build(geometry, config);
+            return auxiliary.build_part(geometry, prims, config);
         }
-        auxiliary.grow(geometry, config, |refs, keys, rule, tree| {
+        auxiliary.grow(geometry, prims, config, |refs, keys, rule, tree| {
             let mut made = BinaryTree::default();
             let pairs = &mut made.pairs;
             if !matches!(self, Self::Ploc(_)) {

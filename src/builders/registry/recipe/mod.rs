@@ -10,6 +10,7 @@ mod fields;
 pub use error::RecipeError;
 
 use crate::builders::builder::{BoxBuilder, Build, Builder};
+use crate::builders::phr::PhrConfig;
 use crate::builders::registry::{self, Config, make};
 use crate::bvh::WideBvh;
 use crate::geometry::Mesh;
@@ -114,6 +115,15 @@ impl Recipe {
     /// The fields that were changed, each with its value: `null` or `false` turned an extension off, `true` on.
     pub fn changes(&self) -> serde_json::Map<String, Value> {
         self.changes.iter().cloned().collect()
+    }
+
+    /// The configuration of a builder by PHR alone, for [`Phr`](crate::builders::Phr) and
+    /// [`MergedPhr`](crate::builders::MergedPhr); `None` of others.
+    pub fn phr(&self) -> Option<PhrConfig> {
+        match self.config {
+            Config::Phr(config) => Some(config),
+            _ => None,
+        }
     }
 
     /// The builder, of trees of nodes of up to `N` children, 4 or 8.

@@ -11,5 +11,5 @@ pub use frame::{Frame, sin_cos};
 #[cfg(test)]
 pub use layout::count;
 pub use layout::{Layout, draw};
-pub use part::Shape;
+pub use part::{Draft, Shape};
 pub use random::{Random, mix};

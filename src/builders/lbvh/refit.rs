@@ -1,0 +1,115 @@
+//! Refitting the auxiliary BVH to a mesh that has moved: the order of the references and the tree over them stay, boxes and
+//! scales of area are made anew.
+
+use super::area_scale::AreaScale;
+use super::auxiliary::{Auxiliary, AuxiliaryConfig};
+use super::key::reference;
+use super::prefetch;
+use crate::builders::builder::{Phase, Stopwatch};
+use crate::builders::wide::refit::RefitError;
+use crate::geometry::{Aabb, Mesh};
+
+impl Auxiliary {
+    /// Fits the tree to `mesh`, the one it was built over with vertices moved.
+    ///
+    /// # Errors
+    /// A mesh of another number of triangles, and presplit needles.
+    pub fn refit(&mut self, mesh: &Mesh, config: &AuxiliaryConfig) -> Result<Vec<Phase>, RefitError> {
+        let mut watch = Stopwatch::start();
+        let Self { order, tree, scale, .. } = self;
+        let refs = order.refs(mesh);
+        if !refs.fragments.is_empty() {
+            return Err(RefitError::Presplit);
+        }
+        if order.keys.len() != mesh.len() {
+            return Err(RefitError::Triangles { tree: order.keys.len(), mesh: mesh.len() });
+        }
+        tree.refit(|run| {
+            prefetch::ahead(mesh, &order.keys, run.start);
+            order.keys[run].iter().map(|&key| mesh.bounds_of(reference(key))).collect()
+        });
+        let bounds = tree.root.map_or(Aabb::EMPTY, |root| root.bounds());
+        *scale = AreaScale::in_order(bounds, &order.keys, &refs, config.calibration);
+        watch.lap("auxiliary refit");
+        Ok(watch.phases)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builders::lbvh::auxiliary::Clusters;
+    use crate::builders::phr::{AuxiliaryTree, BinnedSahConfig};
+    use crate::builders::prims::presplit::PresplitConfig;
+    use crate::builders::testing;
+    use crate::scene::scalable;
+    use crate::simd::Isa;
+    use glam::Vec3;
+
+    /// The same mesh, each vertex moved by a wave.
+    fn moved(mesh: &Mesh) -> Mesh {
+        let mut moved = mesh.clone();
+        let wave = |&[x, y, z]: &[f32; 3]| [x + 3.0 * (0.4 * y).sin(), y + 2.0 * (0.3 * x).cos(), z * 1.5];
+        moved.move_vertices(&mesh.vertices().iter().map(wave).collect::<Vec<_>>()).unwrap();
+        moved
+    }
+
+    #[test]
+    fn boxes_are_those_of_the_references_below() {
+        let clusters = Some(Clusters { most: 32, area: 1e-3 });
+        let configs = [
+            AuxiliaryConfig::PAPER,
+            AuxiliaryConfig {
+                auxiliary_leaf: Some(4),
+                clusters,
+                calibration: Some(1e3),
+                ..AuxiliaryConfig::PAPER
+            },
+        ];
+        for n in [0, 1, 2, 3000, 30_000] {
+            let mesh = scalable(n, 1).mesh;
+            let moved = moved(&mesh);
+            for (config, tree) in configs.iter().flat_map(|config| {
+                [AuxiliaryTree::Lbvh, AuxiliaryTree::BinnedSah(BinnedSahConfig::DEFAULT)].map(|t| (config, t))
+            }) {
+                let mut auxiliary = Auxiliary::default();
+                tree.build(&mut auxiliary, &mesh, config, Isa::best());
+                let scale = auxiliary.scale;
+                auxiliary.refit(&moved, config).unwrap();
+                let mut pending: Vec<_> = auxiliary.tree.root.into_iter().collect();
+                while let Some(node) = pending.pop() {
+                    let run = auxiliary.tree.run(&node);
+                    let below = auxiliary.order.keys[run].iter();
+                    let bounds: Aabb = below.map(|&key| moved.bounds_of(reference(key))).collect();
+                    assert_eq!(bounds, node.bounds());
+                    if !node.is_leaf() {
+                        pending.extend(auxiliary.tree.children(&node));
+                    }
+                }
+                assert!(n == 0 || auxiliary.scale != scale);
+                auxiliary.refit(&mesh, config).unwrap();
+                assert_eq!(auxiliary.scale, scale, "moved back");
+            }
+        }
+    }
+
+    #[test]
+    fn another_mesh_and_pieces_of_triangles_are_refused() {
+        let mesh = scalable(3000, 1).mesh;
+        let mut auxiliary = Auxiliary::default();
+        auxiliary.build(&mesh, &AuxiliaryConfig::PAPER);
+        let other = scalable(2999, 1).mesh;
+        let refused = auxiliary.refit(&other, &AuxiliaryConfig::PAPER).unwrap_err();
+        assert_eq!(refused, RefitError::Triangles { tree: 3000, mesh: 2999 });
+        let config = AuxiliaryConfig { presplit: Some(PresplitConfig::NEEDLES), ..AuxiliaryConfig::PAPER };
+        let needles = testing::mesh(2000, 1, |i, random| {
+            let at = random.point(0.0, 1000.0);
+            match i {
+                7 => [Vec3::ZERO, Vec3::splat(1000.0), Vec3::new(1e-3, 0.0, 0.0)],
+                _ => [at, at + Vec3::X, at + Vec3::Y],
+            }
+        });
+        auxiliary.build(&needles, &config);
+        assert_eq!(auxiliary.refit(&needles, &config).unwrap_err(), RefitError::Presplit);
+    }
+}

@@ -1,0 +1,139 @@
+//! A static part of a scene and a dynamic one merged (paper, section 6, left open): the auxiliary tree of the static part is
+//! built once, by any of the builders of auxiliary trees, and kept. For each frame only that of the dynamic part is built;
+//! the two become the children of one root, and PHR refines cuts of the whole.
+
+use super::auxiliary_tree::AuxiliaryTree;
+use crate::builders::binary::node::Node;
+use crate::builders::builder::{Build, Phase, Stopwatch};
+use crate::builders::config_error::ConfigError;
+use crate::builders::lbvh::area_scale::AreaScale;
+use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};
+use crate::builders::phr::config::{Extensions, PhrConfig};
+use crate::builders::phr::memory::CutMemory;
+use crate::builders::phr::pipeline::refine;
+use crate::builders::wide::refit::RefitError;
+use crate::bvh::WideBvh;
+use crate::geometry::{Aabb, Mesh};
+use crate::memory::huge_pages;
+use crate::simd::Isa;
+
+/// Builds trees of nodes of up to `N` children over scenes whose first triangles never move.
+///
+/// ```
+/// use phr::builders::{AuxiliaryTree, MergedPhr, PhrConfig};
+///
+/// let mesh = phr::scene::scalable(20_000, 1).mesh;
+/// let mut builder = MergedPhr::<8>::new(PhrConfig::SPEED)?;
+/// builder.keep(&mesh, 15_000, AuxiliaryTree::Lbvh)?;   // once
+/// let build = builder.build(&mesh)?;                   // in each frame
+/// assert_eq!(build.tree.validate(&mesh), Ok(()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct MergedPhr<const N: usize> {
+    config: PhrConfig,
+    /// Its auxiliary tree begins with the static part's, that of the last frame's dynamic part follows.
+    memory: CutMemory<N>,
+    dynamic: Auxiliary,
+    kept: Kept,
+    isa: Isa,
+}
+
+/// The static part.
+#[derive(Clone, Copy, Default)]
+struct Kept {
+    triangles: usize,
+    pairs: usize,
+    root: Option<Node>,
+}
+
+impl<const N: usize> MergedPhr<N> {
+    /// A builder with parameters of PHR; needles are not presplit.
+    ///
+    /// # Errors
+    /// A parameter out of range.
+    pub fn new(config: PhrConfig) -> Result<Self, ConfigError> {
+        config.check()?;
+        let auxiliary = AuxiliaryConfig { presplit: None, ..config.extensions.auxiliary };
+        Ok(Self {
+            config: PhrConfig { extensions: Extensions { auxiliary, ..config.extensions }, ..config },
+            memory: CutMemory::default(),
+            dynamic: Auxiliary::default(),
+            kept: Kept::default(),
+            isa: Isa::best(),
+        })
+    }
+
+    /// Builds the auxiliary tree of the static part, the first `triangles` of `mesh`, by `tree`, and keeps it.
+    ///
+    /// # Errors
+    /// A mesh of fewer triangles.
+    pub fn keep(
+        &mut self,
+        mesh: &Mesh,
+        triangles: usize,
+        tree: AuxiliaryTree,
+    ) -> Result<Vec<Phase>, RefitError> {
+        if triangles > mesh.len() {
+            return Err(RefitError::Triangles { tree: triangles, mesh: mesh.len() });
+        }
+        let auxiliary = &mut self.memory.auxiliary;
+        let config = &self.config.extensions.auxiliary;
+        let phases = tree.build_part(auxiliary, (mesh, 0..triangles as u32), config, self.isa);
+        if triangles == 0 {
+            auxiliary.tree.pairs.clear();
+        }
+        self.kept = Kept { triangles, pairs: auxiliary.tree.pairs.len(), root: auxiliary.tree.root };
+        Ok(phases)
+    }
+
+    /// Builds the tree over `mesh`, the triangles of which after those of the static part have moved, are others, or are
+    /// more or fewer.
+    ///
+    /// # Errors
+    /// A mesh of fewer triangles than the static part.
+    pub fn build(&mut self, mesh: &Mesh) -> Result<Build<N>, RefitError> {
+        if self.kept.triangles > mesh.len() {
+            return Err(RefitError::Triangles { tree: self.kept.triangles, mesh: mesh.len() });
+        }
+        let Extensions { auxiliary_tree, auxiliary, .. } = &self.config.extensions;
+        let moving = self.kept.triangles as u32..mesh.len() as u32;
+        let mut phases = auxiliary_tree.build_part(&mut self.dynamic, (mesh, moving), auxiliary, self.isa);
+        let mut watch = Stopwatch::start();
+        self.merge(mesh);
+        watch.lap("merge");
+        phases.extend(watch.phases);
+        Ok(refine(&mut self.memory, mesh, &self.config, self.isa, phases))
+    }
+
+    /// Gives back a tree that is no longer needed, so that the next one is built in its memory.
+    pub fn recycle(&mut self, tree: WideBvh<N>) {
+        self.memory.recursion.recycle(tree);
+    }
+
+    /// Puts the dynamic part's references and pairs behind the static part's, and a root above both.
+    fn merge(&mut self, mesh: &Mesh) {
+        let Kept { triangles, pairs, root } = self.kept;
+        let Auxiliary { order, tree, scale, .. } = &mut self.memory.auxiliary;
+        order.keys.truncate(triangles);
+        huge_pages::reserve(&mut order.keys, mesh.len());
+        order.keys.extend_from_slice(&self.dynamic.order.keys);
+        tree.pairs.truncate(pairs);
+        let added: &[[Node; 2]] = match self.dynamic.tree.root {
+            Some(_) => &self.dynamic.tree.pairs,
+            None => &[],
+        };
+        huge_pages::reserve(&mut tree.pairs, pairs + added.len() + 1);
+        let appended = |node: Node| node.appended(pairs as u32, triangles as u32);
+        tree.pairs.extend(added.iter().map(|pair| pair.map(appended)));
+        tree.root = match (root, self.dynamic.tree.root.map(appended)) {
+            (Some(root), Some(other)) => {
+                tree.pairs.push([root, other]);
+                Some(Node::inner(&[root, other], tree.pairs.len() - 1))
+            }
+            (one, None) | (None, one) => one,
+        };
+        let bounds = tree.root.map_or(Aabb::EMPTY, |root| root.bounds());
+        let calibration = self.config.extensions.auxiliary.calibration;
+        *scale = AreaScale::in_order(bounds, &order.keys, &order.refs(mesh), calibration);
+    }
+}

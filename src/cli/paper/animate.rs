@@ -1,0 +1,189 @@
+//! `phr animate`: trees that follow a moving scene.
+
+use super::arguments::FINDINGS;
+use crate::bench::cell::Kernel;
+use crate::bench::contender;
+use crate::bench::files::{new_folder, write_whole};
+use crate::bench::settings::Settings;
+use crate::cli::failure::Failure;
+use crate::cli::options::{all_threads, pools};
+use crate::cli::output::say;
+use crate::cli::verbs::plot::{check, draw};
+use crate::experiments::animation::{
+    self, ANIMATION, AnimationSettings, FrameRow, entrants, measure, records,
+};
+use crate::geometry::Mesh;
+use crate::report::plot::Drawing;
+use crate::scene::{Animated, animated, animated_by_name};
+use indicatif::ProgressBar;
+use std::io::IsTerminal;
+use std::path::PathBuf;
+
+/// Let trees follow generated scenes that move: built again, refitted, or refined again, beside Embree's
+///
+/// In each frame every contestant brings its tree up to date and traces the frame's rays, every answer verified: each builder
+/// as `rebuild` and `refit` (of its wide tree), PHR also as `refine` (its auxiliary tree refitted, its cuts refined again)
+/// and, where a part of the scene is static, as `merge` and `merge-sah` (that part's auxiliary tree kept); Embree's Morton and
+/// SAH builders as `rebuild`, its SAH tree as `refit`. Scenes: wrung, burst, parade [default: all].
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Names of moving scenes
+    scenes: Vec<String>,
+    /// Builder of ours (repeatable) [default: lbvh, phr-fast, phr-speed]
+    #[arg(long = "builder", value_name = "NAME")]
+    builders: Vec<String>,
+    /// Frames of each scene
+    #[arg(long, default_value_t = 100, value_name = "N")]
+    frames: u32,
+    /// Triangles of each scene [default: 200,000 or more]
+    #[arg(long, value_name = "N")]
+    triangles: Option<usize>,
+    /// Children per node: 4 or 8
+    #[arg(long, default_value_t = 4, value_name = "N")]
+    width: u32,
+    /// What traces all trees: embree-grafted or phr [default: embree-grafted where this program has it]
+    #[arg(long, value_name = "KERNEL")]
+    kernel: Option<String>,
+    /// Views, at most
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    views: usize,
+    /// Pixels across and down
+    #[arg(long, default_value_t = 160, value_name = "PIXELS")]
+    size: u32,
+    /// Updates and traces of each contestant in each frame
+    #[arg(long, default_value_t = 3, value_name = "N")]
+    rounds: usize,
+    /// Threads for each side [default: all processors]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Seed of the paths
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u64,
+    /// Folder of the results
+    #[arg(long, default_value = "results/animation", value_name = "DIR")]
+    out: PathBuf,
+    /// Measure nothing: draw and tell again from the CSV in the folder
+    #[arg(long)]
+    redraw: bool,
+    /// Measure and draw nothing; fail if the SVG file in the folder is not that of the CSV
+    #[arg(long)]
+    check: bool,
+}
+
+/// Builders of ours unless others are named.
+const BUILDERS: [&str; 3] = ["lbvh", "phr-fast", "phr-speed"];
+/// Most frames.
+const MOST_FRAMES: u32 = 1 << 14;
+
+/// Runs the verb.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let rows = match arguments.redraw || arguments.check {
+        true => records::read(&arguments.out)?,
+        false => measured(arguments)?,
+    };
+    let svg = animation::draw(&rows).unwrap_or_default();
+    let drawings = [Drawing { name: "animation", svg }];
+    if arguments.check {
+        return check(&drawings, &arguments.out);
+    }
+    let text = animation::findings(&rows);
+    write_whole(&arguments.out.join(FINDINGS), text.as_bytes())?;
+    say(&text)?;
+    if !drawings[0].svg.is_empty() {
+        let files = draw(&drawings, &arguments.out)?;
+        say(&files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join("\n"))?;
+    }
+    match rows.iter().filter(|row| !row.verified).count() {
+        0 => Ok(()),
+        failed => Err(Failure::Wrong(format!(
+            "{failed} contestants failed or have wrong hits, see `error` in {ANIMATION}"
+        ))),
+    }
+}
+
+/// Measures all scenes; the rows so far are written after each.
+fn measured(arguments: &Arguments) -> Result<Vec<FrameRow>, Failure> {
+    let scenes = scenes(arguments)?;
+    let trace = trace(arguments)?;
+    let kernel = kernel(arguments)?;
+    let pools = pools(trace.threads)?;
+    let own = || BUILDERS.map(String::from).into();
+    let builders: Vec<String> =
+        if arguments.builders.is_empty() { own() } else { arguments.builders.clone() };
+    // Refused before anything is measured or written.
+    entrants(&builders, true).map_err(Failure::Bad)?;
+    new_folder(&arguments.out)?;
+    let mut rows = Vec::new();
+    for animated in scenes {
+        let triangles = arguments.triangles.unwrap_or(animated.triangles);
+        let animation = pools.all.install(|| animated.generate(triangles));
+        let settings = AnimationSettings {
+            entrants: entrants(&builders, animation.has_static_part()).map_err(Failure::Bad)?,
+            frames: arguments.frames,
+            rounds: arguments.rounds,
+            width: arguments.width,
+            kernel,
+            trace: trace.clone(),
+        };
+        let bar = match std::io::stderr().is_terminal() {
+            true => ProgressBar::new(arguments.frames.into()),
+            false => ProgressBar::hidden(),
+        };
+        let progress = &mut |frame: u32| bar.set_position(frame.into());
+        rows.extend(measure(&animation, &settings, &pools, progress).map_err(Failure::Wrong)?);
+        bar.finish_and_clear();
+        records::write(&arguments.out.join(ANIMATION), &rows)?;
+    }
+    Ok(rows)
+}
+
+fn scenes(arguments: &Arguments) -> Result<Vec<&'static Animated>, Failure> {
+    let known = || animated().iter().map(|scene| scene.name).collect::<Vec<_>>().join(", ");
+    let find = |name: &String| {
+        animated_by_name(name)
+            .ok_or_else(|| Failure::Bad(format!("no moving scene is called {name}; there are {}", known())))
+    };
+    let (least, most) = (Animated::LEAST, Mesh::MAX_TRIANGLES);
+    if let Some(triangles) = arguments.triangles.filter(|count| !(least..=most).contains(count)) {
+        return Err(Failure::Bad(format!("--triangles {triangles}: give {least} to {most}")));
+    }
+    if arguments.scenes.is_empty() {
+        return Ok(animated().iter().collect());
+    }
+    arguments.scenes.iter().map(find).collect()
+}
+
+fn trace(arguments: &Arguments) -> Result<Settings, Failure> {
+    if !(1..=MOST_FRAMES).contains(&arguments.frames) {
+        return Err(Failure::Bad(format!("--frames {}: give 1 to {MOST_FRAMES}", arguments.frames)));
+    }
+    if ![4, 8].contains(&arguments.width) {
+        return Err(Failure::Bad(format!("--width {}: give 4 or 8", arguments.width)));
+    }
+    let settings = Settings {
+        width: arguments.size,
+        height: arguments.size,
+        views: arguments.views,
+        max_depth: 8,
+        rounds: arguments.rounds,
+        seconds: 0,
+        until_permille: 0,
+        limit: 0,
+        threads: arguments.threads.unwrap_or_else(all_threads),
+        seed: arguments.seed,
+        build_only: false,
+        one_thread: false,
+        frames: false,
+    };
+    settings.check()?;
+    Ok(settings)
+}
+
+fn kernel(arguments: &Arguments) -> Result<Kernel, Failure> {
+    let known = contender::kernels_of_ours();
+    let Some(name) = &arguments.kernel else { return Ok(known[0]) };
+    Kernel::by_name(name).filter(|kernel| known.contains(kernel)).ok_or_else(|| {
+        let known = known.iter().map(|kernel| kernel.name()).collect::<Vec<_>>().join(" or ");
+        Failure::Bad(format!("--kernel {name}: give {known}"))
+    })
+}

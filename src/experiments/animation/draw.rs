@@ -1,0 +1,167 @@
+//! Draws an animation: for each scene the time of all frames so far, relative to one contestant's, that of each frame, and
+//! the steps of a ray.
+
+use super::compared::{Track, rebuilt, smoothed, tracks};
+use super::entrant::{Entrant, Update};
+use super::records::FrameRow;
+use crate::bench::cell::place;
+use crate::report::figures::scenes_of;
+use crate::report::plot::chart::{Across, Front, INK, Line, Panel, Point, Range, SMALL, sheet};
+use crate::report::plot::labels::Rect;
+use crate::report::plot::raster::text_width;
+use crate::report::plot::svg::{Anchor, Shape};
+
+/// The line of a contestant: a colour by its builder, after Okabe and Ito, and dashes by how it follows.
+fn line(entrant: &Entrant) -> Line {
+    let colour = match entrant.builder.as_str() {
+        "lbvh" => "#000000",
+        "embree-morton" => "#56b4e9",
+        "embree-sah" => "#0072b2",
+        "phr-fast" => "#d55e00",
+        "phr-turbo" => "#e69f00",
+        "phr-speed" => "#cc79a7",
+        "phr-quality" | "phr-hq" => "#009e73",
+        _ => "#7f7f7f",
+    };
+    let (width, more) = match entrant.update {
+        Update::Rebuild => (2.0, ""),
+        Update::Refit => (2.0, " stroke-dasharray=\"2 3\""),
+        Update::Refine => (2.0, " stroke-dasharray=\"9 4\""),
+        Update::Merge => (2.0, " stroke-dasharray=\"9 3 2 3\""),
+        Update::MergeSah => (2.0, " stroke-dasharray=\"9 3 2 3 2 3\""),
+    };
+    Line { colour, width, more }
+}
+
+/// The figure; `None` without a contestant that came to the end of a scene.
+pub fn draw(rows: &[FrameRow]) -> Option<String> {
+    let scenes = scenes_of(rows.iter().map(|row| &row.scene));
+    let scenes: Vec<(String, Vec<Track<'_>>)> = scenes
+        .into_iter()
+        .map(|scene| {
+            let tracks = tracks(rows, &scene);
+            (scene, tracks)
+        })
+        .filter(|(_, tracks)| !tracks.is_empty())
+        .collect();
+    let first = scenes.first()?.1[0].rows[0];
+    let mut entrants: Vec<&Entrant> = Vec::new();
+    for track in scenes.iter().flat_map(|(_, tracks)| tracks) {
+        if !entrants.contains(&&track.entrant) {
+            entrants.push(&track.entrant);
+        }
+    }
+    entrants.sort_by_key(|entrant| place(&entrant.builder));
+    let (inside, pitch, left) = ((500.0, 330.0), (580.0, 420.0), 80.0);
+    let wide = left + 3.0 * pitch.0 - 60.0;
+    let places = key(&entrants, wide);
+    let top = places.last().map_or(78.0, |(_, y)| *y) + 62.0;
+    let about = format!(
+        "build + trace, {}-wide trees, {} threads, about {} thousand rays a frame, traces under {}; left: all frames so far, \
+         relative to the tree named there; middle: each frame, medians of five; right: node visits and block tests under our kernel",
+        first.width,
+        first.threads,
+        (first.rays as f64 / 1e3).round(),
+        first.kernel
+    );
+    let size = (wide, top + scenes.len() as f64 * pitch.1 + 10.0);
+    let mut svg = sheet(size, "Trees that follow a moving scene", &[&about]);
+    for (entrant, (x, y)) in entrants.iter().zip(&places) {
+        let Line { colour, width, more } = line(entrant);
+        svg.line(&[(*x, *y), (x + 40.0, *y)], colour, width, more);
+        svg.text((x + 46.0, y + 4.5), Anchor::Start, SMALL, INK, &entrant.name(), "");
+    }
+    for (index, (scene, tracks)) in scenes.iter().enumerate() {
+        for (column, panel) in panels(scene, tracks, index + 1 == scenes.len()).into_iter().enumerate() {
+            let (x, y) = (left + column as f64 * pitch.0, top + index as f64 * pitch.1);
+            panel.draw(&mut svg, Rect { x, y, width: inside.0, height: inside.1 });
+        }
+    }
+    Some(svg.finish())
+}
+
+/// Where the lines of the key begin.
+fn key(entrants: &[&Entrant], wide: f64) -> Vec<(f64, f64)> {
+    let (mut x, mut y) = (26.0, 78.0);
+    let mut places = Vec::new();
+    for entrant in entrants {
+        let width = 72.0 + text_width(&entrant.name(), SMALL);
+        if x + width > wide - 20.0 {
+            (x, y) = (26.0, y + 20.0);
+        }
+        places.push((x, y));
+        x += width;
+    }
+    places
+}
+
+/// The panels of a scene.
+fn panels(scene: &str, tracks: &[Track<'_>], is_last: bool) -> [Panel; 3] {
+    let sah = Entrant { builder: "embree-sah".into(), update: Update::Rebuild };
+    let base = rebuilt(tracks, &sah).unwrap_or(&tracks[0]);
+    let so_far = base.cumulated(None);
+    let relative = |track: &Track<'_>| -> Vec<f64> {
+        track.cumulated(None).iter().zip(&so_far).map(|(sum, base)| sum / base).collect()
+    };
+    let triangles = (base.rows[0].triangles as f64 / 1000.0).round();
+    let across = if is_last { "frame" } else { "" };
+    let panel = |title: String, up: String, values: &dyn Fn(&Track<'_>) -> Vec<f64>, begin: f64| {
+        let (mut fronts, mut points) = (Vec::new(), Vec::new());
+        let mut range = Range { x: (0.0, 1.0), y: (begin, begin) };
+        for track in tracks {
+            let line = line(&track.entrant);
+            let through: Vec<(f64, f64)> =
+                values(track).into_iter().enumerate().map(|(i, value)| (i as f64, value)).collect();
+            for &(x, y) in &through {
+                range.x.1 = range.x.1.max(x);
+                range.y = (range.y.0.min(y), range.y.1.max(y));
+            }
+            // A single frame has no line.
+            if let [at] = through[..] {
+                let (shape, colour) = (Shape::Circle, line.colour);
+                points.push(Point { at, shape, colour, is_hollow: false, label: None, interval: None });
+            }
+            fronts.push(Front { through, line });
+        }
+        range.y = (range.y.0 / 1.04, range.y.1 * 1.04);
+        Panel { title, axes: (across.into(), up), range, across: Across::Linear, fronts, points, font: 12.0 }
+    };
+    let of_frame = |track: &Track<'_>| smoothed(&track.totals(None));
+    let least = of_frame(base).first().copied().unwrap_or(1.0);
+    let steps = base.steps().first().copied().unwrap_or(1.0);
+    [
+        panel(
+            format!("{scene}, {triangles} k triangles: all frames so far"),
+            format!("time relative to {}", base.entrant.name()),
+            &relative,
+            1.0,
+        ),
+        panel(format!("{scene}: each frame"), "build + trace, ms".into(), &of_frame, least),
+        panel(format!("{scene}: steps of a ray"), "steps".into(), &|track| track.steps(), steps),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::compared::tests::rows;
+    use super::*;
+
+    #[test]
+    fn every_contestant_has_its_line() {
+        let all = [
+            rows("lbvh", Update::Rebuild, &[(8.0, 10.0); 9]),
+            rows("lbvh", Update::Refit, &[(1.0, 10.0); 9]),
+            rows("phr-speed", Update::Refine, &[(5.0, 9.0); 9]),
+        ]
+        .concat();
+        let svg = draw(&all).unwrap();
+        assert_eq!(draw(&all), Some(svg.clone()));
+        for name in
+            ["lbvh, rebuild", "lbvh, refit", "phr-speed, refine", "s, 1 k triangles", "relative to lbvh"]
+        {
+            assert!(svg.contains(name), "{name}: {svg}");
+        }
+        assert!(draw(&rows("lbvh", Update::Refit, &[(1.0, 2.0)])).is_some(), "one frame");
+        assert!(draw(&[]).is_none());
+    }
+}
