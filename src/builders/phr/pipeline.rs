@@ -40,6 +40,11 @@ impl<const N: usize, B: LeafBlock> Phr<N, B> {
         config.check()?;
         Ok(Self { name, config, memory: CutMemory::default(), isa })
     }
+
+    /// Gives back a tree that is no longer needed, so that the next one is built in its memory.
+    pub fn recycle(&mut self, tree: WideBvh<N, B>) {
+        self.memory.recursion.recycle(tree);
+    }
 }
 
 impl<const N: usize> Phr<N> {
@@ -76,7 +81,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Phr<N, G::Block> {
     }
 
     fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
-        self.memory.recursion.recycle(tree);
+        self.recycle(tree);
     }
 }
 

@@ -65,7 +65,7 @@ impl<const N: usize> Ours<N> {
         // Memory that is given back costs nothing.
         match (&mut self.way, last) {
             (Way::Rebuild(builder), Some(tree)) => builder.recycle(tree),
-            (Way::Refine(builder), Some(tree)) => Builder::<N>::recycle(builder, tree),
+            (Way::Refine(builder), Some(tree)) => builder.recycle(tree),
             (Way::Merge { builder, .. }, Some(tree)) => builder.recycle(tree),
             (Way::Refit(_), last) => self.tree = last,
             (_, None) => {}
