@@ -2,12 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-/// The file of what was found in a results folder.
-pub const FINDINGS: &str = "findings.md";
-
 /// Make one of the paper's experiments: measure, draw, and tell what was found
 ///
-/// Builders that differ in one thing, built and traced as by `phr bench`: spatial-splits (5.3), grid (5.4: alpha and delta),
+/// Builders built and traced as by `phr bench`: the paper's methods in construction-speed (5.1) and trace-speed (5.2), or
+/// such as differ in one thing: spatial-splits (5.3), grid (5.4: alpha and delta),
 /// cost-counts (4.2), constant-cut (4.3), presplitting (5.3), bucket-sort (4.7), auxiliary-trees (5.5). Within a build:
 /// cut-size (Figure 4), split (Figures 3 and 5; one scene). Without scenes, the built-in generated set is used.
 #[derive(Debug, clap::Args)]
@@ -49,6 +47,9 @@ pub struct Arguments {
     /// Remove the results of an earlier run in the folder
     #[arg(long, conflicts_with = "resume")]
     pub replace: bool,
+    /// Measure nothing: take the rows of this results folder, of `phr bench` for instance
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["resume", "replace", "scenes"])]
+    pub rows: Option<PathBuf>,
     /// List what would be run
     #[arg(long)]
     pub list: bool,
@@ -68,6 +69,6 @@ impl Arguments {
 
     /// Whether nothing is to be measured.
     pub fn only_reads(&self) -> bool {
-        self.redraw || self.check
+        self.redraw || self.check || self.rows.is_some()
     }
 }

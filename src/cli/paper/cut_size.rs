@@ -1,6 +1,6 @@
 //! `phr experiment cut-size`: Figure 4 of the paper.
 
-use super::arguments::{Arguments, FINDINGS};
+use super::arguments::Arguments;
 use crate::bench::files::new_folder;
 use crate::bench::files::{read_csv_file, write_csv, write_whole};
 use crate::bench::planned_scene::PlannedScene;
@@ -10,6 +10,7 @@ use crate::cli::output::say;
 use crate::cli::verbs::plot::{check, draw};
 use crate::experiments::cut_size::{self, BUILDERS, CUT_SIZES, CutSizeRow};
 use crate::report::plot::Drawing;
+use crate::report::readme::findings::FINDINGS;
 use crate::scene;
 
 /// Name of the experiment.

@@ -1,9 +1,9 @@
 //! `phr experiment`: the paper's experiments, and the figures that look into a build.
 
-use super::arguments::{Arguments, FINDINGS};
+use super::arguments::Arguments;
 use super::{cut_size, split};
 use crate::bench::chosen::Chosen;
-use crate::bench::files::write_whole;
+use crate::bench::files::{new_folder, write_whole};
 use crate::bench::plan::{Plan, Request, Set};
 use crate::bench::recorder::RecordOptions;
 use crate::bench::row;
@@ -15,6 +15,7 @@ use crate::cli::output::say;
 use crate::cli::progress::Bar;
 use crate::cli::verbs::plot::{check, draw};
 use crate::experiments::contest::{self, EXPERIMENTS, Experiment};
+use crate::report::readme::findings::FINDINGS;
 use std::path::Path;
 
 /// Runs the verb.
@@ -36,7 +37,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let folder = arguments.folder();
     if arguments.only_reads() {
-        return tell(experiment, arguments, &row::read(&folder)?, &folder);
+        let rows = row::read(arguments.rows.as_deref().unwrap_or(&folder))?;
+        if !arguments.check {
+            new_folder(&folder)?;
+        }
+        return tell(experiment, arguments, &rows, &folder);
     }
     let plan = Plan::new(&request(experiment, arguments)?)?;
     if arguments.list {

@@ -6,6 +6,8 @@ use super::grid;
 use crate::bench::row::Row;
 use crate::report::ablation::Ablation;
 use crate::report::figures::{Figure, Under, scenes, tree_name};
+use crate::report::grid::Grid;
+use crate::report::readme::findings::EVERY_SCENE;
 
 /// The paragraph of an experiment over trees of `width`, and a table of every scene.
 pub fn findings(experiment: &Experiment, rows: &[Row], width: u32) -> String {
@@ -20,54 +22,56 @@ pub fn findings(experiment: &Experiment, rows: &[Row], width: u32) -> String {
         experiment.about,
         if count == 1 { "scene" } else { "scenes" },
     );
-    for comparison in &comparisons {
-        if let Some(compared) = Compared::of(comparison, rows, width, &under) {
-            text += &sentence(&compared);
-        }
-    }
     if !caveat.is_empty() {
         text += &format!(" {caveat}");
     }
     text += &format!(" Traces: {}.\n\n", under.about());
+    let compared: Vec<Compared<'_>> =
+        comparisons.iter().filter_map(|comparison| Compared::of(comparison, rows, width, &under)).collect();
+    text += &(means(&compared) + "\n" + &claims(&compared));
     if name == &"grid" {
         text += &format!("{}\n", grid::findings(rows, width, &under));
     }
-    text + &failures(rows) + &tables(&comparisons, rows, width)
+    text + &failures(rows) + &format!("{EVERY_SCENE}\n\n") + &tables(&comparisons, rows, width)
 }
 
-/// The means of a comparison, its worst and best scene, and what becomes of the expectations.
-fn sentence(compared: &Compared<'_>) -> String {
-    let Comparison { changed, base, expected } = compared.comparison;
-    let means = FIGURES
-        .iter()
-        .zip(&compared.ratios)
-        .filter_map(|((name, _), ratios)| Some(format!("{name} {}", Mean::of(ratios)?.shown())));
-    let mut text = format!(" {changed} relative to {base}: {}", means.collect::<Vec<_>>().join(", "));
-    let traces = compared.of_figure(Figure::Trace);
-    if let (Some(least), Some(most), true) = (traces.least(), traces.worst(), traces.0.len() > 1) {
+/// The means of every comparison, and in how many scenes traces are slower.
+fn means(compared: &[Compared<'_>]) -> String {
+    let names = FIGURES.iter().map(|(name, _)| *name);
+    let mut grid =
+        Grid::new(["builder", "relative to"].into_iter().chain(names).chain(["trace, by scene", "slower"]));
+    for one in compared {
+        let Comparison { changed, base, .. } = one.comparison;
+        let figures =
+            one.ratios.iter().map(|ratios| Mean::of(ratios).map_or_else(String::new, |m| m.shown()));
+        let traces = one.of_figure(Figure::Trace);
+        let range = traces.least().zip(traces.worst()).map_or_else(String::new, |(least, most)| {
+            format!("{:.2} {} to {:.2} {}", least.value, least.scene, most.value, most.scene)
+        });
         let slower = traces.0.iter().filter(|ratio| ratio.value > 1.0).count();
-        text += &format!(
-            " (from {:.2} in {} to {:.2} in {}; slower in {slower} of {})",
-            least.value,
-            least.scene,
-            most.value,
-            most.scene,
-            traces.0.len()
-        );
+        let last = [range, format!("{slower} of {}", traces.0.len())];
+        grid.push([changed.clone(), base.clone()].into_iter().chain(figures).chain(last).collect());
     }
-    for expectation in expected {
-        let ratios = compared.of_figure(expectation.figure);
-        let (told, mean) = match expectation.scenes {
-            [] => (String::new(), Mean::of(ratios)),
-            scenes => {
-                let mean = Mean::in_scenes(ratios, scenes);
-                (mean.map_or_else(String::new, |mean| format!(" ({})", mean.shown())), mean)
-            }
-        };
-        let verdict = mean.map_or("was not measured", |mean| mean.verdict(expectation.range));
-        text += &format!("; that {} {verdict}{told}", expectation.says);
+    grid.markdown()
+}
+
+/// What the paper leads to expect, and what becomes of it; nothing where it does not say.
+fn claims(compared: &[Compared<'_>]) -> String {
+    let mut grid = Grid::new(["that", "builder", "relative to", "ours", ""]);
+    for one in compared {
+        let Comparison { changed, base, expected } = one.comparison;
+        for expectation in expected {
+            let ratios = one.of_figure(expectation.figure);
+            let mean = match expectation.scenes {
+                [] => Mean::of(ratios),
+                scenes => Mean::in_scenes(ratios, scenes),
+            };
+            let verdict = mean.map_or("was not measured", |mean| mean.verdict(expectation.range));
+            let shown = mean.map_or_else(String::new, |mean| mean.shown());
+            grid.push(vec![expectation.says.into(), changed.clone(), base.clone(), shown, verdict.into()]);
+        }
     }
-    text + "."
+    if grid.is_empty() { String::new() } else { grid.markdown() + "\n" }
 }
 
 /// Rows without figures, so that none is missed.

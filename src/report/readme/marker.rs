@@ -1,6 +1,7 @@
 //! A marker in a page, and what it stands for: kinds, words, options, and the text made from the rows.
 
 use super::error::ReadmeError;
+use super::findings::findings;
 use crate::bench::environment::{Environment, State};
 use crate::bench::results_dir;
 use crate::bench::row::{self, Row};
@@ -22,7 +23,7 @@ use crate::report::{self, targets};
 use std::path::Path;
 
 /// The kinds of markers, each with the words that follow; `...` stands for more of the last.
-pub(super) const KINDS: [(&str, &str); 18] = [
+pub(super) const KINDS: [(&str, &str); 19] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
@@ -40,10 +41,11 @@ pub(super) const KINDS: [(&str, &str); 18] = [
     ("ablation", "RESULTS BASE BUILDER..."),
     ("kernels", "RESULTS"),
     ("scaling", "RESULTS"),
+    ("findings", "EXPERIMENT"),
     ("advice", "RESULTS..."),
 ];
 /// Kinds with fixed kernels, which take no `--kernel`.
-const OF_FIXED_KERNELS: [&str; 10] = [
+const OF_FIXED_KERNELS: [&str; 11] = [
     "targets",
     "bars",
     "growth",
@@ -53,6 +55,7 @@ const OF_FIXED_KERNELS: [&str; 10] = [
     "assertions",
     "kernels",
     "scaling",
+    "findings",
     "advice",
 ];
 /// The kind that takes `--withheld RESULTS`.
@@ -129,6 +132,8 @@ impl<'a> Marker<'a> {
                 let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
                 Ok(report::scaling::page(&rows))
             }
+            "findings" => findings(&folder.join(self.words[0]))
+                .map_err(|source| ReadmeError::Records { line: self.line, source }),
             "advice" => self.advice(folder),
             "constants" => constants(&folder.join(self.words[0])).map_err(|reason| self.wrong(reason)),
             _ => self.of_one_run(folder),

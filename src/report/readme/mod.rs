@@ -2,6 +2,7 @@
 //! whether it still agrees with them. `results/README.md` describes the markers.
 
 mod error;
+pub mod findings;
 mod marker;
 
 pub use error::ReadmeError;
