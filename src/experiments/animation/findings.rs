@@ -15,7 +15,7 @@ const RAYS: [(Option<f64>, &str); 3] =
 pub fn findings(rows: &[FrameRow]) -> String {
     let scenes = scenes_of(rows.iter().map(|row| &row.scene));
     let told: Vec<String> = scenes.iter().map(|scene| of_scene(rows, scene)).collect();
-    told.join("\n")
+    format!("# animation\n\n{}", told.join("\n"))
 }
 
 fn of_scene(rows: &[FrameRow], scene: &str) -> String {
@@ -26,7 +26,7 @@ fn of_scene(rows: &[FrameRow], scene: &str) -> String {
         .collect();
     let Some(first) = tracks.first().map(|track| track.rows[0]) else { return failed };
     let mut text = format!(
-        "# {scene}\n\n{} triangles, {} of which never move; {} frames of about {} rays ({} x {} pixels, {}), {}-wide trees, {} \
+        "## {scene}\n\n{} triangles, {} of which never move; {} frames of about {} rays ({} x {} pixels, {}), {}-wide trees, {} \
          threads, traces under {}, medians of {} rounds; every answer of every frame verified. Means over the frames after \
          the first, in which every tree is built.\n\n",
         first.triangles,
@@ -182,6 +182,6 @@ mod tests {
         let mut rows = rows("lbvh", Update::Refit, &[(1.0, 1.0)]);
         rows[0].error = "wrong hits: all".into();
         rows[0].verified = false;
-        assert_eq!(findings(&rows), "lbvh, refit failed in frame 0: wrong hits: all\n\n");
+        assert_eq!(findings(&rows), "# animation\n\nlbvh, refit failed in frame 0: wrong hits: all\n\n");
     }
 }
