@@ -1,6 +1,5 @@
 //! `phr animate`: trees that follow a moving scene.
 
-use super::arguments::FINDINGS;
 use crate::bench::cell::Kernel;
 use crate::bench::contender;
 use crate::bench::files::{new_folder, write_whole};
@@ -14,6 +13,7 @@ use crate::experiments::animation::{
 };
 use crate::geometry::Mesh;
 use crate::report::plot::Drawing;
+use crate::report::readme::findings::FINDINGS;
 use crate::scene::{Animated, animated, animated_by_name};
 use indicatif::ProgressBar;
 use std::io::IsTerminal;
