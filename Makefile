@@ -33,6 +33,8 @@
 #
 # make faults       kills a run fifty times at random moments and resumes it, fills its disk, and cuts its results at every
 #                   byte: some minutes (the tests have a short version)
+# make fuzz         changed and made-up scene files, cameras, saved trees, configurations, rays and results, a minute each, under
+#                   AddressSanitizer (nightly toolchain and cargo-fuzz); SECONDS_EACH=600 for ten minutes each
 # make sanitize     the tests of our kernels and of the library's queries under AddressSanitizer and under valgrind, and
 #                   the portable kernel's under Miri where the nightly toolchain has it
 # make test-peers   the tests of the builders of other crates, which `make test` leaves out: their crates take minutes to
@@ -76,7 +78,7 @@ KERNEL_TESTS = --test trace_agreement --test trace_batches --test trace_watertig
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: test-peers faults test-slurm sanitize bench bench-scaling bench-animation bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
+.PHONY: test-peers faults fuzz test-slurm sanitize bench bench-scaling bench-animation bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -182,6 +184,9 @@ else
 	$(CARGO) test --workspace
 endif
 	@echo "tested: format, lints, the library alone, the harness without Embree, all tests, the documentation's examples"
+
+fuzz:
+	sh .ci/fuzz
 
 faults: packages
 	PHR_KILLS=50 $(CARGO) test -p phr --test faults -- --nocapture

@@ -1,0 +1,63 @@
+//! Builders with changed fields over a triangle soup: refused in one line, or a valid tree that finds what brute force finds.
+
+#![no_main]
+
+use arbitrary::Arbitrary;
+use libfuzzer_sys::fuzz_target;
+use phr::builders::{NAMES, Recipe};
+use phr::geometry::{Hit, Mesh, Ray, Tracer};
+use phr::trace::{BruteForce, BvhTracer};
+
+#[derive(Arbitrary, Debug)]
+struct Input {
+    builder: u8,
+    /// `FIELD=VALUE+FIELD=VALUE`.
+    changes: String,
+    vertices: Vec<[f32; 3]>,
+    triangles: Vec<[u8; 3]>,
+}
+
+fuzz_target!(|input: Input| {
+    if input.triangles.len() > 300 || input.vertices.is_empty() {
+        return;
+    }
+    let base = NAMES[input.builder as usize % NAMES.len()];
+    let name = if input.changes.is_empty() { base.to_owned() } else { format!("{base}[{}]", input.changes) };
+    let recipe = match Recipe::parse(&name) {
+        Ok(recipe) => recipe,
+        Err(error) => return assert_eq!(error.to_string().lines().count(), 1, "{error}"),
+    };
+    let count = input.vertices.len();
+    let triangles = input.triangles.iter().map(|t| t.map(|v| u32::from(v) % count as u32)).collect();
+    let Ok((mesh, _)) = Mesh::new(input.vertices, triangles) else { return };
+    check::<4>(&recipe, &mesh);
+    check::<8>(&recipe, &mesh);
+});
+
+fn check<const N: usize>(recipe: &Recipe, mesh: &Mesh) {
+    let build = recipe.builder::<N>().build(mesh);
+    assert_eq!(build.tree.validate(mesh), Ok(()), "{}", recipe.name());
+    let bounds = mesh.bounds();
+    let size = bounds.extent().max_element();
+    // Distances are told apart by the oracle of `phr verify`; here hits must be where there are any.
+    if !(1e-3..1e3).contains(&size) {
+        return;
+    }
+    let center = 0.5 * (bounds.min + bounds.max);
+    let rays: Vec<Ray> = (0..8)
+        .map(|i| {
+            let dir = glam_of([1.0 + i as f32, 3.0 - i as f32, 0.5 * i as f32 - 1.7]);
+            Ray { org: center - dir * size, tnear: 0.0, dir, tfar: f32::INFINITY }
+        })
+        .collect();
+    let (mut found, mut expected) = (vec![Hit::MISS; rays.len()], vec![Hit::MISS; rays.len()]);
+    BvhTracer::new(&build.tree).closest(&rays, &mut found);
+    BruteForce(mesh).closest(&rays, &mut expected);
+    for (found, expected) in found.iter().zip(&expected) {
+        assert_eq!(found.t, expected.t, "{}", recipe.name());
+    }
+}
+
+fn glam_of(xyz: [f32; 3]) -> phr::glam::Vec3 {
+    xyz.into()
+}
