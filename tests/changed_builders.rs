@@ -101,7 +101,7 @@ fn what_cannot_be_set_is_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     for (change, reason) in [
         ("phr-hq.gamma=1", "its fields are alpha, "),
-        ("phr-hq.delta=x", "its fields are alpha, "),
+        ("phr-hq.delta=x", "expected f32"),
         ("phr-hq.delta=99", "give 0.0 to 64.0"),
         ("phr.delta=9", "there are lbvh, "),
         ("embree-sah.delta=9", "no builder of ours"),

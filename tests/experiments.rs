@@ -47,8 +47,11 @@ fn an_experiment_is_a_verified_run_with_findings_and_figures() {
     let folder = folder.path();
     let run = ["experiment", "spatial-splits", "scalable-2k", "scalable-3k", "--rounds", "2", "--size", "8"];
     let text = told(folder, &[&run[..], &["--views", "1", "--threads", "2"]].concat());
-    assert!(text.contains("phr-hq[spatial_threshold=off] relative to phr-hq: build"), "{text}");
-    assert!(text.contains("2 to 20 % slower without spatial splits"), "{text}");
+    let lines = |start: &str| text.lines().filter(|line| line.starts_with(start)).count();
+    // Means, and the claim of the paper; two rounds tell of no noise.
+    assert!(lines("| phr-hq[spatial_threshold=off] ") >= 4, "{text}");
+    assert_eq!(lines("| traces are 2 to 20 % slower without spatial splits "), 2, "{text}");
+    assert!(text.contains(" [?]") && text.contains(" is undecided "), "{text}");
     let results = folder.join("results/experiments/spatial-splits");
     let rows = row::read(&results).unwrap();
     let mut builders: Vec<&str> = rows.iter().map(|row| row.builder.as_str()).collect();
@@ -89,7 +92,7 @@ fn cuts_and_splits_are_drawn_from_their_csv() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let text = told(folder, &["experiment", "cut-size", "scalable-3k", "scalable-2k", "--out", "cuts"]);
-    assert!(text.contains("scalable-2k: phr-fast begins with"), "{text}");
+    assert!(text.contains("| phr-fast ") && text.contains("\nscalable-2k\n"), "{text}");
     told(folder, &["experiment", "cut-size", "--check", "--out", "cuts"]);
     told(folder, &["experiment", "split", "--out", "split"]);
     told(folder, &["experiment", "split", "--check", "--out", "split"]);

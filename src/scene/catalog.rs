@@ -66,7 +66,7 @@ const PAPER: [PaperScene; 9] = [
     PaperScene {
         name: "San Miguel",
         triangles: 7_880_000,
-        file_names: &["san-miguel", "sanmiguel", "san_miguel", "sanmiguel20", "sanmiguel_partial"],
+        file_names: &["san-miguel", "sanmiguel", "san_miguel", "sanmiguel20"],
         stand_in: "sanmiguel-like",
     },
     PaperScene { name: "Vienna", triangles: 8_637_000, file_names: &["vienna"], stand_in: "vienna-like" },

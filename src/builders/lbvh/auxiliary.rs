@@ -112,8 +112,7 @@ impl Auxiliary {
         phases
     }
 
-    /// Sorts the references of `prims`, primitives of `geometry`, and has `grow` make the tree over one or more of them, of which it
-    /// returns the root:
+    /// Sorts the references of `prims` and has `grow` make the tree over one or more of them, of which it returns the root:
     /// leaves are small by the rule, and runs of the keys, which are put into the order of the tree.
     pub fn grow<G: Geometry>(
         &mut self,

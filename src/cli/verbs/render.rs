@@ -51,13 +51,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     let cell = cell(arguments)?;
+    check_place(&arguments.output)?;
     if !arguments.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
         return Err(Failure::Bad(format!(
             "{}: images are PNG; end the name in .png",
             arguments.output.display()
         )));
     }
-    check_place(&arguments.output)?;
     let scene = PlannedScene::find(&arguments.scene)?.load()?;
     for remark in scene.remarks() {
         eprintln!("phr: {remark}");
