@@ -74,7 +74,7 @@ NDEBUG = $(CURDIR)/target/embree-ndebug
 GROWTH = $(foreach size,1 2 4 8 16 32,scalable-$(size)M)
 PACKAGES = libembree-dev libclang-dev
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
-KERNEL_TESTS = --test trace_agreement --test trace_batches --test trace_watertight --test query
+KERNEL_TESTS = --test library -- trace_agreement trace_batches trace_watertight query::
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
@@ -178,7 +178,7 @@ test: packages
 	$(CARGO) clippy -p phr --lib --no-default-features -- -D warnings
 	$(CARGO) clippy -p phr --lib --bins --no-default-features --features harness -- -D warnings
 ifeq ($(NEXTEST),yes)
-	$(CARGO) nextest run --workspace
+	$(CARGO) nextest run --workspace --lib --tests
 	$(CARGO) test --workspace --doc
 else
 	$(CARGO) test --workspace
@@ -189,7 +189,7 @@ fuzz:
 	sh .ci/fuzz
 
 faults: packages
-	PHR_KILLS=50 $(CARGO) test -p phr --test faults -- --nocapture
+	PHR_KILLS=50 $(CARGO) test -p phr --test harness faults:: -- --nocapture
 
 # Rust's stable compiler has the sanitizer, but not the switch for it.
 sanitize: PACKAGES = valgrind
@@ -200,7 +200,7 @@ sanitize: packages
 		$(CARGO) test -p phr --no-default-features --target $(HOST) --target-dir target/valgrind $(KERNEL_TESTS)
 	if $(CARGO) +nightly miri --version; then \
 		PHR_ISA=scalar MIRIFLAGS=-Zmiri-disable-isolation $(CARGO) +nightly miri test -p phr --no-default-features \
-			--test query; \
+			--test library query::; \
 	else echo "Miri is not installed: rustup component add miri --toolchain nightly"; fi
 
 test-peers: packages

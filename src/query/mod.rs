@@ -1,7 +1,7 @@
 //! The library's front door: [`Bvh`] is built from a mesh and answers rays; [`PrimitiveBvh`] from anything that has boxes,
 //! with tests of the caller's; [`InstanceBvh`] from many places of such meshes.
 //!
-//! What is fixed, and tested in `tests/query.rs`:
+//! What is fixed, and tested in `tests/library/query.rs`:
 //!
 //! * **Interval**: a hit at `t` counts if `tnear < t <= tfar`, as in Embree. `tfar` may be infinite; a ray whose interval
 //!   is empty (`tfar <= tnear`) misses.

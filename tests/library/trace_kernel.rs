@@ -1,14 +1,12 @@
 //! Our kernel against brute force in double precision, in every width and instruction set.
 
-mod trace_support;
-
+use crate::trace_support::*;
 use glam::Vec3;
 use phr::bvh::WideBvh;
 use phr::geometry::{Hit, Mesh, Ray};
 use phr::random::SplitMix64;
 use phr::trace::verify::{compare_any, compare_closest, witness};
 use phr::trace::{BruteForce, BvhTracer, Isa};
-use trace_support::*;
 
 /// Traces `rays` through trees of `N` children by every instruction set and compares with brute force.
 /// At most `edge` rays per thousand may be left to rounding.

@@ -1,7 +1,5 @@
 //! Targets, growth and ablations from rows made by hand, every figure worked out beside.
 
-#![cfg(feature = "harness")]
-
 mod commands;
 mod growth;
 mod rows;

@@ -1,6 +1,4 @@
 //! A run spread over shards and merged is the run: the same rows but for times.
-#![cfg(feature = "harness")]
-
 use phr::bench::environment::{ENVIRONMENT, Environment};
 use phr::bench::files::{read_json, write_json};
 use phr::bench::row::{self, Row};

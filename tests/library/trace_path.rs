@@ -1,7 +1,6 @@
 //! The path tracer: the same rays and image whatever the threads, recorded or not.
 
-mod trace_support;
-
+use crate::trace_support::*;
 use glam::Vec3;
 use phr::bvh::WideBvh;
 use phr::geometry::{Mesh, Ray};
@@ -10,7 +9,6 @@ use phr::trace::verify::{compare_any, compare_closest, witness};
 use phr::trace::{
     BvhTracer, Image, Isa, PathSettings, RayKind, any_in_parallel, closest_in_parallel, record, render,
 };
-use trace_support::*;
 
 /// A room with a hole in its ceiling, and things in it.
 fn room() -> (Mesh, View) {

@@ -1,7 +1,6 @@
 //! The conventions of `phr::query`, for trees of both widths.
 
-mod trace_support;
-
+use crate::trace_support::*;
 use glam::Vec3;
 use phr::bvh::{Bvh4, Link};
 use phr::geometry::{Mesh, Ray};
@@ -11,7 +10,6 @@ use phr::trace::verify::compare_closest;
 use phr::trace::{BruteForce, BvhTracer};
 use phr::{Bvh, BvhConfig, geometry};
 use std::f32::consts::SQRT_2;
-use trace_support::*;
 
 /// Trees of both widths over `mesh`.
 fn both(mesh: &Mesh) -> [Bvh; 2] {

@@ -1,6 +1,4 @@
 //! The command as a user meets it: what it writes, what it refuses and with which exit code.
-#![cfg(feature = "harness")]
-
 mod runs;
 mod stops;
 mod verbs;

@@ -1,14 +1,12 @@
 //! The watertight kernel: no ray leaves a closed mesh, and the hits are those of brute force.
 
-mod trace_support;
-
+use crate::trace_support::*;
 use glam::Vec3;
 use phr::builders;
 use phr::geometry::{Hit, Mesh, Ray};
 use phr::random::SplitMix64;
 use phr::trace::verify::compare_closest;
 use phr::trace::{BruteForce, Isa, WatertightTracer};
-use trace_support::*;
 
 /// A sphere of radius `scale` around `centre`, of `2 * n * n` triangles that share their vertices.
 fn sphere(n: usize, scale: f32, centre: Vec3) -> Mesh {

@@ -1,11 +1,9 @@
 //! The comparison of hits must find what is wrong and excuse only what rounding explains.
 
-mod trace_support;
-
+use crate::trace_support::*;
 use phr::geometry::{Hit, Ray};
 use phr::trace::verify::{compare_any, compare_closest, witness};
 use phr::trace::{BruteForce, hit_hash};
-use trace_support::*;
 
 #[test]
 fn every_forged_answer_is_found() {

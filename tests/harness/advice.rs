@@ -1,6 +1,4 @@
 //! `phr advise` and `phr tune` as a user meets them: what they write and what they refuse.
-#![cfg(feature = "harness")]
-
 use std::path::Path;
 use std::process::{Command, Output};
 

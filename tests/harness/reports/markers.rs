@@ -48,7 +48,7 @@ fn markers_are_told_by_line() {
 fn every_column_and_marker_is_described() {
     let folder = written(&rows());
     let text = std::fs::read_to_string(folder.path().join(ROWS)).unwrap();
-    let described = include_str!("../../results/README.md");
+    let described = include_str!("../../../results/README.md");
     let kernels = folder.path().join(kernels::row::KERNELS);
     kernels::row::write(&kernels, &[kernels::row::KernelRow::default()]).unwrap();
     let kernels = std::fs::read_to_string(kernels).unwrap();

@@ -11,7 +11,7 @@ use rayon::ThreadPool;
 use std::fmt::Write as _;
 use std::process::Command;
 
-const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/tree_hashes.csv");
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/library/tree_hashes.csv");
 
 /// A hash of all bits of a tree.
 fn hash<const N: usize>(tree: &WideBvh<N>) -> u64 {

@@ -1,13 +1,11 @@
 //! Batches against single rays and brute force, in both widths and every instruction set.
 
-mod trace_support;
-
+use crate::trace_support::*;
 use glam::Vec3;
 use phr::geometry::{Hit, Mesh, Ray};
 use phr::random::SplitMix64;
 use phr::trace::verify::{compare_any, compare_closest, witness};
 use phr::trace::{BatchTracer, BruteForce, BvhTracer, Isa};
-use trace_support::*;
 
 /// Traces `rays` in batches by every instruction set; at most `edge` rays per thousand may be left to rounding.
 fn check<const N: usize>(mesh: &Mesh, rays: &[Ray], edge: usize) {

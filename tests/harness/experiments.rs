@@ -1,7 +1,5 @@
 //! Heat maps and experiments as a user meets them: what they write, that pictures come from the files beside them alone, and
 //! what is refused.
-#![cfg(feature = "harness")]
-
 use phr::bench::row::{self, ROWS};
 use phr::experiments::animation::records;
 use std::path::Path;

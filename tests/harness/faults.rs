@@ -1,7 +1,5 @@
 //! What may befall a run: kills at any moment, a full or read-only disk, files that were cut. No finished visit is lost,
 //! and no part of a file is taken for the whole. `make faults` kills fifty times, this three times.
-#![cfg(all(feature = "harness", unix))]
-
 use phr::bench::environment::{ENVIRONMENT, Environment};
 use phr::bench::files::{RecordsError, read_json};
 use phr::bench::rounds::ROUNDS;

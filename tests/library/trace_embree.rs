@@ -1,15 +1,13 @@
 //! Our kernel against Embree's: the same hits over any tree, the same bits over the same triangles.
 #![cfg(feature = "embree")]
 
-mod trace_support;
-
+use crate::trace_support::*;
 use glam::Vec3;
 use phr::embree::{Config, Device, EmbreeBuilder, Width};
 use phr::geometry::{Hit, Mesh, Ray};
 use phr::scene::View;
 use phr::trace::verify::{Verdict, compare_any, compare_closest, witness};
 use phr::trace::{BvhTracer, Isa, PathSettings, RayKind, record};
-use trace_support::*;
 
 /// Embree's device as it comes, and limited to AVX2, each with our kernel that has its arithmetic: with AVX-512 both start
 /// from another estimate of reciprocals.

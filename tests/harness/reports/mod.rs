@@ -1,7 +1,5 @@
 //! Reports from a small run made by hand: means worked out beside, verdicts and exit codes of the command.
 
-#![cfg(feature = "harness")]
-
 mod comparisons;
 mod markers;
 mod plots;

@@ -1,13 +1,11 @@
 //! All kernels answer alike: scalar, AVX2 and AVX-512, both widths, over rays and scenes at the limits.
 
-mod trace_support;
-
+use crate::trace_support::*;
 use glam::Vec3;
 use phr::geometry::{Hit, Mesh, Ray};
 use phr::random::SplitMix64;
 use phr::trace::verify::{compare_any, compare_closest, witness};
 use phr::trace::{BatchTracer, BvhTracer, Isa, WatertightTracer};
-use trace_support::*;
 
 /// Holds the answers of every instruction set, width and kernel to those of the scalar one over four children. At most
 /// `edge` rays per thousand may be left to rounding.

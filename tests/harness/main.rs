@@ -1,0 +1,12 @@
+//! The benchmark and its commands as their users meet them: runs, records, reports, advice, experiments. One program, since each
+//! takes seconds to link.
+#![cfg(feature = "harness")]
+
+mod advice;
+mod cli;
+mod experiments;
+#[cfg(unix)]
+mod faults;
+mod reports;
+mod shards;
+mod targets;

@@ -1,0 +1,25 @@
+//! The library as its users meet it: scenes, builders, trees, rays. One program, since each takes seconds to link.
+
+mod changed_builders;
+mod configurations;
+mod costs;
+mod embree;
+mod hits;
+mod instances;
+mod moving;
+mod primitives;
+mod query;
+mod scene_files;
+mod scene_formats;
+mod scene_limits;
+mod trace_agreement;
+mod trace_batches;
+mod trace_embree;
+mod trace_kernel;
+mod trace_path;
+mod trace_support;
+mod trace_verify;
+mod trace_watertight;
+mod tree_hashes;
+mod trees;
+mod upload;
