@@ -245,7 +245,7 @@ fn what_can_be_split_is_and_is_hit_as_by_brute_force() {
         let references = leaves(&tree).len();
         // Those of the paper cut boxes at the plane, not primitives, and split fewer.
         let clips = matches!(name, "phr-quality" | "phr-best");
-        let least = if clips { blades.len() / 10 } else { 1 };
+        let least = if clips { blades.len() / 20 } else { 1 };
         assert!(references >= blades.len() + least, "{name}: {references} references");
         let bvh = PrimitiveBvh::build(&blades, &BvhConfig { builder: name, width: 4 }).unwrap();
         for ray in &rays {
