@@ -41,7 +41,7 @@ fn transforms() -> Vec<Affine3A> {
             let mut transform = Affine3A::from_scale_rotation_translation(scale, rotation, point(-3.0, 3.0));
             if i % 3 == 0 {
                 let shear = Mat3A::from_cols(Vec3A::X, Vec3A::new(0.7, 1.0, 0.0), Vec3A::new(0.0, -0.4, 1.0));
-                transform.matrix3 = transform.matrix3 * shear;
+                transform.matrix3 *= shear;
             }
             transform
         })

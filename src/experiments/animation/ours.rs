@@ -22,8 +22,8 @@ pub struct Ours<const N: usize> {
 enum Way<const N: usize> {
     Rebuild(Box<dyn Builder<N>>),
     Refit(Box<dyn Builder<N>>),
-    Refine(Phr<N>),
-    Merge { builder: MergedPhr<N>, fixed: usize, tree: AuxiliaryTree },
+    Refine(Box<Phr<N>>),
+    Merge { builder: Box<MergedPhr<N>>, fixed: usize, tree: AuxiliaryTree },
 }
 
 impl<const N: usize> Ours<N> {
@@ -35,7 +35,7 @@ impl<const N: usize> Ours<N> {
         let recipe = Recipe::parse(&entrant.builder).map_err(|error| error.to_string())?;
         let config = || recipe.phr().ok_or_else(|| format!("{} has no cuts to be refined", entrant.builder));
         let merge = |config: PhrConfig, tree| {
-            let builder = MergedPhr::new(config).map_err(|error| error.to_string())?;
+            let builder = Box::new(MergedPhr::new(config).map_err(|error| error.to_string())?);
             Ok::<_, String>(Way::Merge { builder, fixed, tree })
         };
         let way = match entrant.update {
@@ -46,7 +46,7 @@ impl<const N: usize> Ours<N> {
                 let PhrConfig { extensions, .. } = config()?;
                 let auxiliary = AuxiliaryConfig { presplit: None, ..extensions.auxiliary };
                 let config = PhrConfig { extensions: Extensions { auxiliary, ..extensions }, ..config()? };
-                Way::Refine(Phr::new("refined", config).map_err(|error| error.to_string())?)
+                Way::Refine(Box::new(Phr::new("refined", config).map_err(|error| error.to_string())?))
             }
             Update::Merge => {
                 let config = config()?;
