@@ -6,6 +6,7 @@ use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
 use phr::builders::{NAMES, Recipe};
 use phr::geometry::{Hit, Mesh, Ray, Tracer};
+use phr::glam::Vec3;
 use phr::trace::{BruteForce, BvhTracer};
 
 #[derive(Arbitrary, Debug)]
@@ -46,8 +47,8 @@ fn check<const N: usize>(recipe: &Recipe, mesh: &Mesh) {
     let center = 0.5 * (bounds.min + bounds.max);
     let rays: Vec<Ray> = (0..8)
         .map(|i| {
-            let dir = glam_of([1.0 + i as f32, 3.0 - i as f32, 0.5 * i as f32 - 1.7]);
-            Ray { org: center - dir * size, tnear: 0.0, dir, tfar: f32::INFINITY }
+            let dir = Vec3::new(1.0 + i as f32, 3.0 - i as f32, 0.5 * i as f32 - 1.7);
+            Ray { org: Vec3::from(center) - dir * size, tnear: 0.0, dir, tfar: f32::INFINITY }
         })
         .collect();
     let (mut found, mut expected) = (vec![Hit::MISS; rays.len()], vec![Hit::MISS; rays.len()]);
@@ -56,8 +57,4 @@ fn check<const N: usize>(recipe: &Recipe, mesh: &Mesh) {
     for (found, expected) in found.iter().zip(&expected) {
         assert_eq!(found.t, expected.t, "{}", recipe.name());
     }
-}
-
-fn glam_of(xyz: [f32; 3]) -> phr::glam::Vec3 {
-    xyz.into()
 }

@@ -36,7 +36,8 @@ fuzz_target!(|data: &[u8]| {
             }
             1 => {
                 place("rounds.csv");
-                rounds::read(&folder.join("rounds.csv")).map_or_else(|error| one_line(error.to_string()), |_| ());
+                rounds::read(&folder.join("rounds.csv"))
+                    .map_or_else(|error| one_line(error.to_string()), |_| ());
             }
             2 => {
                 place("phases.csv");

@@ -43,7 +43,12 @@ fuzz_target!(|changes: (Option<u16>, Vec<(u16, u8)>)| {
         std::fs::write(&path, bytes).unwrap();
         match Bvh::load(mesh, &path) {
             Ok(bvh) => {
-                let ray = Ray { org: [0.0; 3].into(), tnear: 0.0, dir: [1.0, 0.3, 0.2].into(), tfar: f32::INFINITY };
+                let ray = Ray {
+                    org: [0.0; 3].into(),
+                    tnear: 0.0,
+                    dir: [1.0, 0.3, 0.2].into(),
+                    tfar: f32::INFINITY,
+                };
                 assert_eq!(bvh.intersect(&ray).is_some(), bvh.occluded(&ray));
             }
             Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{error}"),
