@@ -6,13 +6,13 @@ use crate::builders::registry::NAMES;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RecipeError {
     /// Not one of ours.
-    #[error("no builder of ours is called {0}; there are {known}", known = known())]
+    #[error("no builder of ours is called {}; there are {known}", .0.escape_debug(), known = known())]
     NoSuchBuilder(String),
     /// Neither `BUILDER.FIELD=VALUE` nor `BUILDER[FIELD=VALUE]`.
-    #[error("{0}: write BUILDER.FIELD=VALUE, or as a name BUILDER[FIELD=VALUE+FIELD=VALUE]")]
+    #[error("{}: write BUILDER.FIELD=VALUE, or as a name BUILDER[FIELD=VALUE+FIELD=VALUE]", .0.escape_debug())]
     Malformed(String),
     /// No field of that name, or several.
-    #[error("{builder} has no single field {field}; {}", has(builder, known))]
+    #[error("{builder} has no single field {}; {}", field.escape_debug(), has(builder, known))]
     Field {
         /// The builder.
         builder: &'static str,

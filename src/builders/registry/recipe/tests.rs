@@ -85,6 +85,9 @@ fn what_cannot_be_set_is_refused_with_the_fields_that_can() {
     assert!(error("phr-best[max_leaf=8]").contains("phr.max_leaf, "), "several fields end so");
     assert_eq!(error("lbvh[delta=8]"), "lbvh has no single field delta; lbvh has none");
     assert!(error("phr[delta=8]").contains("no builder of ours is called phr; there are lbvh, "));
+    for name in ["phr-hq[\n]", "phr-hq[\n=8]", "\n[delta=8]"] {
+        assert_eq!(error(name).lines().count(), 1, "{name:?}");
+    }
     for name in ["phr-hq[delta=8", "phr-hq[]", "phr-hq[delta]"] {
         assert!(error(name).contains("write BUILDER.FIELD=VALUE"), "{name}");
     }
