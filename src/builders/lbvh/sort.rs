@@ -81,6 +81,11 @@ impl MortonOrder {
         watch.lap("sort");
     }
 
+    /// Sorts all primitives of a geometry by all bits of their codes, likewise.
+    pub fn sort_all<G: Geometry, T>(&mut self, geometry: &G, spare: &mut Vec<T>, watch: &mut Stopwatch) {
+        self.sort(geometry, geometry.prims(), None, SortBits::All, spare, watch);
+    }
+
     /// Writes every key: those of the triangles in order, then those of the pieces but for the first of each needle,
     /// which takes the place of its triangle.
     fn encode<G: Geometry>(

@@ -7,7 +7,7 @@ use crate::builders::binary::tree::BinaryTree;
 use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
 use crate::builders::clusters::collapse::ClusterTree;
 use crate::builders::config_error::ConfigError;
-use crate::builders::lbvh::sort::{MortonOrder, SortBits};
+use crate::builders::lbvh::sort::MortonOrder;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::build;
 use crate::builders::wide::memory::Memory;
@@ -49,14 +49,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Aac<N, G::Block> {
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let mut watch = Stopwatch::start();
-        self.order.sort(
-            geometry,
-            geometry.prims(),
-            None,
-            SortBits::All,
-            self.memory.blocks(geometry.len()),
-            &mut watch,
-        );
+        self.order.sort_all(geometry, self.memory.blocks(geometry.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
         huge_pages::resize(&mut self.tree.pairs, geometry.len().saturating_sub(1), [Node::ZERO; 2]);
         self.tree.root = cluster(&self.config, self.order.refs(geometry), &mut keys, &mut self.tree.pairs);

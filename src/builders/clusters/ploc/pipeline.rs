@@ -6,7 +6,7 @@ use crate::builders::binary::tree::BinaryTree;
 use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
 use crate::builders::clusters::collapse::ClusterTree;
 use crate::builders::config_error::ConfigError;
-use crate::builders::lbvh::sort::{MortonOrder, SortBits};
+use crate::builders::lbvh::sort::MortonOrder;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::build;
 use crate::builders::wide::memory::Memory;
@@ -57,14 +57,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Ploc<N, G::Block> {
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let mut watch = Stopwatch::start();
-        self.order.sort(
-            geometry,
-            geometry.prims(),
-            None,
-            SortBits::All,
-            self.memory.blocks(geometry.len()),
-            &mut watch,
-        );
+        self.order.sort_all(geometry, self.memory.blocks(geometry.len()), &mut watch);
         let (refs, keys) = (self.order.refs(geometry), &self.order.keys);
         let Self { config, isa, clustering, tree, .. } = self;
         tree.root = clustering.cluster((config.radius, *isa), &refs, keys, &mut tree.pairs);

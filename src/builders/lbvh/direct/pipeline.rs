@@ -4,7 +4,7 @@
 use super::treelet::DirectTreelet;
 use crate::builders::binary::kind::Kind;
 use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
-use crate::builders::lbvh::sort::{MortonOrder, SortBits};
+use crate::builders::lbvh::sort::MortonOrder;
 use crate::builders::lbvh::top_tree::{TopNode, TopTree, result_of};
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::memory::Memory;
@@ -44,14 +44,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Lbvh<N, G::Block, G::Item> {
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let mut watch = Stopwatch::start();
-        self.order.sort(
-            geometry,
-            geometry.prims(),
-            None,
-            SortBits::All,
-            self.memory.blocks(geometry.len()),
-            &mut watch,
-        );
+        self.order.sort_all(geometry, self.memory.blocks(geometry.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
         let (tree, pairs) = if keys.is_empty() { Default::default() } else { self.tree(geometry, &mut keys) };
         self.order.keys = keys;
