@@ -4,7 +4,7 @@
 #[cfg(target_arch = "x86_64")]
 use super::avx2::FastAvx2;
 use super::scalar::FastScalar;
-use super::sound_tree::ProvenTree;
+use super::sound_tree::{ProvenTree, SoundTree};
 use super::traverse::{self, Entries, Kernel};
 use crate::bvh::{IdBlock, LeafBlock as _, WideNode};
 use crate::geometry::{Hit, Ray};
@@ -98,22 +98,25 @@ impl<const N: usize> ProvenTree<N, IdBlock> {
         test: F,
         traversal: T,
     ) -> T::Answer {
-        let test = &RefCell::new(test);
+        let setup = &RefCell::new(test);
+        let tree = self.sound();
         match isa {
             #[cfg(target_arch = "x86_64")]
             Isa::Avx2(token) => token.run(
                 #[inline(always)]
-                || traversal.run::<Custom<'_, FastAvx2<_>, F>, N>((token, test), self, ray),
+                || traversal.run(Custom::<'_, FastAvx2<_>, F>::new((token, setup), ray), tree, ray.tfar),
             ),
             #[cfg(target_arch = "x86_64")]
             Isa::Avx512(token) => token.avx2().run(
                 #[inline(always)]
-                || traversal.run::<Custom<'_, FastAvx2<_>, F>, N>((token, test), self, ray),
+                || traversal.run(Custom::<'_, FastAvx2<_>, F>::new((token, setup), ray), tree, ray.tfar),
             ),
-            _ => traversal.run::<Custom<'_, FastScalar, F>, N>(((), test), self, ray),
+            _ => traversal.run(Custom::<'_, FastScalar, F>::new(((), setup), ray), tree, ray.tfar),
         }
     }
 }
+
+type Tree<'a, const N: usize> = SoundTree<'a, N, IdBlock>;
 
 /// A query of one ray.
 trait Traversal {
@@ -121,9 +124,9 @@ trait Traversal {
 
     fn run<K: Kernel<Block = IdBlock>, const N: usize>(
         self,
-        setup: K::Setup,
-        tree: &ProvenTree<N, IdBlock>,
-        ray: &Ray,
+        ray: K,
+        tree: Tree<'_, N>,
+        tfar: f32,
     ) -> Self::Answer;
 }
 
@@ -133,13 +136,8 @@ impl Traversal for Closest {
     type Answer = Hit;
 
     #[inline(always)]
-    fn run<K: Kernel<Block = IdBlock>, const N: usize>(
-        self,
-        setup: K::Setup,
-        tree: &ProvenTree<N, IdBlock>,
-        ray: &Ray,
-    ) -> Hit {
-        traverse::closest::<K, (), N>(K::new(setup, ray), tree.sound(), ray.tfar, &mut ())
+    fn run<K: Kernel<Block = IdBlock>, const N: usize>(self, ray: K, tree: Tree<'_, N>, tfar: f32) -> Hit {
+        traverse::closest::<K, (), N>(ray, tree, tfar, &mut ())
     }
 }
 
@@ -149,12 +147,7 @@ impl Traversal for Any {
     type Answer = bool;
 
     #[inline(always)]
-    fn run<K: Kernel<Block = IdBlock>, const N: usize>(
-        self,
-        setup: K::Setup,
-        tree: &ProvenTree<N, IdBlock>,
-        ray: &Ray,
-    ) -> bool {
-        traverse::any::<K, (), N>(K::new(setup, ray), tree.sound(), ray.tfar, &mut ())
+    fn run<K: Kernel<Block = IdBlock>, const N: usize>(self, ray: K, tree: Tree<'_, N>, tfar: f32) -> bool {
+        traverse::any::<K, (), N>(ray, tree, tfar, &mut ())
     }
 }
