@@ -73,6 +73,13 @@ function put(figure, drawing, label) {
   figure.replaceChildren(drawing);
 }
 
+/** What the plots have in common: a size and two logarithmic axes. */
+function logarithmic(width, height, margins, domains) {
+  const margin = { marginLeft: margins.left, marginRight: margins.right, marginTop: margins.top, marginBottom: margins.bottom };
+  const axis = (domain) => ({ type: "log", domain, label: null });
+  return { width, height, ...margin, style: { background: "none", color: "inherit" }, x: axis(domains.x), y: axis(domains.y) };
+}
+
 /** Where a text may stand, first choice first: beside a point, below a falling front, or below a rising curve. */
 const BESIDE = [[10, 0, "start"], [8, -11, "start"], [0, -14, "middle"], [-10, 0, "end"], [8, 12, "start"], [0, 15, "middle"], [-8, -11, "end"], [-8, 12, "end"]];
 const BELOW_RIGHT = [[10, 14, "start"], [0, 17, "middle"], [-2, 17, "end"], [10, 30, "start"], [0, 33, "middle"], [-2, 33, "end"], [10, 46, "start"], [0, -14, "middle"]];

@@ -46,15 +46,7 @@ function drawFront() {
     ].filter(Boolean).join("\n");
   const cross = { stroke, strokeWidth: 1.5 };
   const plot = Plot.plot({
-    width,
-    height,
-    marginLeft: margins.left,
-    marginRight: margins.right,
-    marginTop: margins.top,
-    marginBottom: margins.bottom,
-    style: { background: "none", color: "inherit" },
-    x: { type: "log", domain: domains.x, label: null },
-    y: { type: "log", domain: domains.y, label: null },
+    ...logarithmic(width, height, margins, domains),
     symbol: { type: "identity" },
     marks: [
       Plot.gridX(ratioTicks(domains.x), { stroke: "var(--line)", strokeOpacity: 1 }),

@@ -46,15 +46,7 @@ function drawTotals() {
   const of = (isWinner, wide) => points.filter((point) => winners.has(point.index) === isWinner && point.tree.width === wide);
   const dash = { 4: undefined, 8: "5 3" };
   const plot = Plot.plot({
-    width,
-    height,
-    marginLeft: margins.left,
-    marginRight: margins.right,
-    marginTop: margins.top,
-    marginBottom: margins.bottom,
-    style: { background: "none", color: "inherit" },
-    x: { type: "log", domain: domains.x, label: null },
-    y: { type: "log", domain: domains.y, label: null },
+    ...logarithmic(width, height, margins, domains),
     marks: [
       Plot.gridX(ticks, { stroke: "var(--line)", strokeOpacity: 1 }),
       Plot.gridY(ratioTicks(domains.y), { stroke: "var(--line)", strokeOpacity: 1 }),
