@@ -3,6 +3,7 @@
 #![cfg(feature = "harness")]
 
 mod advice;
+mod by_hand;
 mod cli;
 mod experiments;
 #[cfg(unix)]

@@ -4,6 +4,8 @@
 #![cfg(feature = "harness")]
 
 mod browser;
+#[path = "../harness/by_hand.rs"]
+mod by_hand;
 mod run;
 
 use browser::{Browser, ENTER};

@@ -1,6 +1,7 @@
 //! Runs made by hand.
 
-use phr::bench::row::{self, ALL, FIRST, FRESH, NO_KERNEL, REBUILD, Row, SCHEMA};
+use crate::by_hand;
+use phr::bench::row::{self, FIRST, FRESH, NO_KERNEL, REBUILD, Row};
 use phr::bench::warnings::Warning;
 use phr::report::figures::tree_named;
 use std::path::{Path, PathBuf};
@@ -20,35 +21,19 @@ fn row(scene: &str, (builder, width): (&str, u32), kernel: &str, build: f64, tra
     let about = |median: f64| [0.001, 0.998, 1.002].map(|share| Some(share * median));
     let ([build_mad, build_min, build_max], [trace_mad, trace_min, trace_max]) = (about(build), about(trace));
     Row {
-        schema: SCHEMA,
-        run_id: "by-hand".into(),
-        utc: "2026-01-02T03:04:05Z".into(),
-        git_rev: "0123456789ab".into(),
-        scene: scene.into(),
-        triangles: 331_000,
-        builder: builder.into(),
-        engine: "made 1.0".into(),
         width,
-        threads: 2,
-        regime: FRESH.into(),
-        rounds: 4,
         build_ms_median: Some(build),
         build_ms_mad: build_mad,
         build_ms_min: build_min,
         build_ms_max: build_max,
         sah: Some(0.37 * build),
         peak_bytes: Some(33_100_000),
-        view: ALL.into(),
-        kernel: kernel.into(),
-        ray_kind: ALL.into(),
-        rays: Some(1_000_000),
         trace_ms_median: Some(trace),
         trace_ms_mad: trace_mad,
         trace_ms_min: trace_min,
         trace_ms_max: trace_max,
         mrays_s: Some(1000.0 / trace),
-        verified: Some(true),
-        ..Row::default()
+        ..by_hand::row(scene, builder, kernel)
     }
 }
 

@@ -5,7 +5,8 @@ mod markers;
 mod plots;
 mod tables;
 
-use phr::bench::row::{self, ALL, NO_KERNEL, ROWS, Row, SCHEMA, WARM};
+use crate::by_hand;
+use phr::bench::row::{self, ALL, NO_KERNEL, ROWS, Row, WARM};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -16,35 +17,19 @@ fn row(scene: &str, builder: &str, kernel: &str, view: &str, build: f64, trace: 
     let ([build, build_mad, build_min, build_max], [trace, trace_mad, trace_min, trace_max]) =
         (about(build), about(trace));
     Row {
-        schema: SCHEMA,
-        run_id: "by-hand".into(),
-        utc: "2026-01-02T03:04:05Z".into(),
-        git_rev: "0123456789ab".into(),
-        scene: scene.into(),
-        scene_sha: format!("sha of {scene}"),
-        triangles: 331_000,
-        builder: builder.into(),
-        engine: "made 1.0".into(),
-        width: 4,
-        threads: 2,
         regime: WARM.into(),
-        rounds: 4,
         build_ms_median: build,
         build_ms_mad: build_mad,
         build_ms_min: build_min,
         build_ms_max: build_max,
         sah: build,
         view: view.into(),
-        kernel: kernel.into(),
-        ray_kind: ALL.into(),
-        rays: Some(1_000_000),
         trace_ms_median: trace,
         trace_ms_mad: trace_mad,
         trace_ms_min: trace_min,
         trace_ms_max: trace_max,
         mrays_s: trace.map(|ms| 1000.0 / ms),
-        verified: Some(true),
-        ..Row::default()
+        ..by_hand::row(scene, builder, kernel)
     }
 }
 

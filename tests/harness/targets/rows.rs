@@ -1,23 +1,14 @@
 //! Rows made by hand.
 
-use phr::bench::row::{ALL, Row, SCHEMA, WARM};
+use crate::by_hand;
+use phr::bench::row::{Row, WARM};
 
 const GRAFTED: &str = "embree-grafted";
 
 /// A scene of two million triangles, built with two threads.
 pub fn row(scene: &str, builder: &str, kernel: &str, build: f64, trace: f64) -> Row {
     Row {
-        schema: SCHEMA,
-        run_id: "by-hand".into(),
-        utc: "2026-01-02T03:04:05Z".into(),
-        git_rev: "0123456789ab".into(),
-        scene: scene.into(),
-        scene_sha: format!("sha of {scene}"),
         triangles: 2_000_000,
-        builder: builder.into(),
-        engine: "made 1.0".into(),
-        width: 4,
-        threads: 2,
         regime: WARM.into(),
         rounds: 3,
         build_ms_median: Some(build),
@@ -28,16 +19,11 @@ pub fn row(scene: &str, builder: &str, kernel: &str, build: f64, trace: f64) -> 
         epo: Some(0.25 * build),
         bytes: Some(120_000_000),
         peak_bytes: Some(220_000_000),
-        view: ALL.into(),
-        kernel: kernel.into(),
-        ray_kind: ALL.into(),
-        rays: Some(1_000_000),
         trace_ms_median: Some(trace),
         trace_ms_mad: Some(0.0),
         trace_ms_min: Some(trace),
         trace_ms_max: Some(trace),
-        verified: Some(true),
-        ..Row::default()
+        ..by_hand::row(scene, builder, kernel)
     }
 }
 
