@@ -1,8 +1,9 @@
-//! Options that several verbs share: threads, builder and width.
+//! Options that several verbs share: threads, builder, width and kernel.
 
 use super::failure::Failure;
-use crate::bench::cell::Cell;
+use crate::bench::cell::{Cell, Kernel};
 use crate::bench::chosen::Chosen;
+use crate::bench::contender;
 use crate::bench::pools::Pools;
 use crate::bench::settings::MOST_THREADS;
 use crate::scene::Scene;
@@ -53,6 +54,27 @@ pub fn check_place(path: &Path) -> Result<(), Failure> {
         return Err(Failure::Bad(format!("{path}: no such folder as {folder}; make it first")));
     }
     Ok(())
+}
+
+/// Reads the width of trees: 4 or 8.
+///
+/// # Errors
+/// Anything else.
+pub fn width(text: &str) -> Result<u32, String> {
+    text.parse().ok().filter(|width| [4, 8].contains(width)).ok_or_else(|| "give 4 or 8".into())
+}
+
+/// The kernel that `--kernel` asks for, of those that trace our trees; without one, the fairest.
+///
+/// # Errors
+/// No such kernel.
+pub fn kernel(name: Option<&str>) -> Result<Kernel, Failure> {
+    let known = contender::kernels_of_ours();
+    let Some(name) = name else { return Ok(known[0]) };
+    Kernel::by_name(name).filter(|kernel| known.contains(kernel)).ok_or_else(|| {
+        let known = known.iter().map(|kernel| kernel.name()).collect::<Vec<_>>().join(" and ");
+        Failure::Bad(format!("--kernel {name}: our trees are traced by {known}"))
+    })
 }
 
 /// Widths of trees that an option asks for.

@@ -168,7 +168,7 @@ mod tests {
             width: None,
             filter: filter.map(|filter| Regex::new(filter).unwrap()),
             shard: None,
-            settings: Settings::least(),
+            settings: Settings::new(8, 1, 1, 1),
         }
     }
 

@@ -47,6 +47,25 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Views of `size` x `size` pixels with paths of up to eight segments; every cell is visited `rounds` times.
+    pub fn new(size: u32, views: usize, rounds: usize, threads: usize) -> Self {
+        Self {
+            width: size,
+            height: size,
+            views,
+            max_depth: 8,
+            rounds,
+            seconds: 0,
+            until_permille: 0,
+            limit: 0,
+            threads,
+            seed: 1,
+            build_only: false,
+            one_thread: false,
+            frames: false,
+        }
+    }
+
     /// The path tracer's settings.
     pub fn path(&self) -> PathSettings {
         PathSettings { width: self.width, height: self.height, max_depth: self.max_depth, seed: self.seed }
@@ -102,34 +121,12 @@ impl Settings {
 }
 
 #[cfg(test)]
-impl Settings {
-    /// The least that can be run.
-    pub fn least() -> Self {
-        Self {
-            width: 8,
-            height: 8,
-            views: 1,
-            max_depth: 8,
-            rounds: 1,
-            seconds: 0,
-            until_permille: 0,
-            limit: 0,
-            threads: 1,
-            seed: 1,
-            build_only: false,
-            one_thread: false,
-            frames: false,
-        }
-    }
-}
-
-#[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn rounds_are_added_until_the_time_is_over() {
-        let settings = Settings { rounds: 3, seconds: 60, ..Settings::least() };
+        let settings = Settings { rounds: 3, seconds: 60, ..Settings::new(8, 1, 1, 1) };
         let wants = |settings: &Settings, round, seconds| {
             settings.wants(round, Duration::from_secs(seconds), 4, || 0.05)
         };

@@ -56,7 +56,7 @@ fn with_bench(stop: &AtomicBool, test: impl FnOnce(&mut Bench<'_>, &dyn Tracer))
     let scene = scene();
     let built = builders::by_name::<4>("lbvh").unwrap().build(&scene.mesh);
     let tracer = BvhTracer::new(&built.tree);
-    let settings = Settings { width: 16, height: 16, max_depth: 4, frames: true, ..Settings::least() };
+    let settings = Settings { max_depth: 4, frames: true, ..Settings::new(16, 1, 1, 1) };
     let pools = Pools::new(&settings).unwrap();
     let recorded = pools.all.install(|| rays::record(&tracer, &scene, &settings));
     let mut bench = Bench::new(SceneTraces::new(&scene, &recorded, Some(&tracer), &settings, &pools, stop));

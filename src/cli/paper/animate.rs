@@ -1,11 +1,9 @@
 //! `phr animate`: trees that follow a moving scene.
 
-use crate::bench::cell::Kernel;
-use crate::bench::contender;
 use crate::bench::files::{new_folder, write_whole};
 use crate::bench::settings::Settings;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, pools};
+use crate::cli::options::{all_threads, kernel, pools, width};
 use crate::cli::output::say;
 use crate::cli::verbs::plot::{check, draw};
 use crate::experiments::animation::{
@@ -39,7 +37,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N")]
     triangles: Option<usize>,
     /// Children per node: 4 or 8
-    #[arg(long, default_value_t = 4, value_name = "N")]
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = width)]
     width: u32,
     /// What traces all trees: embree-grafted or phr [default: embree-grafted where this program has it]
     #[arg(long, value_name = "KERNEL")]
@@ -105,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn measured(arguments: &Arguments) -> Result<Vec<FrameRow>, Failure> {
     let scenes = scenes(arguments)?;
     let trace = trace(arguments)?;
-    let kernel = kernel(arguments)?;
+    let kernel = kernel(arguments.kernel.as_deref())?;
     let pools = pools(trace.threads)?;
     let own = || BUILDERS.map(String::from).into();
     let builders: Vec<String> =
@@ -157,33 +155,9 @@ fn trace(arguments: &Arguments) -> Result<Settings, Failure> {
     if !(1..=MOST_FRAMES).contains(&arguments.frames) {
         return Err(Failure::Bad(format!("--frames {}: give 1 to {MOST_FRAMES}", arguments.frames)));
     }
-    if ![4, 8].contains(&arguments.width) {
-        return Err(Failure::Bad(format!("--width {}: give 4 or 8", arguments.width)));
-    }
-    let settings = Settings {
-        width: arguments.size,
-        height: arguments.size,
-        views: arguments.views,
-        max_depth: 8,
-        rounds: arguments.rounds,
-        seconds: 0,
-        until_permille: 0,
-        limit: 0,
-        threads: arguments.threads.unwrap_or_else(all_threads),
-        seed: arguments.seed,
-        build_only: false,
-        one_thread: false,
-        frames: false,
-    };
+    let threads = arguments.threads.unwrap_or_else(all_threads);
+    let new = Settings::new(arguments.size, arguments.views, arguments.rounds, threads);
+    let settings = Settings { seed: arguments.seed, ..new };
     settings.check()?;
     Ok(settings)
-}
-
-fn kernel(arguments: &Arguments) -> Result<Kernel, Failure> {
-    let known = contender::kernels_of_ours();
-    let Some(name) = &arguments.kernel else { return Ok(known[0]) };
-    Kernel::by_name(name).filter(|kernel| known.contains(kernel)).ok_or_else(|| {
-        let known = known.iter().map(|kernel| kernel.name()).collect::<Vec<_>>().join(" or ");
-        Failure::Bad(format!("--kernel {name}: give {known}"))
-    })
 }

@@ -1,5 +1,6 @@
 //! The arguments of `phr experiment`.
 
+use crate::cli::options::width;
 use std::path::{Path, PathBuf};
 
 /// Make one of the paper's experiments: measure, draw, and tell what was found
@@ -15,7 +16,7 @@ pub struct Arguments {
     /// Scene files or names of generated scenes
     pub scenes: Vec<String>,
     /// Children per node: 4 or 8
-    #[arg(long, default_value_t = 4, value_name = "N")]
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = width)]
     pub width: u32,
     /// Views per scene, at most
     #[arg(long, default_value_t = 3, value_name = "N")]

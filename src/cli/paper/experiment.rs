@@ -62,24 +62,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn request(experiment: &Experiment, arguments: &Arguments) -> Result<Request, Failure> {
-    if ![4, 8].contains(&arguments.width) {
-        return Err(Failure::Bad(format!("--width {}: give 4 or 8", arguments.width)));
-    }
     let none: [&Path; 0] = [];
+    let threads = arguments.threads.unwrap_or_else(all_threads);
     let settings = Settings {
-        width: arguments.size,
-        height: arguments.size,
-        views: arguments.views,
-        max_depth: 8,
-        rounds: arguments.rounds,
         seconds: arguments.seconds,
-        until_permille: 0,
-        limit: 0,
-        threads: arguments.threads.unwrap_or_else(all_threads),
         seed: arguments.seed,
-        build_only: false,
-        one_thread: false,
-        frames: false,
+        ..Settings::new(arguments.size, arguments.views, arguments.rounds, threads)
     };
     Ok(Request {
         scenes: arguments.scenes.clone(),

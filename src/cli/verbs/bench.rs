@@ -12,7 +12,7 @@ use crate::bench::settings::Settings;
 use crate::bench::shard::Shard;
 use crate::cli::failure::Failure;
 use crate::cli::measuring::{make, verdict};
-use crate::cli::options::{all_threads, command_line, percent};
+use crate::cli::options::{all_threads, command_line, percent, width};
 use crate::cli::output::say;
 use crate::cli::plan_outline::outline;
 use crate::cli::progress::Bar;
@@ -121,10 +121,6 @@ pub struct Arguments {
 /// The sets of scenes by name.
 const SETS: [(&str, Set); 2] = [("builtin", Set::Builtin), ("paper", Set::Paper)];
 
-fn width(text: &str) -> Result<u32, String> {
-    text.parse().ok().filter(|width| [4, 8].contains(width)).ok_or_else(|| "give 4 or 8".into())
-}
-
 impl Arguments {
     /// The set of scenes.
     fn set(&self) -> Option<Set> {
@@ -154,20 +150,16 @@ impl Arguments {
             Some(Set::Builtin) => 256,
             None => 512,
         });
+        let rounds = self.rounds.unwrap_or(if quick { 4 } else { 5 });
         let settings = Settings {
-            width: size,
-            height: size,
-            views: self.views,
-            max_depth: 8,
-            rounds: self.rounds.unwrap_or(if quick { 4 } else { 5 }),
             seconds: self.seconds,
             until_permille: self.until.map_or(0, |until| (1000.0 * until).ceil() as u32),
             limit: self.limit,
-            threads: self.threads.unwrap_or_else(all_threads),
             seed: self.seed,
             build_only: self.build_only,
             one_thread: self.one_thread,
             frames: self.frames,
+            ..Settings::new(size, self.views, rounds, self.threads.unwrap_or_else(all_threads))
         };
         let regex = |text: &String| {
             Regex::new(text).map_err(|error| {

@@ -43,21 +43,8 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let settings = Settings {
-        width: arguments.size,
-        height: arguments.size,
-        views: arguments.views,
-        max_depth: 8,
-        rounds: 1,
-        seconds: 0,
-        until_permille: 0,
-        limit: 0,
-        threads: arguments.threads.unwrap_or_else(all_threads),
-        seed: 1,
-        one_thread: false,
-        build_only: false,
-        frames: false,
-    };
+    let threads = arguments.threads.unwrap_or_else(all_threads);
+    let settings = Settings::new(arguments.size, arguments.views, 1, threads);
     let request = Request {
         scenes: arguments.scenes.clone(),
         set: None,

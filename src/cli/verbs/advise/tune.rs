@@ -1,13 +1,11 @@
 //! `phr tune`: the parameters for a scene and a number of rays.
 
-use crate::bench::cell::Kernel;
 use crate::bench::chosen::ConfigFile;
-use crate::bench::contender;
 use crate::bench::files::write_json;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::tune::search::Search;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, check_place, pools, rays};
+use crate::cli::options::{all_threads, check_place, kernel, pools, rays, width};
 use crate::cli::output::say;
 use crate::cli::progress::Steps;
 use crate::report::advice::rays_in_words;
@@ -30,7 +28,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 120, value_name = "N")]
     seconds: u64,
     /// Only trees of this width, 4 or 8; the anchor has it too [default: both, the anchor 8]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = width)]
     width: Option<u32>,
     /// What traces the trees: embree-grafted or phr [default: embree-grafted where this program has it]
     #[arg(long, value_name = "KERNEL")]
@@ -55,9 +53,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     pools(threads)?;
     if arguments.seconds == 0 {
         return Err(Failure::Bad("--seconds 0: nothing would be tried; give 10 or more".into()));
-    }
-    if let Some(width) = arguments.width.filter(|width| ![4, 8].contains(width)) {
-        return Err(Failure::Bad(format!("--width {width}: give 4 or 8")));
     }
     arguments.output.as_deref().map(check_place).transpose()?;
     let planned = PlannedScene::find(&arguments.scene)?;
@@ -96,16 +91,4 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         say(&format!("{}: {name}, for --config; {about}", file.display()))?;
     }
     Ok(())
-}
-
-/// The kernel that `--kernel` names, or the fairest that traces our trees.
-fn kernel(name: Option<&str>) -> Result<Kernel, Failure> {
-    let known = contender::kernels_of_ours();
-    match name {
-        None => Ok(known[0]),
-        Some(name) => Kernel::by_name(name).filter(|kernel| known.contains(kernel)).ok_or_else(|| {
-            let known: Vec<&str> = known.iter().map(|kernel| kernel.name()).collect();
-            Failure::Bad(format!("--kernel {name}: our trees are traced by {}", known.join(" and ")))
-        }),
-    }
 }
