@@ -17,6 +17,8 @@
 # make bench-animation
 #                   trees that follow scenes that move, 100 frames each, 4-wide into results/animation and 8-wide into
 #                   results/animation-8: one to two hours on two cores
+# make bench-advice what `phr advise` names for each of the files SCENES and the built-in scenes after half a minute, judged by
+#                   a longer run over the trees that may be named, into results/advice: an hour on two cores
 # make bench-reference
 #                   every figure of README and RESULTS again: the runs of bench-builders into results/full, stopped and
 #                   resumed at will, reduced into results/reference and results/reference-ablation, tables, plots and pages
@@ -68,6 +70,8 @@ ABLATED_QUALITY = phr-quality $(addprefix phr-quality-no-,calibration clip_trian
 	local_threshold presplit spatial_bias subtree_sweep)
 SCALED = lbvh phr-fast phr-hq phr-turbo phr-speed phr-quality phr-best
 KERNEL_SCENES = rooms statue hair city pipes
+# Trees that take the least time for some number of rays, and Embree's.
+ADVISED = lbvh phr-turbo phr-speed phr-quality phr-best embree-morton embree-sah embree-fast-spatial
 # Builders whose times with and without assertions in Embree are compared, and ours beside them: what noise looks like.
 ASSERTED = embree-morton embree-sah embree-fast-spatial lbvh
 NDEBUG = $(CURDIR)/target/embree-ndebug
@@ -78,7 +82,7 @@ KERNEL_TESTS = --test library -- trace_agreement trace_batches trace_watertight 
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: test-peers faults fuzz test-slurm sanitize bench bench-scaling bench-animation bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
+.PHONY: test-peers faults fuzz test-slurm sanitize bench bench-scaling bench-animation bench-advice bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -134,6 +138,16 @@ bench-animation: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr animate --width 4 --out results/animation $(ARGS)
 	./target/release/phr animate --width 8 --out results/animation-8 $(ARGS)
+
+bench-advice: packages
+	$(CARGO) build --release --bin phr
+	./target/release/phr bench --set builtin $(SCENES) --size 128 $(addprefix --builder ,$(ADVISED)) --filter grafted \
+		--rounds 8 --threads 2 --replace --out results/advice $(ARGS)
+	for scene in $(KERNEL_SCENES) $(SCENES); do \
+		./target/release/phr advise $$scene --threads 2 \
+			--out results/advice/$$(basename $$scene .ply.zst) || exit 1; \
+	done
+	./target/release/phr advise --judge results/advice --advice results/advice
 
 # A new revision begins anew: it cannot continue the runs of another (remove results/full).
 bench-reference: RESUMED = yes

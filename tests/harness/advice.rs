@@ -1,4 +1,7 @@
 //! `phr advise` and `phr tune` as a user meets them: what they write and what they refuse.
+use crate::by_hand;
+use phr::bench::row::{self, ROWS, Row};
+use phr::report::advice::rows::{ADVICE, AdviceRow};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -100,7 +103,6 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         (&["advise", "nowhere"], "nowhere"),
         (&["advise", "--judge", "nowhere"], "nowhere"),
         (&["tune", "scalable-2k", "--seconds", "0"], "--seconds 0"),
-        (&["tune", "scalable-2k", "--width", "6"], "--width 6"),
         (&["tune", "scalable-2k", "--kernel", "embree-native"], "--kernel embree-native"),
         (&["tune", "scalable-2k", "-o", "no/where.json"], "no such folder"),
         (&["tune", "scalable-2k", "-o", "a.json", "--name", "phr-hq"], "name"),
@@ -112,4 +114,63 @@ fn what_makes_no_sense_is_refused_in_one_line() {
     }
     let output = phr(folder.path(), &["advise", "scalable-2k", "--rays", "many"]);
     assert!(text(&output.stderr).contains("50M"), "{}", text(&output.stderr));
+    let output = phr(folder.path(), &["tune", "scalable-2k", "--width", "6"]);
+    assert!(text(&output.stderr).contains("give 4 or 8"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn advice_in_files_is_judged_by_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    // Build in ms and time per ray in ns of three trees in two scenes: the first is the best for few rays, the last for many.
+    let trees = [("lbvh", 10.0, 100.0), ("phr-speed", 50.0, 60.0), ("phr-best", 300.0, 50.0)];
+    let rows: Vec<Row> = ["hall", "yard"]
+        .iter()
+        .flat_map(|scene| trees.map(|(builder, build, ray)| (*scene, builder, build, ray)))
+        .map(|(scene, builder, build, ray)| Row {
+            build_ms_median: Some(build),
+            trace_ms_median: Some(ray),
+            sah: Some(50.0),
+            epo: Some(1.0),
+            leaf_fill: Some(0.9),
+            ..by_hand::row(scene, builder, "embree-grafted")
+        })
+        .collect();
+    std::fs::create_dir(folder.path().join("run")).unwrap();
+    row::write(&folder.path().join("run").join(ROWS), &rows).unwrap();
+    // Right advice for one scene; for the other, the best tree was not measured and the slowest builder looks quick.
+    let known = |scene: &str, trees: &[(&str, f64, f64)]| {
+        std::fs::create_dir_all(folder.path().join("advice").join(scene)).unwrap();
+        let file = folder.path().join("advice").join(scene).join(ADVICE);
+        let mut writer = csv::Writer::from_path(file).unwrap();
+        for &(builder, build_ms, ns_per_ray) in trees {
+            let row = AdviceRow {
+                schema: 1,
+                scene: scene.to_owned(),
+                builder: builder.to_owned(),
+                width: 4,
+                build_ms: Some(build_ms),
+                ns_per_ray: Some(ns_per_ray),
+                ..AdviceRow::default()
+            };
+            writer.serialize(row).unwrap();
+        }
+    };
+    known("hall", &trees);
+    known("yard", &[("phr-speed", 50.0, 60.0), ("phr-best", 40.0, 50.0), ("not-in-the-run", 1.0, 1.0)]);
+    let arguments = ["advise", "--judge", "run", "--advice", "advice"];
+    let page = told(folder.path(), &arguments);
+    assert!(page.contains("Share of 2 scenes") && page.contains("among the 3 trees"), "{page}");
+    let share = |rays: &str| {
+        let line = page.lines().find(|line| line.starts_with(&format!("| {rays} "))).unwrap();
+        line.split('|').nth(2).unwrap().trim().to_owned()
+    };
+    // 10 + 10 ms against 300 + 5; for 10 G rays phr-best is right.
+    assert_eq!([share("100k"), share("10G")], ["50 %", "100 %"], "{page}");
+    assert!(page.contains("| yard  | 100k | phr-best |      lbvh | 15.25 |"), "{page}");
+
+    known("cellar", &trees);
+    let output = phr(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(2));
+    let why = "phr: run: the run has no scene cellar, for which there is advice\n";
+    assert_eq!(text(&output.stderr), why);
 }

@@ -1,9 +1,10 @@
 //! Advice as CSV: one row per tree.
 
-use super::Advice;
-use crate::bench::files::{RecordsError, write_whole};
-use serde::Serialize;
-use std::path::Path;
+use super::{Advice, Known};
+use crate::bench::files::{RecordsError, read_csv, write_csv};
+use crate::bench::quick::line::{Estimate, TotalTime};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 
 /// Version of the columns.
 const SCHEMA: u32 = 1;
@@ -11,27 +12,53 @@ const SCHEMA: u32 = 1;
 pub const ADVICE: &str = "advice.csv";
 
 /// One tree, figures with the ends of their 95 % intervals.
-#[derive(Debug, Serialize)]
-struct AdviceRow<'a> {
-    schema: u32,
-    scene: &'a str,
-    triangles: usize,
-    origin: &'a str,
-    builder: &'a str,
-    width: u32,
-    rounds: usize,
-    build_ms: Option<f64>,
-    build_ms_low: Option<f64>,
-    build_ms_high: Option<f64>,
-    ns_per_ray: Option<f64>,
-    ns_per_ray_low: Option<f64>,
-    ns_per_ray_high: Option<f64>,
-    rays: f64,
-    total_ms: Option<f64>,
-    total_ms_low: Option<f64>,
-    total_ms_high: Option<f64>,
-    best_from_rays: Option<f64>,
-    note: &'a str,
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct AdviceRow {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// The scene.
+    pub scene: String,
+    /// Its triangles.
+    pub triangles: usize,
+    /// How the figures came about.
+    pub origin: String,
+    /// The builder.
+    pub builder: String,
+    /// Children per node.
+    pub width: u32,
+    /// Visits behind the figures.
+    pub rounds: usize,
+    /// Build time.
+    pub build_ms: Option<f64>,
+    /// Lower end of its interval.
+    pub build_ms_low: Option<f64>,
+    /// Upper end of it.
+    pub build_ms_high: Option<f64>,
+    /// Time per ray.
+    pub ns_per_ray: Option<f64>,
+    /// Lower end of its interval.
+    pub ns_per_ray_low: Option<f64>,
+    /// Upper end of it.
+    pub ns_per_ray_high: Option<f64>,
+    /// The number of rays asked for.
+    pub rays: f64,
+    /// Build and so many rays.
+    pub total_ms: Option<f64>,
+    /// Lower end of its interval.
+    pub total_ms_low: Option<f64>,
+    /// Upper end of it.
+    pub total_ms_high: Option<f64>,
+    /// The number of rays from which on the tree is the best.
+    pub best_from_rays: Option<f64>,
+    /// Why there are no figures, or no further round.
+    pub note: String,
+}
+
+impl AdviceRow {
+    /// The total time of the tree, without its intervals.
+    pub fn line(&self) -> Option<TotalTime> {
+        Some(TotalTime::exact(self.build_ms?, self.ns_per_ray?))
+    }
 }
 
 /// Writes the advice to `folder`, whole or not at all.
@@ -39,29 +66,19 @@ struct AdviceRow<'a> {
 /// # Errors
 /// An unwritable place.
 pub fn write(folder: &Path, advice: &Advice) -> Result<(), RecordsError> {
-    let path = folder.join(ADVICE);
-    let malformed = |source| RecordsError::Malformed { path: path.clone(), source };
     let winners = advice.winners();
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for known in &advice.trees {
-        // An end that nothing is known of is empty.
-        let finite = |value: f64| Some(value).filter(|value| value.is_finite() && *value > 0.0);
-        let figures = |estimate: Option<crate::bench::quick::line::Estimate>| {
-            let ends =
-                |of: fn(crate::bench::quick::line::Estimate) -> f64| estimate.and_then(|it| finite(of(it)));
-            (ends(|it| it.value), ends(|it| it.low), ends(|it| it.high))
-        };
-        let (build_ms, build_ms_low, build_ms_high) = figures(known.line.map(|line| line.build_ms));
-        let (ns_per_ray, ns_per_ray_low, ns_per_ray_high) = figures(known.line.map(|line| line.ns_per_ray));
-        let (total_ms, total_ms_low, total_ms_high) =
-            figures(known.line.map(|line| line.estimate_at(advice.rays)));
-        let is_this = |other: &&(&super::Known, f64)| std::ptr::eq(other.0, known);
-        let row = AdviceRow {
+    let row = |known: &Known| {
+        let is_this = |other: &&(&Known, f64)| std::ptr::eq(other.0, known);
+        let [build_ms, build_ms_low, build_ms_high] = figures(known.line.map(|line| line.build_ms));
+        let [ns_per_ray, ns_per_ray_low, ns_per_ray_high] = figures(known.line.map(|line| line.ns_per_ray));
+        let total = known.line.map(|line| line.estimate_at(advice.rays));
+        let [total_ms, total_ms_low, total_ms_high] = figures(total);
+        AdviceRow {
             schema: SCHEMA,
-            scene: &advice.scene,
+            scene: advice.scene.clone(),
             triangles: advice.triangles,
-            origin: &advice.origin,
-            builder: &known.builder,
+            origin: advice.origin.clone(),
+            builder: known.builder.clone(),
             width: known.width,
             rounds: known.rounds,
             build_ms,
@@ -75,12 +92,31 @@ pub fn write(folder: &Path, advice: &Advice) -> Result<(), RecordsError> {
             total_ms_low,
             total_ms_high,
             best_from_rays: winners.iter().find(is_this).map(|(_, from)| *from),
-            note: &known.note,
-        };
-        writer.serialize(row).map_err(malformed)?;
+            note: known.note.clone(),
+        }
+    };
+    write_csv(&folder.join(ADVICE), &advice.trees.iter().map(row).collect::<Vec<_>>())
+}
+
+/// A figure and the ends of its interval; empty where nothing is known of one.
+fn figures(estimate: Option<Estimate>) -> [Option<f64>; 3] {
+    let finite = |value: f64| Some(value).filter(|value| value.is_finite() && *value > 0.0);
+    estimate.map_or([None; 3], |it| [it.value, it.low, it.high].map(finite))
+}
+
+/// Reads the advice in the subfolders of `folder`, by name; that of the folder itself where none has any.
+///
+/// # Errors
+/// No such file, other columns, no rows.
+pub fn read_all(folder: &Path) -> Result<Vec<Vec<AdviceRow>>, RecordsError> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut folders: Vec<PathBuf> = entries.filter(|below| below.join(ADVICE).is_file()).collect();
+    folders.sort();
+    if folders.is_empty() {
+        folders.push(folder.to_owned());
     }
-    let bytes = writer.into_inner().map_err(|error| malformed(error.into_error().into()))?;
-    write_whole(&path, &bytes)
+    let schema = |row: &AdviceRow| row.schema;
+    folders.iter().map(|one| read_csv(one, ADVICE, (schema, SCHEMA), "run `phr advise` first")).collect()
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::bench::results_dir;
 use crate::bench::row::{self, Row};
 use crate::bench::{kernels, scaling};
 use crate::report::ablation::Ablation;
-use crate::report::advice::model::judged;
+use crate::report::advice::{self, model::judged, model::judged_files};
 use crate::report::evidence::assertions::assertions;
 use crate::report::evidence::constants::constants;
 use crate::report::evidence::fronts::fronts;
@@ -23,7 +23,7 @@ use crate::report::{self, targets};
 use std::path::Path;
 
 /// The kinds of markers, each with the words that follow; `...` stands for more of the last.
-pub(super) const KINDS: [(&str, &str); 19] = [
+pub(super) const KINDS: [(&str, &str); 20] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
@@ -43,9 +43,10 @@ pub(super) const KINDS: [(&str, &str); 19] = [
     ("scaling", "RESULTS"),
     ("findings", "EXPERIMENT"),
     ("advice", "RESULTS..."),
+    ("measured-advice", "RESULTS"),
 ];
 /// Kinds with fixed kernels, which take no `--kernel`.
-const OF_FIXED_KERNELS: [&str; 11] = [
+const OF_FIXED_KERNELS: [&str; 12] = [
     "targets",
     "bars",
     "growth",
@@ -57,6 +58,7 @@ const OF_FIXED_KERNELS: [&str; 11] = [
     "scaling",
     "findings",
     "advice",
+    "measured-advice",
 ];
 /// The kind that takes `--withheld RESULTS`.
 const OF_WITHHELD: &str = "summary";
@@ -135,6 +137,13 @@ impl<'a> Marker<'a> {
             "findings" => findings(&folder.join(self.words[0]))
                 .map_err(|source| ReadmeError::Records { line: self.line, source }),
             "advice" => self.advice(folder),
+            "measured-advice" => {
+                let results = folder.join(self.words[0]);
+                let records = |source| ReadmeError::Records { line: self.line, source };
+                let advice = advice::rows::read_all(&results).map_err(records)?;
+                let run = row::read(&results).map_err(records)?;
+                judged_files::page(&run, &advice).map_err(|reason| self.wrong(reason))
+            }
             "constants" => constants(&folder.join(self.words[0])).map_err(|reason| self.wrong(reason)),
             _ => self.of_one_run(folder),
         }

@@ -15,7 +15,7 @@ use crate::cli::progress::Steps;
 use crate::cli::verbs::plot::draw;
 use crate::report::advice::measured::Measurement;
 use crate::report::advice::model::facts::SceneFacts;
-use crate::report::advice::model::{Model, choose, judged};
+use crate::report::advice::model::{Model, choose, judged, judged_files};
 use crate::report::advice::rows::{self, ADVICE};
 use crate::report::advice::{Advice, page};
 use crate::report::plot::total_time::total_time;
@@ -71,6 +71,9 @@ pub struct Arguments {
     /// Print how good the model's advice is: for each scene of a results folder by a model of the others
     #[arg(long, value_name = "RESULTS")]
     judge: Option<PathBuf>,
+    /// With --judge: how good the advice in the subfolders of this folder is instead, by the run's total times
+    #[arg(long, value_name = "DIR", requires = "judge", conflicts_with = "withheld")]
+    advice: Option<PathBuf>,
     /// With --judge: also for the scenes of this folder, by a model of all of the first
     #[arg(long, value_name = "RESULTS", requires = "judge")]
     withheld: Option<PathBuf>,
@@ -85,9 +88,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return say(&format!("{}: {} trees from {} scenes", file.display(), model.trees.len(), model.scenes));
     }
     if let Some(results) = &arguments.judge {
+        let told = |page: Result<String, String>| {
+            say(&page.map_err(|reason| Failure::Bad(format!("{}: {reason}", results.display())))?)
+        };
+        if let Some(folder) = &arguments.advice {
+            return told(judged_files::page(&row::read(results)?, &rows::read_all(folder)?));
+        }
         let withheld = arguments.withheld.as_deref().map(row::read).transpose()?;
-        let refused = |reason| Failure::Bad(format!("{}: {reason}", results.display()));
-        return say(&judged::page(&row::read(results)?, withheld.as_deref()).map_err(refused)?);
+        return told(judged::page(&row::read(results)?, withheld.as_deref()));
     }
     let model = arguments.model.as_deref().map_or_else(|| Ok(Model::committed()), Model::read)?;
     let measurement = if arguments.instant { None } else { Some(measurement(arguments)?) };

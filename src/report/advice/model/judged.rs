@@ -14,10 +14,10 @@ use crate::report::grid::Grid;
 const RIGHT: f64 = 1.05;
 
 /// The judged advice of one set of scenes.
-struct Judged {
-    name: &'static str,
-    trees: Vec<TreeName>,
-    outcomes: Vec<Outcome>,
+pub(super) struct Judged {
+    pub(super) name: &'static str,
+    pub(super) trees: Vec<TreeName>,
+    pub(super) outcomes: Vec<Outcome>,
 }
 
 /// The tables for an open run and, where there is one, a run over withheld scenes.
@@ -92,7 +92,8 @@ fn of_withheld(open: &[Observed], withheld: &[Observed]) -> Judged {
     Judged { name: "withheld", trees: common, outcomes }
 }
 
-fn table(all: &[Judged]) -> String {
+/// A row for each number of rays: the share of right advice and the mean loss.
+pub(super) fn table(all: &[Judged]) -> String {
     let columns = all.iter().flat_map(|judged| [judged.name, "loss"]);
     let mut grid = Grid::new(std::iter::once("rays").chain(columns));
     let cells = |outcomes: &[Outcome]| {
@@ -119,7 +120,7 @@ impl Judged {
 }
 
 /// Wrong advice by name, folded away.
-fn misses(judged: &Judged) -> String {
+pub(super) fn misses(judged: &Judged) -> String {
     let mut grid = Grid::new(["scene", "rays", "advised", "best", "ratio"]);
     let name = |tree: usize| tree_name((&judged.trees[tree].0, judged.trees[tree].1));
     let wrong = judged.outcomes.iter().filter(|outcome| outcome.ratio > RIGHT);
