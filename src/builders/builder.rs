@@ -8,7 +8,8 @@ use crate::parallel::timeline;
 use std::time::{Duration, Instant};
 
 /// A named part of a build and how long it took on the wall clock.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Phase {
     /// What was done: "bounds", "presplit", "codes", "sort", "auxiliary tree", "cuts and nodes", ...
     pub name: &'static str,
@@ -17,7 +18,8 @@ pub struct Phase {
 }
 
 /// What a builder counted on the way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Counts {
     /// Binary splits made.
     pub splits: u64,
@@ -49,8 +51,11 @@ pub trait Builder<const N: usize, G: Geometry = Mesh>: Send {
     /// The name used in commands and records, e.g. `phr-fast`.
     fn name(&self) -> &str;
 
-    /// The parameters, for the records.
-    fn config(&self) -> serde_json::Value;
+    /// The parameters as a JSON object, for the records; empty where a builder does not tell any.
+    #[cfg(feature = "serde")]
+    fn config(&self) -> serde_json::Value {
+        serde_json::json!({})
+    }
 
     /// Builds the tree over all triangles of a mesh, or all boxes. Temporary memory is kept for the next call.
     fn build(&mut self, geometry: &G) -> Build<N, G::Block>;

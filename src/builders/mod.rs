@@ -44,7 +44,9 @@ pub use phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, Merged
 pub use prims::boxes::{Boxes, BoxesError, Primitives};
 pub use prims::geometry::Geometry;
 pub use prims::presplit::PresplitConfig;
-pub use registry::recipe::{Recipe, RecipeError, by_name, over_boxes};
+pub use registry::by_name::{by_name, over_boxes};
+#[cfg(feature = "serde")]
+pub use registry::recipe::{Recipe, RecipeError};
 pub use registry::{ABLATION, CutConfig, NAMES, OVER, WITHOUT, cuts_of, on_request};
 pub use wide::foreign::{ForeignTree, Opened, widened};
 pub use wide::optimal::CollapseCosts;

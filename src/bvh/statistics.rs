@@ -5,7 +5,8 @@ use super::{Child, LeafBlock, Link, WideBvh};
 use crate::geometry::Mesh;
 
 /// Counts and costs of a tree.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Statistics {
     /// SAH cost with c_T = c_I = 1, a leaf counting its blocks: the sum over inner nodes of their area and
     /// over leaves of area times blocks, relative to the area of the whole. Embree prints the same.

@@ -4,8 +4,8 @@
 //! is always named too. [`super::inspect()`] checks that the one named ran.
 
 /// Embree's builders, as in the paper's Table 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum EmbreeBuilder {
     /// Morton codes with tree rotations, build quality LOW.
     Morton,
@@ -44,7 +44,8 @@ impl EmbreeBuilder {
 }
 
 /// How many children an inner node has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Width {
     /// BVH4, as in the paper.
     Four,
@@ -66,7 +67,8 @@ impl Width {
 }
 
 /// Settings of a [`super::Device`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Config {
     /// The builder.
     pub builder: EmbreeBuilder,

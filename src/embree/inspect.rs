@@ -8,7 +8,8 @@ use crate::geometry::Mesh;
 
 /// A build as Embree reports it. For a mesh without triangles nothing is built: names are "none" and all
 /// numbers 0.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Inspection {
     /// The builder's class, e.g. "avx::BVH4BuilderSAH".
     pub builder: String,

@@ -38,7 +38,8 @@ pub enum MoveError {
 }
 
 /// Triangles left out of a mesh because Embree would drop them silently, counted by reason.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Dropped {
     /// A vertex has a NaN, infinite or larger coordinate than [`Ray::LARGEST`].
     pub non_finite: usize,

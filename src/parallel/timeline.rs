@@ -37,7 +37,7 @@ thread_local! {
 ///
 /// # Panics
 /// If the current rayon pool has more than one thread: tasks of others would not be seen.
-#[cfg_attr(not(feature = "harness"), expect(dead_code))]
+#[cfg_attr(not(any(feature = "harness", test)), expect(dead_code))]
 pub(crate) fn record<R>(workers: usize, f: impl FnOnce() -> R) -> (R, Vec<Step>) {
     /// Ends the recording, also when `f` panics.
     struct Ended;

@@ -5,7 +5,8 @@ use super::views::{View, views_around};
 use crate::geometry::{Dropped, Mesh};
 
 /// What a scene file holds besides usable triangles.
-#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Contents {
     /// Objects and groups that became one mesh: `o` and `g` lines of OBJ, solids of STL, primitives of glTF in the places
     /// of their nodes; 1 in PLY, 0 in generated scenes.

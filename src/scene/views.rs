@@ -4,7 +4,8 @@ use crate::geometry::{Mesh, Ray};
 use glam::Vec3;
 
 /// A pinhole camera.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct View {
     /// Position, scene units.
     pub eye: Vec3,

@@ -4,8 +4,8 @@ use crate::geometry::{Hit, Ray, Tracer};
 use rayon::prelude::*;
 
 /// The purpose of a path tracer's ray.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum RayKind {
     /// From the camera; traced for the closest hit.
     Primary,

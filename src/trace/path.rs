@@ -12,7 +12,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// How a frame is traced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PathSettings {
     /// Pixels per row.
     pub width: u32,

@@ -179,7 +179,11 @@ fn check<const N: usize>(seed: u64) -> bool {
             return false;
         }
     };
-    let what = format!("seed {seed}, {} {}, width {N}, scale {scale}", builder.name(), builder.config());
+    #[cfg(feature = "serde")]
+    let config = builder.config();
+    #[cfg(not(feature = "serde"))]
+    let config = "(its parameters are told with the feature serde)";
+    let what = format!("seed {seed}, {} {config}, width {N}, scale {scale}", builder.name());
     let build = builder.build(&mesh);
     assert_eq!(build.tree.validate(&mesh), Ok(()), "{what}");
     if (1e-6..=1e6).contains(&scale) {

@@ -1,6 +1,7 @@
 //! What the sources are held to: the order of modules, no circles among files, `unsafe` in a few files, small
-//! files and folders, and one defining file for each section of the paper.
+//! files and folders, one defining file for each section of the paper, and few dependencies.
 
+mod dependencies;
 mod imports;
 mod items;
 mod module_tree;

@@ -17,7 +17,8 @@ use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::simd::Isa;
 
 /// Parameters of Hunt's method.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HuntConfig {
     /// Nodes of every cut, as far as there are enough; 2 to 65536.
     pub cut_length: usize,
@@ -55,6 +56,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Hunt<N, G::Block> {
         self.name
     }
 
+    #[cfg(feature = "serde")]
     fn config(&self) -> serde_json::Value {
         serde_json::json!(self.config)
     }

@@ -24,7 +24,8 @@ use std::ops::Range;
 
 /// Which subtrees of the auxiliary BVH are leaves beside those of few references: near the leaves nothing is lost
 /// by opening them all at once, where they are small.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Clusters {
     /// Most references of a cluster.
     pub most: u32,
@@ -33,7 +34,8 @@ pub struct Clusters {
 }
 
 /// Variants of the auxiliary BVH; each changes the tree.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AuxiliaryConfig {
     /// Codes are sorted by their highest 12 bits alone, as in the paper. Within a bucket the other bits are in no order, so
     /// that no search finds where they change (the paper does not say what becomes of it): its run, in the order of the
@@ -170,8 +172,7 @@ mod tests {
     use super::*;
     use crate::builders::lbvh::key::{code, reference};
     use crate::builders::lbvh::partition::partition;
-    use crate::geometry::Aabb;
-    use crate::geometry::Mesh;
+    use crate::geometry::{Aabb, Mesh};
 
     fn triangles(n: usize, place: impl Fn(usize) -> [f32; 3]) -> Mesh {
         let vertices = (0..n).flat_map(|i| {
@@ -225,9 +226,8 @@ mod tests {
                 auxiliary
                     .build(&mesh, &AuxiliaryConfig { bucket_sort, auxiliary_leaf, ..AuxiliaryConfig::PAPER });
                 let references = auxiliary.order.refs(&mesh);
-                let root = auxiliary.tree.root.unwrap();
                 let mut seen = Vec::new();
-                let depth = walk(&auxiliary, &references, &root, &mut seen, leaf);
+                let depth = walk(&auxiliary, &references, &auxiliary.tree.root.unwrap(), &mut seen, leaf);
                 seen.sort_unstable();
                 assert_eq!(seen, (0..n as u32).collect::<Vec<_>>(), "{name}");
                 assert!(depth <= 44 + 28, "{name}: {depth}");

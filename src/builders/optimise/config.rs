@@ -4,7 +4,8 @@ use crate::builders::config_error::{ConfigError, check};
 use crate::builders::wide::optimal::CollapseCosts;
 
 /// Parameters of the optimisation.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OptimiseConfig {
     /// Rounds of reinsertion.
     pub rounds: u32,

@@ -12,7 +12,8 @@ use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::simd::Isa;
 
 /// Parameters of [`OptimisedPhr`].
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OptimisedPhrConfig {
     /// Of the tree.
     pub phr: PhrConfig,
@@ -59,6 +60,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for OptimisedPhr<N, G::Block> {
         self.name
     }
 
+    #[cfg(feature = "serde")]
     fn config(&self) -> serde_json::Value {
         serde_json::json!(self.config)
     }

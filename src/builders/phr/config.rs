@@ -8,7 +8,8 @@ use crate::builders::wide::optimal::CollapseCosts;
 use crate::bvh::limits::{BLOCK, MAX_LEAF, MAX_REFERENCES_PER_TRIANGLE, SUBTREE_MOST};
 
 /// Parameters of PHR, by the paper's symbols.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PhrConfig {
     /// alpha of equation 2: how fast cuts shrink with depth.
     pub alpha: f32,
@@ -18,7 +19,7 @@ pub struct PhrConfig {
     pub max_cut: usize,
     /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3");
     /// with [`AuxiliaryConfig::calibration`] relative to that scale. Infinite, `null` in JSON: there are no spatial splits.
-    #[serde(deserialize_with = "or_infinite")]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "or_infinite"))]
     pub spatial_threshold: f32,
     /// Most triangles of a leaf, 4 to 28. Up to four always are a leaf; more are one where the cost model has a leaf of
     /// several blocks cheaper than a node (the paper leaves leaves open).
@@ -26,30 +27,32 @@ pub struct PhrConfig {
     /// Most references per reference that spatial splits may make, 1 to 4: bounds memory (the paper has no bound).
     pub max_references: f32,
     /// What goes beyond the paper; none in [`PhrConfig::FAST`] and [`PhrConfig::HQ`].
-    #[serde(flatten)]
+    #[cfg_attr(feature = "serde", serde(flatten))]
     pub extensions: Extensions,
 }
 
 /// Reads a number that may be infinite, of which JSON makes `null`.
+#[cfg(feature = "serde")]
 fn or_infinite<'de, D: serde::Deserializer<'de>>(json: D) -> Result<f32, D::Error> {
     let number: Option<f32> = serde::Deserialize::deserialize(json)?;
     Ok(number.unwrap_or(f32::INFINITY))
 }
 
 /// What goes beyond the paper. Each changes the tree.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Extensions {
     /// Of the auxiliary BVH.
-    #[serde(flatten)]
+    #[cfg_attr(feature = "serde", serde(flatten))]
     pub auxiliary: AuxiliaryConfig,
     /// Which builder makes the auxiliary tree (paper 5.5).
-    #[serde(default, skip_serializing_if = "AuxiliaryTree::is_lbvh")]
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "AuxiliaryTree::is_lbvh"))]
     pub auxiliary_tree: AuxiliaryTree,
     /// The initial cut has this share of the triangles as nodes, at least 2048 and at most `max_cut`, however small they
     /// are: in a scene of a few huge triangles all else is smaller than a threshold taken from the scene's area.
     pub cut_share: Option<f32>,
     /// Large parts of the scene are opened by their own area too.
-    #[serde(rename = "own_threshold")]
+    #[cfg_attr(feature = "serde", serde(rename = "own_threshold"))]
     pub local_threshold: Option<LocalThreshold>,
     /// A spatial split is taken if it costs less than the best object split, as in the paper, or if its cost times the
     /// growth in references is less than this multiple of the object split's.
@@ -69,7 +72,8 @@ pub struct Extensions {
 
 /// A threshold beside that of equation 2, taken from the part that is split and not from the scene: a part that is small
 /// in the scene has few nodes large enough for equation 2, however much there is in it.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LocalThreshold {
     /// It holds for sides of splits with at least this many references;
     pub references: u32,

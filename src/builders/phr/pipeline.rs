@@ -67,6 +67,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Phr<N, G::Block> {
         self.name
     }
 
+    #[cfg(feature = "serde")]
     fn config(&self) -> serde_json::Value {
         serde_json::json!(self.config)
     }

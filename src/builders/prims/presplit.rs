@@ -15,7 +15,8 @@ use crate::parallel::ordered_append::{self, Chunk, Offset};
 use rayon::prelude::*;
 
 /// Which triangles are presplit.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PresplitConfig {
     /// A needle's projections on the coordinate planes sum up to at most this part of half its box's area (at
     /// most 0.5 for any triangle).

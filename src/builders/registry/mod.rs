@@ -1,6 +1,8 @@
 //! The builders by name: those of the paper, PLOC, ours, the paper's with one extension each, and ours without one each.
 
+pub mod by_name;
 mod make;
+#[cfg(feature = "serde")]
 pub mod recipe;
 
 use crate::builders::clusters::aac::AacConfig;
@@ -13,8 +15,8 @@ use crate::builders::prims::presplit::PresplitConfig;
 use crate::builders::wide::optimal::CollapseCosts;
 
 /// The configuration of a builder; as JSON its fields alone.
-#[derive(Clone, Copy, Debug, serde::Serialize)]
-#[serde(untagged)]
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(untagged))]
 pub(crate) enum Config {
     Lbvh,
     Aac(AacConfig),

@@ -7,7 +7,8 @@ use arrayvec::ArrayVec;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// What a wide tree costs, per area.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CollapseCosts {
     /// A visit to a wide node.
     pub node: f32,

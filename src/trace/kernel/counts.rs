@@ -3,7 +3,8 @@
 use std::ops::Add;
 
 /// Nodes and leaf blocks that a batch of rays visited.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TraversalCounts {
     /// Rays traced.
     pub rays: u64,

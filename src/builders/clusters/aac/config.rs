@@ -3,7 +3,8 @@
 use crate::builders::config_error::{ConfigError, check};
 
 /// Parameters of AAC.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AacConfig {
     /// delta: runs of at most this many triangles are not partitioned further; 1 to 64.
     pub delta: usize,

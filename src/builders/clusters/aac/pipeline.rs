@@ -43,6 +43,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Aac<N, G::Block> {
         "aac"
     }
 
+    #[cfg(feature = "serde")]
     fn config(&self) -> serde_json::Value {
         serde_json::json!(self.config)
     }

@@ -6,7 +6,8 @@ use crate::builders::config_error::{ConfigError, check};
 pub(crate) const MAX_RADIUS: usize = 128;
 
 /// Parameters of PLOC.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PlocConfig {
     /// How many clusters before and after a cluster are searched for its nearest, 1 to 128.
     pub radius: usize,

@@ -51,6 +51,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Ploc<N, G::Block> {
         "ploc"
     }
 
+    #[cfg(feature = "serde")]
     fn config(&self) -> serde_json::Value {
         serde_json::json!(self.config)
     }

@@ -10,7 +10,6 @@ use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::memory::Memory;
 use crate::builders::wide::open_largest::{Priority, open_largest, replace};
 use crate::builders::wide::treelet::{self, Subtree, WideTreelet};
-use crate::bvh::limits::MORTON_BITS;
 use crate::bvh::{LeafBlock, Link, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Aabb;
 use crate::memory::pool::Pool;
@@ -38,8 +37,9 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Lbvh<N, G::Block, G::Item> {
         "lbvh"
     }
 
+    #[cfg(feature = "serde")]
     fn config(&self) -> serde_json::Value {
-        serde_json::json!({ "code_bits": MORTON_BITS })
+        serde_json::json!({ "code_bits": crate::bvh::limits::MORTON_BITS })
     }
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {

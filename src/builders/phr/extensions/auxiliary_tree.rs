@@ -15,8 +15,8 @@ use crate::simd::Isa;
 use std::ops::Range;
 
 /// Which builder makes the auxiliary tree.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum AuxiliaryTree {
     /// LBVH, as in the paper.
     #[default]

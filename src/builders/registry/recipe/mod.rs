@@ -126,25 +126,18 @@ impl Recipe {
         }
     }
 
+    /// The builder over boxes of anything, under the name that it has without changes.
+    pub fn builder_over_boxes<const N: usize>(&self) -> Box<BoxBuilder<N>> {
+        let built = make::over_boxes(self.base, self.config);
+        built.expect("changes are in range, as was seen when they were made")
+    }
+
     /// The builder, of trees of nodes of up to `N` children, 4 or 8.
     pub fn builder<const N: usize>(&self) -> Box<dyn Builder<N>> {
         let built = make::over_triangles(self.base, self.config);
         let builder = built.expect("changes are in range, as was seen when they were made");
         if self.changes.is_empty() { builder } else { Box::new(Renamed { name: self.name(), builder }) }
     }
-}
-
-/// The builder of trees of nodes of up to `N` children, 4 or 8, called `name`, or `None`; names are those of
-/// [`NAMES`](crate::builders::NAMES), [`ABLATION`](crate::builders::ABLATION) and [`WITHOUT`](crate::builders::WITHOUT), with or without changes as in
-/// [`Recipe::parse`].
-pub fn by_name<const N: usize>(name: &str) -> Option<Box<dyn Builder<N>>> {
-    Recipe::parse(name).ok().map(|recipe| recipe.builder())
-}
-
-/// The same over boxes of anything, under the name that it has without changes.
-pub fn over_boxes<const N: usize>(name: &str) -> Option<Box<BoxBuilder<N>>> {
-    let recipe = Recipe::parse(name).ok()?;
-    make::over_boxes(recipe.base, recipe.config).ok()
 }
 
 /// A builder under another name.

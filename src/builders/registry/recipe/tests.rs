@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::builders::testing::soup;
-use crate::builders::{NAMES, on_request};
+use crate::builders::{NAMES, by_name, on_request};
 
 fn error(name: &str) -> String {
     let text = Recipe::parse(name).unwrap_err().to_string();

@@ -6,7 +6,8 @@ use crate::builders::config_error::{ConfigError, check};
 pub(crate) const MOST_BINS: usize = 64;
 
 /// Parameters of binned SAH.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BinnedSahConfig {
     /// Bins along each axis, 2 to 64; in nodes of few references four and one for every twenty, as in Embree.
     pub bins: usize,

@@ -1,0 +1,30 @@
+//! Builders by name.
+
+#[cfg(feature = "serde")]
+use super::recipe::Recipe;
+use super::{config, make};
+use crate::builders::builder::{BoxBuilder, Builder};
+
+/// The builder of trees of nodes of up to `N` children, 4 or 8, called `name`, or `None`; names are those of
+/// [`NAMES`](crate::builders::NAMES) and [`on_request`](crate::builders::on_request) and, with the feature `serde`, these with
+/// changes: `phr-hq[delta=8]`.
+pub fn by_name<const N: usize>(name: &str) -> Option<Box<dyn Builder<N>>> {
+    match config(name) {
+        Some((name, config)) => make::over_triangles(name, config).ok(),
+        #[cfg(feature = "serde")]
+        None => Recipe::parse(name).ok().map(|recipe| recipe.builder()),
+        #[cfg(not(feature = "serde"))]
+        None => None,
+    }
+}
+
+/// The same over boxes of anything, under the name that it has without changes.
+pub fn over_boxes<const N: usize>(name: &str) -> Option<Box<BoxBuilder<N>>> {
+    match config(name) {
+        Some((name, config)) => make::over_boxes(name, config).ok(),
+        #[cfg(feature = "serde")]
+        None => Recipe::parse(name).ok().map(|recipe| recipe.builder_over_boxes()),
+        #[cfg(not(feature = "serde"))]
+        None => None,
+    }
+}
