@@ -7,7 +7,8 @@
 
 #![allow(unsafe_code)]
 
-#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+#[cfg(not(target_arch = "x86_64"))]
+mod elsewhere;
 pub(crate) mod vector;
 
 use std::fmt;

@@ -6,7 +6,7 @@
 
 #![allow(unsafe_code)]
 
-use super::{Avx2, Avx512};
+use super::Avx512;
 
 /// Vectors of [`Lanes::N`] floats, implemented by the proof that the processor has them.
 pub(crate) trait Lanes: Copy {
@@ -63,7 +63,8 @@ pub(crate) struct Avx512Half(pub Avx512);
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Avx2, Avx512, Avx512Half, Lanes};
+    use super::{Avx512, Avx512Half, Lanes};
+    use crate::simd::Avx2;
     use std::arch::x86_64::*;
 
     /// Methods whose bodies are intrinsics.

@@ -7,6 +7,7 @@ mod embree;
 mod hits;
 mod instances;
 mod moving;
+mod platform;
 mod primitives;
 mod query;
 mod scene_files;

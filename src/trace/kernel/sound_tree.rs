@@ -72,6 +72,7 @@ impl<'a, const N: usize, B> SoundTree<'a, N, B> {
     ///
     /// # Safety
     /// `link` was reached from the root.
+    #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub(super) unsafe fn below(self, link: Link) -> Self {
         Self { root: link, ..self }

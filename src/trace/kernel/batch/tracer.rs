@@ -28,10 +28,13 @@ pub struct BatchTracer<'a, const N: usize> {
 }
 
 /// Rays that have to meet at a node on average for a stream to be faster than interleaved rays, for the closest hit.
+#[cfg(target_arch = "x86_64")]
 const ENOUGH: u32 = 8;
 /// The same for any hit, where children need not be sorted.
+#[cfg(target_arch = "x86_64")]
 const ENOUGH_FOR_ANY: u32 = 5;
 /// Rays that are interleaved after a stream that fell apart.
+#[cfg(target_arch = "x86_64")]
 const PAUSE: usize = 15 * 32;
 
 impl<'a, const N: usize> BatchTracer<'a, N> {
@@ -61,17 +64,21 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
     fn run<const ANY: bool>(&self, rays: &[Ray], answer: impl FnMut(usize, Hit)) -> bool {
         match self.isa {
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2(token) => self.batch::<FastAvx2<_>, ANY>(token, token, rays, answer),
+            Isa::Avx2(token) => {
+                self.batch::<FastAvx2<_>, ANY>(token, token, rays, answer);
+                true
+            }
             // As with single rays, code for AVX2 is the fastest.
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512(token) => self.batch::<FastAvx2<_>, ANY>(token.avx2(), token, rays, answer),
+            Isa::Avx512(token) => {
+                self.batch::<FastAvx2<_>, ANY>(token.avx2(), token, rays, answer);
+                true
+            }
             _ => {
                 let _ = (rays, answer);
-                return false;
+                false
             }
         }
-        #[cfg(target_arch = "x86_64")]
-        true
     }
 
     /// Traces streams of rays of one octant of directions, which wait for each other, and interleaves the rays after a

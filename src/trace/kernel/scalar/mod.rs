@@ -7,5 +7,7 @@ mod crossing;
 mod fast;
 mod watertight;
 
-pub(super) use fast::{FastScalar, SMALLEST_DIRECTION};
+pub(super) use fast::FastScalar;
+#[cfg(target_arch = "x86_64")]
+pub(super) use fast::SMALLEST_DIRECTION;
 pub(super) use watertight::WatertightScalar;
