@@ -123,6 +123,7 @@
 //! Imports run down this list: `geometry`, `scene`, `bvh`, `simd`, `memory`, `parallel`, `builders`, `embree`, `peers`,
 //! `trace`, `query`, `bench`, `report`, `experiments`, `cli`.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(missing_docs)]
 
 pub mod builders;

@@ -1,4 +1,4 @@
-//! Ray against triangle in [extended precision](super::double_double), with bounds on the errors of single precision:
+//! Ray against triangle in extended precision (`double_double`), with bounds on the errors of single precision:
 //! settles disputes between tracers.
 //!
 //! The model is backward error: arithmetic in `f32` answers correctly for a triangle (or a box around it)

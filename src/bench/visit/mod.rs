@@ -60,7 +60,7 @@ impl<'a> Bench<'a> {
     /// there.
     ///
     /// # Errors
-    /// [`Stopped`] if the run was told to stop meanwhile.
+    /// `Stopped` if the run was told to stop meanwhile.
     pub fn visit(&mut self, cell: &Cell, turn: Turn, samples: &mut CellSamples) -> Result<(), Stopped> {
         let visited = Contender::of(cell)
             .map_err(Unfinished::Failed)

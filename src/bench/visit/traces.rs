@@ -51,7 +51,7 @@ impl<'a> SceneTraces<'a> {
     /// Whether to go on.
     ///
     /// # Errors
-    /// [`Stopped`] if the run was told to stop.
+    /// `Stopped` if the run was told to stop.
     pub fn go_on(&self) -> Result<(), Stopped> {
         if self.stop.load(Ordering::Relaxed) { Err(Stopped) } else { Ok(()) }
     }
@@ -59,7 +59,7 @@ impl<'a> SceneTraces<'a> {
     /// Traces each batch once, untimed, and compares with the reference.
     ///
     /// # Errors
-    /// [`Stopped`] if the run was told to stop meanwhile.
+    /// `Stopped` if the run was told to stop meanwhile.
     pub fn check(&mut self, tree: &TreeUnderKernel<'_>) -> Result<KernelChecks, Stopped> {
         let mut kernel = KernelChecks {
             kernel: tree.kernel,
@@ -126,7 +126,7 @@ impl<'a> SceneTraces<'a> {
     /// be right.
     ///
     /// # Errors
-    /// [`Stopped`] if the run was told to stop meanwhile.
+    /// `Stopped` if the run was told to stop meanwhile.
     pub fn time(
         &mut self,
         tracer: &dyn Tracer,

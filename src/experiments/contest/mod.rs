@@ -1,7 +1,7 @@
 //! Experiments that are runs: contenders that differ in one thing, built and traced by the benchmark itself, verified and in
 //! interleaved rounds, and compared with one another.
 //!
-//! [`experiment`] is what makes one, [`list`] has them, [`variants`] and [`methods`] their builders, [`compared`] makes ratios of their rows, [`findings`] tells what came of it in words, [`effects`] and
+//! [`experiment`] is what makes one, [`list`] has them, [`variants`] and [`methods`] their builders, [`compared`] makes ratios of their rows, `findings` tells what came of it in words, [`effects`] and
 //! [`fronts`] draw it; [`grid`] judges what the paper says of its grid of parameters.
 
 pub mod compared;

@@ -1,7 +1,7 @@
 //! Figure 1 of the paper: the traversal steps of a view's primary rays, pixel by pixel, under several builders side by
 //! side.
 //!
-//! [`measure`] counts, [`records`] keeps the counts, [`draw`] colours them.
+//! `measure` counts, `records` keeps the counts, `draw` colours them.
 
 pub mod draw;
 pub mod measure;

@@ -1,7 +1,7 @@
 //! Figures 3 and 5 of the paper: a split of a cut as the builder made it. Figure 3 is an object split: the cut, its two
 //! sides, both refined; Figure 5 a spatial one, with its plane and its clip boxes.
 //!
-//! [`choose`] finds splits worth a picture, [`records`] keeps their boxes, [`draw`] projects them.
+//! `choose` finds splits worth a picture, `records` keeps their boxes, `draw` projects them.
 
 pub mod choose;
 pub mod draw;

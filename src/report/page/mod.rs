@@ -1,6 +1,6 @@
 //! A run as one HTML file that needs nothing else: verdict, plots, table, pictures, and how it was measured.
 //!
-//! [`data`] has the figures, [`words`] what is told of machine and warnings, [`attachments`] the pictures beside the rows;
+//! `data` has the figures, `words` what is told of machine and warnings, `attachments` the pictures beside the rows;
 //! `page.html` is the template, `page.css` and the scripts beside it show what it holds. Plots are drawn by Observable
 //! Plot over D3, both in `vendor` with their licences.
 

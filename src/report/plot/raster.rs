@@ -51,10 +51,10 @@ pub struct Patch {
     pub rgb: Vec<[u8; 3]>,
 }
 
-/// As [`png`], with `patches` over the drawing; what of them lies outside is left out.
+/// As [`png()`], with `patches` over the drawing; what of them lies outside is left out.
 ///
 /// # Errors
-/// As [`png`].
+/// As [`png()`].
 pub fn png_with(svg: &str, scale: f32, patches: &[Patch]) -> Result<Vec<u8>, RasterError> {
     let tree = usvg::Tree::from_str(svg, &OPTIONS)?;
     let size = |length: f32| (length * scale).ceil() as u32;
