@@ -39,6 +39,14 @@
 #                   AddressSanitizer (nightly toolchain and cargo-fuzz); SECONDS_EACH=600 for ten minutes each
 # make sanitize     the tests of our kernels and of the library's queries under AddressSanitizer and under valgrind, and
 #                   the portable kernel's under Miri where the nightly toolchain has it
+# make test-platforms
+#                   the library and the benchmark checked for aarch64 Linux and macOS, everything under the oldest compiler,
+#                   and the library's tests under qemu on aarch64 and on x86-64 with less than this machine has; the parts
+#                   PARTS (checks oldest aarch64 x86-64) of it: half an hour, rustup needed
+# make audit        dependencies without use, of licences that do not fit or with known faults, and breaks of the public
+#                   interface since the last release (cargo-machete, cargo-deny, cargo-semver-checks)
+# make package      both crates as the registry would get them, compiled from there, and the documentation as docs.rs
+#                   makes it (nightly toolchain): minutes
 # make test-peers   the tests of the builders of other crates, which `make test` leaves out: their crates take minutes to
 #                   compile
 #
@@ -82,7 +90,7 @@ KERNEL_TESTS = --test library -- trace_agreement trace_batches trace_watertight 
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: test-peers faults fuzz test-slurm sanitize bench bench-scaling bench-animation bench-advice bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
+.PHONY: test-peers test-platforms audit package faults fuzz test-slurm sanitize bench bench-scaling bench-animation bench-advice bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -216,6 +224,17 @@ sanitize: packages
 		PHR_ISA=scalar MIRIFLAGS=-Zmiri-disable-isolation $(CARGO) +nightly miri test -p phr --no-default-features \
 			--test library query::; \
 	else echo "Miri is not installed: rustup component add miri --toolchain nightly"; fi
+
+test-platforms:
+	sh .ci/test-platforms
+
+audit:
+	sh .ci/audit
+
+package: packages
+	$(CARGO) package --workspace
+	RUSTDOCFLAGS="--cfg docsrs -D warnings" $(CARGO) +nightly doc -p phr --lib --no-deps --no-default-features \
+		--features peers --target-dir target/docs
 
 test-peers: packages
 	$(CARGO) clippy --workspace --all-targets --features phr/peers -- -D warnings
