@@ -50,6 +50,9 @@
 # make test-peers   the tests of the builders of other crates, which `make test` leaves out: their crates take minutes to
 #                   compile
 #
+# make test-trixie  embree-sys, the wrapper and short runs with Embree 4 in a root of Debian 13, which debootstrap makes in
+#                   target/trixie; as root
+#
 # make test-slurm   a run spread over a Slurm cluster of this one machine (cluster/submit), a task of it killed and
 #                   requeued, merged and compared with the same run in one; as root, some minutes
 #
@@ -90,7 +93,7 @@ KERNEL_TESTS = --test library -- trace_agreement trace_batches trace_watertight 
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: test-peers test-platforms audit package faults fuzz test-slurm sanitize bench bench-scaling bench-animation bench-advice bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
+.PHONY: test-peers test-trixie test-platforms audit package faults fuzz test-slurm sanitize bench bench-scaling bench-animation bench-advice bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -239,6 +242,9 @@ package: packages
 test-peers: packages
 	$(CARGO) clippy --workspace --all-targets --features phr/peers -- -D warnings
 	$(CARGO) test -p phr --features peers --lib peers::
+
+test-trixie:
+	sh .ci/test-trixie
 
 test-slurm: packages
 	$(CARGO) build --release --bin phr

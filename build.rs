@@ -1,5 +1,5 @@
-//! Provenance for the records: git revision, compiler and target features; and where the loader finds an Embree of the
-//! user's own choice.
+//! Provenance for the records: git revision, compiler and target features; which Embree was found, and where the loader
+//! finds one of the user's own choice.
 
 use std::process::Command;
 
@@ -14,9 +14,17 @@ fn main() {
     }
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
     // The loader looks among the system's libraries, and would find the distribution's Embree there.
-    println!("cargo:rerun-if-env-changed=EMBREE3_DIR");
-    if let (Some(_), Ok(lib)) = (std::env::var_os("EMBREE3_DIR"), std::env::var("DEP_EMBREE3_LIB")) {
+    let mut is_chosen = false;
+    for prefix in ["EMBREE_DIR", "EMBREE3_DIR"] {
+        println!("cargo:rerun-if-env-changed={prefix}");
+        is_chosen |= std::env::var_os(prefix).is_some();
+    }
+    if let (true, Ok(lib)) = (is_chosen, std::env::var("DEP_EMBREE_LIB")) {
         println!("cargo:rustc-link-arg=-Wl,-rpath,{lib}");
+    }
+    println!("cargo:rustc-check-cfg=cfg(embree4)");
+    if std::env::var("DEP_EMBREE_MAJOR").is_ok_and(|major| major == "4") {
+        println!("cargo:rustc-cfg=embree4");
     }
     set("PHR_GIT_REV", revision());
     set("PHR_RUSTC", output(&rustc, &["--version"]));

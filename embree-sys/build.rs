@@ -1,20 +1,25 @@
-//! Finds Embree 3, checks its version, generates the bindings and compiles the shim.
+//! Finds Embree 3 or 4, checks its version, generates the bindings and compiles the shim.
 //!
-//! Looks in `EMBREE3_DIR` (a prefix with `include/embree3` and `lib`) if that is set, and nowhere else;
-//! otherwise in the places where distributions install it. An error names everything missing in one paragraph.
+//! Looks in `EMBREE_DIR`, or else in `EMBREE3_DIR` (a prefix with `include/embree4` or `include/embree3`, and `lib`),
+//! if one is set, and nowhere else; otherwise in the places where distributions install it. Where both versions are,
+//! Embree 3 is taken, with which the published figures were measured. An error names everything missing in one paragraph.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs, panic};
 
 /// Names the packages; ends every complaint about something missing.
-const PACKAGES: &str = "Debian/Ubuntu: apt install libembree-dev libclang-dev; Arch: pacman -S embree3 clang; \
-    Homebrew: brew install embree@3 llvm; elsewhere set EMBREE3_DIR to Embree's prefix (with include/embree3 and \
-    lib) and LIBCLANG_PATH to libclang's folder. The phr library also builds without Embree: --no-default-features";
+const PACKAGES: &str = "Debian/Ubuntu: apt install libembree-dev libclang-dev; Arch: pacman -S embree clang; \
+    Homebrew: brew install embree llvm; elsewhere set EMBREE_DIR to Embree's prefix (with include/embree3 or \
+    include/embree4, and lib) and LIBCLANG_PATH to libclang's folder. The phr library also builds without Embree: \
+    --no-default-features";
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=c");
-    for variable in ["EMBREE3_DIR", "LIBCLANG_PATH", "LLVM_CONFIG_PATH", "BINDGEN_EXTRA_CLANG_ARGS"] {
+    println!("cargo::rustc-check-cfg=cfg(embree4)");
+    for variable in
+        ["EMBREE_DIR", "EMBREE3_DIR", "LIBCLANG_PATH", "LLVM_CONFIG_PATH", "BINDGEN_EXTRA_CLANG_ARGS"]
+    {
         println!("cargo::rerun-if-env-changed={variable}");
     }
     if let Err(complaint) = run() {
@@ -28,68 +33,71 @@ fn run() -> Result<(), String> {
     generate_bindings(&embree)?;
     cc::Build::new()
         .include(&embree.include)
+        .define("EMBREE_MAJOR", embree.major.to_string().as_str())
         .file("c/shim.c")
         .std("c99")
         .warnings(true)
         .try_compile("embree_sys_shim")
         .map_err(|why| format!("the C compiler could not compile Embree's inline functions: {why}"))?;
+    if embree.major == 4 {
+        println!("cargo::rustc-cfg=embree4");
+    }
     println!("cargo::rustc-link-search=native={}", embree.lib.display());
-    println!("cargo::rustc-link-lib=dylib=embree3");
+    println!("cargo::rustc-link-lib=dylib=embree{}", embree.major);
     println!("cargo::metadata=include={}", embree.include.display());
     println!("cargo::metadata=lib={}", embree.lib.display());
+    println!("cargo::metadata=major={}", embree.major);
     println!("cargo::metadata=version={version}");
     Ok(())
 }
 
-/// An installation: the folder that holds `embree3/rtcore.h` and the one that holds the library.
+/// An installation.
 struct Embree {
+    /// 3 or 4.
+    major: u32,
+    /// The folder that holds `embree3/rtcore.h` or `embree4/rtcore.h`.
     include: PathBuf,
+    /// The folder that holds the library.
     lib: PathBuf,
 }
 
 impl Embree {
     fn find() -> Result<Self, String> {
-        let arch = env::var("CARGO_CFG_TARGET_ARCH").unwrap_or_default();
         let os = env::var("CARGO_CFG_TARGET_OS").unwrap_or_default();
-        let library = if os == "macos" { "libembree3.dylib" } else { "libembree3.so" };
-        let (prefixes, place) = match env::var_os("EMBREE3_DIR") {
-            Some(prefix) => {
-                (vec![PathBuf::from(&prefix)], format!("in EMBREE3_DIR={}", prefix.to_string_lossy()))
-            }
-            None => {
-                let usual: &[&str] = if os == "macos" {
-                    &["/opt/homebrew/opt/embree@3", "/opt/homebrew", "/usr/local/opt/embree@3", "/usr/local"]
-                } else {
-                    &["/usr", "/usr/local", "/home/linuxbrew/.linuxbrew/opt/embree@3"]
-                };
-                (usual.iter().map(PathBuf::from).collect(), format!("in {}", usual.join(", ")))
-            }
-        };
+        let arch = env::var("CARGO_CFG_TARGET_ARCH").unwrap_or_default();
         let libs = [format!("lib/{arch}-linux-gnu"), "lib64".into(), "lib".into()];
+        let suffix = if os == "macos" { "dylib" } else { "so" };
+        let (prefixes, place) = places(os == "macos");
+        let majors = majors()?;
         let mut found_header = None;
-        for prefix in &prefixes {
-            let include = prefix.join("include");
-            if !include.join("embree3/rtcore.h").is_file() {
-                continue;
-            }
-            let lib = libs.iter().map(|lib| prefix.join(lib)).find(|lib| lib.join(library).exists());
-            match lib {
-                Some(lib) => return Ok(Self { include, lib }),
-                None => found_header = Some(include),
+        for &major in &majors {
+            let library = format!("libembree{major}.{suffix}");
+            for prefix in &prefixes {
+                let include = prefix.join("include");
+                if !include.join(format!("embree{major}/rtcore.h")).is_file() {
+                    continue;
+                }
+                let lib = libs.iter().map(|lib| prefix.join(lib)).find(|lib| lib.join(&library).exists());
+                match lib {
+                    Some(lib) => return Ok(Self { major, include, lib }),
+                    None => found_header = Some((include, library.clone())),
+                }
             }
         }
+        let names = majors.iter().map(u32::to_string).collect::<Vec<_>>().join(" or ");
         Err(match found_header {
-            Some(include) => format!(
-                "Embree 3's headers are in {} but {library} was not found beside them. {PACKAGES}",
+            Some((include, library)) => format!(
+                "Embree's headers are in {} but {library} was not found beside them. {PACKAGES}",
                 include.display()
             ),
-            None => format!("Embree 3 (embree3/rtcore.h) was not found {place}. {PACKAGES}"),
+            None => format!("Embree {names} (rtcore.h) was not found {place}. {PACKAGES}"),
         })
     }
 
     /// The version in the header, e.g. "3.13.5".
     fn version(&self) -> Result<String, String> {
-        let path = self.include.join("embree3/rtcore_config.h");
+        let major = self.major;
+        let path = self.include.join(format!("embree{major}/rtcore_config.h"));
         let text =
             fs::read_to_string(&path).map_err(|why| format!("{}: {why}. {PACKAGES}", path.display()))?;
         let part = |name: &str| -> Option<u32> {
@@ -98,13 +106,47 @@ impl Embree {
             line.split_whitespace().nth(2)?.parse().ok()
         };
         match (part("RTC_VERSION_MAJOR"), part("RTC_VERSION_MINOR"), part("RTC_VERSION_PATCH")) {
-            (Some(3), Some(minor), Some(patch)) => Ok(format!("3.{minor}.{patch}")),
-            (Some(major), ..) => {
-                Err(format!("{} belongs to Embree {major}, but 3 is needed. {PACKAGES}", path.display()))
+            (Some(found), Some(minor), Some(patch)) if found == major => {
+                Ok(format!("{major}.{minor}.{patch}"))
+            }
+            (Some(found), ..) => {
+                Err(format!("{} belongs to Embree {found}, not {major}. {PACKAGES}", path.display()))
             }
             _ => Err(format!("{} names no RTC_VERSION_MAJOR. {PACKAGES}", path.display())),
         }
     }
+}
+
+/// Versions that will do, the preferred one first.
+fn majors() -> Result<Vec<u32>, String> {
+    let is_wanted = |major: u32| env::var_os(format!("CARGO_FEATURE_EMBREE{major}")).is_some();
+    let is_for_3 = env::var_os("EMBREE_DIR").is_none() && env::var_os("EMBREE3_DIR").is_some();
+    match (is_wanted(3), is_wanted(4)) {
+        (false, true) if is_for_3 => {
+            Err("the feature embree4 asks for Embree 4, and EMBREE3_DIR names an Embree 3; set EMBREE_DIR instead"
+                .into())
+        }
+        (false, true) => Ok(vec![4]),
+        (true, false) => Ok(vec![3]),
+        _ if is_for_3 => Ok(vec![3]),
+        _ => Ok(vec![3, 4]),
+    }
+}
+
+/// The prefixes to look in, and how to say so.
+fn places(is_macos: bool) -> (Vec<PathBuf>, String) {
+    for variable in ["EMBREE_DIR", "EMBREE3_DIR"] {
+        if let Some(prefix) = env::var_os(variable) {
+            let place = format!("in {variable}={}", prefix.to_string_lossy());
+            return (vec![PathBuf::from(prefix)], place);
+        }
+    }
+    let usual: &[&str] = if is_macos {
+        &["/opt/homebrew/opt/embree@3", "/opt/homebrew", "/usr/local/opt/embree@3", "/usr/local"]
+    } else {
+        &["/usr", "/usr/local", "/home/linuxbrew/.linuxbrew/opt/embree@3", "/home/linuxbrew/.linuxbrew"]
+    };
+    (usual.iter().map(PathBuf::from).collect(), format!("in {}", usual.join(", ")))
 }
 
 fn generate_bindings(embree: &Embree) -> Result<(), String> {
@@ -117,9 +159,10 @@ fn generate_bindings(embree: &Embree) -> Result<(), String> {
         return Err(format!("libclang, which generates the bindings to Embree, was not found. {PACKAGES}"));
     }
     let out =
-        Path::new(&env::var_os("OUT_DIR").ok_or("OUT_DIR is not set; build with cargo")?).join("embree3.rs");
+        Path::new(&env::var_os("OUT_DIR").ok_or("OUT_DIR is not set; build with cargo")?).join("embree.rs");
     bindgen::builder()
-        .header("c/embree3.h")
+        .header("c/embree.h")
+        .clang_arg(format!("-DEMBREE_MAJOR={}", embree.major))
         .clang_arg(format!("-I{}", embree.include.display()))
         .allowlist_item("(rtc|RTC|embree_sys_).*")
         .prepend_enum_name(false)

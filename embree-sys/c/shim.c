@@ -1,8 +1,16 @@
 /* Embree's inline functions as functions that Rust can call, and the layout of its structures. */
-#include "embree3.h"
+#include "embree.h"
 #include <string.h>
 
+#if EMBREE_MAJOR == 3
 void embree_sys_rtcInitIntersectContext(struct RTCIntersectContext *context) { rtcInitIntersectContext(context); }
+#else
+void embree_sys_rtcInitRayQueryContext(struct RTCRayQueryContext *context) { rtcInitRayQueryContext(context); }
+
+void embree_sys_rtcInitIntersectArguments(struct RTCIntersectArguments *args) { rtcInitIntersectArguments(args); }
+
+void embree_sys_rtcInitOccludedArguments(struct RTCOccludedArguments *args) { rtcInitOccludedArguments(args); }
+#endif
 
 void embree_sys_rtcInitPointQueryContext(struct RTCPointQueryContext *context) {
   rtcInitPointQueryContext(context);
@@ -61,9 +69,15 @@ void embree_sys_rtcQuaternionDecompositionSetTranslation(struct RTCQuaternionDec
 }
 
 /* A packet of N is an array of 4-byte words, N per member in the order of the single structure: so member m
-   of ray i is word m*N+i (members of RTCRay: 12, of RTCHit: 7 and the instance stack). */
+   of ray i is word m*N+i (members of RTCRay: 12, of RTCHit: 7 and the instance stack, of which some releases of
+   Embree 4 have a second one, for the instances of arrays). */
+#ifdef RTC_GEOMETRY_INSTANCE_ARRAY
+#define INSTANCE_STACKS 2
+#else
+#define INSTANCE_STACKS 1
+#endif
 #define RAY_WORDS (sizeof(struct RTCRay) / 4)
-#define HIT_WORDS (offsetof(struct RTCHit, instID) / 4 + RTC_MAX_INSTANCE_LEVEL_COUNT)
+#define HIT_WORDS (offsetof(struct RTCHit, instID) / 4 + INSTANCE_STACKS * RTC_MAX_INSTANCE_LEVEL_COUNT)
 
 static void gather(void *one, const void *packet, size_t words, size_t N, size_t i) {
   for (size_t m = 0; m < words; ++m)

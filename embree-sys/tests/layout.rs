@@ -18,11 +18,37 @@ macro_rules! layouts {
 }
 
 fn layouts_in_rust() -> BTreeMap<String, usize> {
+    let mut layouts = layouts_of_both();
+    layouts.extend(layouts_of_one());
+    layouts
+}
+
+/// What Embree 3 alone has.
+#[cfg(not(embree4))]
+fn layouts_of_one() -> BTreeMap<String, usize> {
+    layouts! {
+    RTCIntersectContext { flags, filter, instID }
+    RTCRayNp { org_x, org_y, org_z, tnear, dir_x, dir_y, dir_z, time, tfar, mask, id, flags }
+    RTCHitNp { Ng_x, Ng_y, Ng_z, u, v, primID, geomID, instID }
+    RTCRayHitNp { ray, hit }
+    }
+}
+
+/// What Embree 4 alone has.
+#[cfg(embree4)]
+fn layouts_of_one() -> BTreeMap<String, usize> {
+    layouts! {
+    RTCRayQueryContext { instID }
+    RTCIntersectArguments { flags, feature_mask, context, filter, intersect }
+    RTCOccludedArguments { flags, feature_mask, context, filter, occluded }
+    }
+}
+
+fn layouts_of_both() -> BTreeMap<String, usize> {
     layouts! {
     RTCBounds { lower_x, lower_y, lower_z, align0, upper_x, upper_y, upper_z, align1 }
     RTCLinearBounds { bounds0, bounds1 }
     RTCFilterFunctionNArguments { valid, geometryUserPtr, context, ray, hit, N }
-    RTCIntersectContext { flags, filter, instID }
     RTCPointQuery { x, y, z, time, radius }
     RTCPointQuery4 { x, y, z, time, radius }
     RTCPointQuery8 { x, y, z, time, radius }
@@ -41,9 +67,6 @@ fn layouts_in_rust() -> BTreeMap<String, usize> {
     RTCRay16 { org_x, org_y, org_z, tnear, dir_x, dir_y, dir_z, time, tfar, mask, id, flags }
     RTCHit16 { Ng_x, Ng_y, Ng_z, u, v, primID, geomID, instID }
     RTCRayHit16 { ray, hit }
-    RTCRayNp { org_x, org_y, org_z, tnear, dir_x, dir_y, dir_z, time, tfar, mask, id, flags }
-    RTCHitNp { Ng_x, Ng_y, Ng_z, u, v, primID, geomID, instID }
-    RTCRayHitNp { ray, hit }
     RTCCollision { geomID0, primID0, geomID1, primID1 }
     RTCQuaternionDecomposition { scale_x, scale_y, scale_z, skew_xy, skew_xz, skew_yz, shift_x, shift_y, shift_z, quaternion_r, quaternion_i, quaternion_j, quaternion_k, translation_x, translation_y, translation_z }
     RTCBoundsFunctionArguments { geometryUserPtr, primID, timeStep, bounds_o }
@@ -81,9 +104,23 @@ fn layouts_agree() {
 fn inline_functions_work() {
     // SAFETY: plain functions over structures that outlive the calls; all-zero bytes are valid for each.
     unsafe {
-        let mut context: RTCIntersectContext = std::mem::zeroed();
-        rtcInitIntersectContext(&mut context);
-        assert_eq!(context.instID, [RTC_INVALID_GEOMETRY_ID]);
+        #[cfg(not(embree4))]
+        {
+            let mut context: RTCIntersectContext = std::mem::zeroed();
+            rtcInitIntersectContext(&mut context);
+            assert_eq!(context.instID, [RTC_INVALID_GEOMETRY_ID]);
+        }
+        #[cfg(embree4)]
+        {
+            let mut context: RTCRayQueryContext = std::mem::zeroed();
+            rtcInitRayQueryContext(&mut context);
+            assert_eq!(context.instID, [RTC_INVALID_GEOMETRY_ID]);
+            let mut closest: RTCIntersectArguments = std::mem::zeroed();
+            rtcInitIntersectArguments(&mut closest);
+            let mut any: RTCOccludedArguments = std::mem::zeroed();
+            rtcInitOccludedArguments(&mut any);
+            assert_eq!([closest.feature_mask, any.feature_mask], [RTC_FEATURE_FLAG_ALL; 2]);
+        }
         let arguments = rtcDefaultBuildArguments();
         assert_eq!(arguments.byteSize, size_of::<RTCBuildArguments>());
         assert_eq!(arguments.maxLeafSize, RTC_BUILD_MAX_PRIMITIVES_PER_LEAF);

@@ -178,14 +178,16 @@ unsafe extern "C" fn on_memory(user: *mut c_void, bytes: isize, _after: bool) ->
     true
 }
 
-/// The version of the library in use, e.g. "3.13.5", or why it cannot be asked.
+/// A version as [`Device::version_number`] gives it, as it is written: 31305 is "3.13.5".
+pub(super) fn version_name(number: isize) -> String {
+    format!("{}.{}.{}", number / 10000, number / 100 % 100, number % 100)
+}
+
+/// The version of the library in use, e.g. "3.13.5" or "4.3.3", or why it cannot be asked.
 pub fn version() -> String {
     static VERSION: OnceLock<String> = OnceLock::new();
     let ask = || match Device::from_string("threads=1".to_owned()) {
-        Ok(device) => {
-            let number = device.version_number();
-            format!("{}.{}.{}", number / 10000, number / 100 % 100, number % 100)
-        }
+        Ok(device) => version_name(device.version_number()),
         Err(why) => why.to_string(),
     };
     VERSION.get_or_init(ask).clone()

@@ -37,7 +37,7 @@ pub enum EmbreeError {
         found: String,
     },
     /// The verbose output lacks something.
-    #[error("Embree's verbose output names no {0}; another version than 3.13?")]
+    #[error("Embree's verbose output names no {0}; another version than 3.13 or 4.3?")]
     Unreadable(&'static str),
     /// Standard output could not be redirected to read the verbose output.
     #[error("standard output could not be read back: {0}; is it closed?")]

@@ -2,7 +2,8 @@
 
 #![allow(unsafe_code)]
 
-use super::query::{context, embree_ray, found};
+use super::arguments::Arguments;
+use super::query::{embree_ray, found};
 use super::scene::Handle;
 use super::{Device, EmbreeError, EmbreeScene};
 use crate::geometry::{Hit, Ray};
@@ -66,9 +67,8 @@ impl InstanceScene<'_> {
         let mut query = sys::RTCRayHit { ray: embree_ray(ray), ..Default::default() };
         query.hit.geomID = sys::RTC_INVALID_GEOMETRY_ID;
         query.hit.instID = [sys::RTC_INVALID_GEOMETRY_ID; _];
-        // SAFETY: the scene is committed and live; context and query are whole, aligned by their types and not shared; the
-        // ray is valid.
-        unsafe { sys::rtcIntersect1(self.handle.0, &mut context(), &mut query) };
+        // SAFETY: the scene is committed and live; the query is whole and aligned by its type; the ray is valid.
+        unsafe { Arguments::new().intersect1(self.handle.0, &mut query) };
         let hit = Hit { t: query.ray.tfar, u: query.hit.u, v: query.hit.v, prim: query.hit.primID };
         let hit = found(query.hit.geomID, hit);
         hit.is_hit().then_some((query.hit.instID[0], hit))
@@ -80,7 +80,7 @@ impl InstanceScene<'_> {
         // SAFETY: as in `closest`.
         ray.is_valid()
             && unsafe {
-                sys::rtcOccluded1(self.handle.0, &mut context(), &mut query);
+                Arguments::new().occluded1(self.handle.0, &mut query);
                 query.tfar < 0.0 && ray.tfar >= 0.0
             }
     }

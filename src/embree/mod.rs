@@ -1,4 +1,4 @@
-//! The distribution's Embree 3 behind safe types: devices, scenes, its three builders at both widths, and
+//! The distribution's Embree 3 or 4 behind safe types: devices, scenes, its three builders at both widths, and
 //! its reports of the trees it built. None of Embree's own types leave this module.
 //!
 //! ```no_run
@@ -11,6 +11,7 @@
 //! # Ok(()) }
 //! ```
 
+mod arguments;
 mod capture;
 mod config;
 mod device;
@@ -21,6 +22,7 @@ mod moving;
 mod packets;
 mod query;
 mod scene;
+#[cfg(not(embree4))]
 mod streams;
 #[cfg(test)]
 mod test_meshes;
@@ -35,6 +37,7 @@ pub use instances::InstanceScene;
 pub use moving::{Committed, Following, MovingScene};
 pub use packets::Packets;
 pub use scene::{EmbreeScene, Prepared};
+#[cfg(not(embree4))]
 pub use streams::{PacketStream, Stream};
 #[cfg(feature = "graft")]
 pub use tree::{Unavailable, graft, native};

@@ -1,9 +1,10 @@
 //! Ray queries in packets of eight or sixteen (`rtcIntersect8`, `rtcIntersect16` and their `rtcOccluded`): Embree's
-//! gain from coherent rays. Trees are ranked by single rays; packets and [streams](super::streams) are what our own
-//! batches are measured against.
+//! gain from coherent rays. Trees are ranked by single rays; packets, and the streams of Embree 3, are what our own batches
+//! are measured against.
 
 #![allow(unsafe_code)]
 
+use super::arguments::Arguments;
 use super::{EmbreeScene, query};
 use crate::geometry::{Hit, Ray, Tracer};
 use embree_sys as sys;
@@ -57,15 +58,15 @@ macro_rules! packets {
 
         impl Tracer for Packets<'_, '_, $lanes> {
             fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
-                let mut context = query::context_for(self.coherent);
+                let mut arguments = Arguments::of(self.coherent);
                 let mut packet = sys::$ray_hit::default();
                 packet.ray.mask = [u32::MAX; $lanes];
                 for (rays, hits) in rays.chunks($lanes).zip(hits.chunks_mut($lanes)) {
                     let mask = Self::fill(&mut packet.ray, rays);
                     packet.hit.geomID = [sys::RTC_INVALID_GEOMETRY_ID; $lanes];
-                    // SAFETY: the scene is committed and live; mask and packet are whole, aligned by their types and
-                    // not shared; lanes that are on hold valid rays.
-                    unsafe { sys::$intersect(mask.0.as_ptr(), self.scene.raw(), &mut context, &mut packet) };
+                    // SAFETY: the scene is committed and live; mask and packet are whole and aligned by their types; lanes
+                    // that are on hold valid rays.
+                    unsafe { arguments.$intersect(mask.0.as_ptr(), self.scene.raw(), &mut packet) };
                     for (lane, hit) in hits.iter_mut().enumerate() {
                         let (ray, found) = (&packet.ray, &packet.hit);
                         let (u, v, prim) = (found.u[lane], found.v[lane], found.primID[lane]);
@@ -75,12 +76,12 @@ macro_rules! packets {
             }
 
             fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
-                let mut context = query::context_for(self.coherent);
+                let mut arguments = Arguments::of(self.coherent);
                 let mut packet = sys::$ray { mask: [u32::MAX; $lanes], ..Default::default() };
                 for (rays, occluded) in rays.chunks($lanes).zip(occluded.chunks_mut($lanes)) {
                     let mask = Self::fill(&mut packet, rays);
                     // SAFETY: as in `closest`.
-                    unsafe { sys::$occluded(mask.0.as_ptr(), self.scene.raw(), &mut context, &mut packet) };
+                    unsafe { arguments.$occluded(mask.0.as_ptr(), self.scene.raw(), &mut packet) };
                     for (lane, (ray, occluded)) in rays.iter().zip(occluded).enumerate() {
                         *occluded = mask.0[lane] != 0 && packet.tfar[lane] < 0.0 && ray.tfar >= 0.0;
                     }
@@ -90,8 +91,8 @@ macro_rules! packets {
     };
 }
 
-packets!(8, RTCRay8, RTCRayHit8, rtcIntersect8, rtcOccluded8);
-packets!(16, RTCRay16, RTCRayHit16, rtcIntersect16, rtcOccluded16);
+packets!(8, RTCRay8, RTCRayHit8, intersect8, occluded8);
+packets!(16, RTCRay16, RTCRayHit16, intersect16, occluded16);
 
 #[cfg(test)]
 mod tests {
@@ -116,9 +117,13 @@ mod tests {
                 batches.extend(
                     scene.packets::<16>(coherent).map(|packets| Box::new(packets) as Box<dyn Tracer>),
                 );
-                batches.extend(scene.stream(coherent).map(|stream| Box::new(stream) as Box<dyn Tracer>));
-                batches
-                    .extend(scene.packet_stream(coherent).map(|stream| Box::new(stream) as Box<dyn Tracer>));
+                #[cfg(not(embree4))]
+                {
+                    let stream = scene.stream(coherent);
+                    batches.extend(stream.map(|stream| Box::new(stream) as Box<dyn Tracer>));
+                    let stream = scene.packet_stream(coherent);
+                    batches.extend(stream.map(|stream| Box::new(stream) as Box<dyn Tracer>));
+                }
             }
             assert!(batches.len() >= 4);
             for batch in batches {

@@ -8,6 +8,7 @@
 #![allow(unsafe_code)]
 
 use super::EmbreeScene;
+use super::arguments::Arguments;
 use crate::geometry::{Hit, Ray, Tracer};
 use embree_sys as sys;
 
@@ -24,14 +25,13 @@ impl Tracer for EmbreeScene<'_> {
     /// An invalid ray misses.
     fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
         debug_assert_eq!(rays.len(), hits.len());
-        let (scene, mut context) = (self.raw(), context());
+        let (scene, mut arguments) = (self.raw(), Arguments::new());
         let mut query = sys::RTCRayHit::default();
         let mut trace = |ray: &Ray| {
             query.ray = embree_ray(ray);
             query.hit.geomID = sys::RTC_INVALID_GEOMETRY_ID;
-            // SAFETY: the scene is committed and live; context and query are whole, aligned by their types and
-            // not shared; the ray is valid.
-            unsafe { sys::rtcIntersect1(scene, &mut context, &mut query) };
+            // SAFETY: the scene is committed and live; the query is whole and aligned by its type; the ray is valid.
+            unsafe { arguments.intersect1(scene, &mut query) };
             let hit = Hit { t: query.ray.tfar, u: query.hit.u, v: query.hit.v, prim: query.hit.primID };
             found(query.hit.geomID, hit)
         };
@@ -51,11 +51,11 @@ impl Tracer for EmbreeScene<'_> {
     /// An invalid ray hits nothing.
     fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
         debug_assert_eq!(rays.len(), occluded.len());
-        let (scene, mut context) = (self.raw(), context());
+        let (scene, mut arguments) = (self.raw(), Arguments::new());
         let mut trace = |ray: &Ray| {
             let mut query = embree_ray(ray);
             // SAFETY: as in `closest`.
-            unsafe { sys::rtcOccluded1(scene, &mut context, &mut query) };
+            unsafe { arguments.occluded1(scene, &mut query) };
             // A hit sets `tfar` to minus infinity; a segment that ends before its start hits nothing.
             query.tfar < 0.0 && ray.tfar >= 0.0
         };
@@ -71,22 +71,6 @@ impl Tracer for EmbreeScene<'_> {
             }
         }
     }
-}
-
-/// A context that says whether neighbouring rays go alike.
-pub(super) fn context_for(coherent: bool) -> sys::RTCIntersectContext {
-    let mut context = context();
-    if coherent {
-        context.flags = sys::RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    }
-    context
-}
-
-pub(super) fn context() -> sys::RTCIntersectContext {
-    let mut context = sys::RTCIntersectContext::default();
-    // SAFETY: writes the structure given.
-    unsafe { sys::rtcInitIntersectContext(&mut context) };
-    context
 }
 
 /// True if Embree accepts all of them; without a branch per ray.

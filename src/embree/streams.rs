@@ -1,8 +1,9 @@
 //! Ray queries in streams: arrays of single rays (`rtcIntersect1M`, `rtcOccluded1M`) and arrays of packets of sixteen
-//! (`rtcIntersectNM`, `rtcOccludedNM`), which Embree groups as it sees fit.
+//! (`rtcIntersectNM`, `rtcOccludedNM`), which Embree groups as it sees fit. Embree 4 has no such queries, nor this module.
 
 #![allow(unsafe_code)]
 
+use super::arguments::Arguments;
 use super::{EmbreeScene, query};
 use crate::geometry::{Hit, Ray, Tracer};
 use embree_sys as sys;
@@ -52,7 +53,7 @@ fn valid_or_inactive(ray: &Ray) -> &Ray {
 
 impl Tracer for Stream<'_, '_> {
     fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
-        let mut context = query::context_for(self.coherent);
+        let mut arguments = Arguments::of(self.coherent);
         let mut stream = vec![sys::RTCRayHit::default(); STREAM.min(rays.len())];
         let stride = size_of::<sys::RTCRayHit>();
         for (rays, hits) in rays.chunks(STREAM).zip(hits.chunks_mut(STREAM)) {
@@ -64,7 +65,13 @@ impl Tracer for Stream<'_, '_> {
             // shared; each ray is valid.
             unsafe {
                 let count = rays.len() as u32;
-                sys::rtcIntersect1M(self.scene.raw(), &mut context, stream.as_mut_ptr(), count, stride);
+                sys::rtcIntersect1M(
+                    self.scene.raw(),
+                    arguments.context(),
+                    stream.as_mut_ptr(),
+                    count,
+                    stride,
+                );
             }
             for (hit, query) in hits.iter_mut().zip(&stream) {
                 *hit = query::found(
@@ -76,7 +83,7 @@ impl Tracer for Stream<'_, '_> {
     }
 
     fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
-        let mut context = query::context_for(self.coherent);
+        let mut arguments = Arguments::of(self.coherent);
         let mut stream = vec![sys::RTCRay::default(); STREAM.min(rays.len())];
         let stride = size_of::<sys::RTCRay>();
         for (rays, occluded) in rays.chunks(STREAM).zip(occluded.chunks_mut(STREAM)) {
@@ -86,7 +93,7 @@ impl Tracer for Stream<'_, '_> {
             // SAFETY: as in `closest`.
             unsafe {
                 let count = rays.len() as u32;
-                sys::rtcOccluded1M(self.scene.raw(), &mut context, stream.as_mut_ptr(), count, stride);
+                sys::rtcOccluded1M(self.scene.raw(), arguments.context(), stream.as_mut_ptr(), count, stride);
             }
             for ((occluded, query), ray) in occluded.iter_mut().zip(&stream).zip(rays) {
                 *occluded = query.tfar < 0.0 && ray.tfar >= 0.0;
@@ -118,7 +125,7 @@ fn lanes(rays: &[Ray]) -> impl Iterator<Item = (usize, &Ray)> {
 
 impl Tracer for PacketStream<'_, '_> {
     fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
-        let mut context = query::context_for(self.coherent);
+        let mut arguments = Arguments::of(self.coherent);
         let mut stream = vec![sys::RTCRayHit16::default(); STREAM.min(rays.len()).div_ceil(LANES)];
         for (rays, hits) in rays.chunks(STREAM).zip(hits.chunks_mut(STREAM)) {
             for (packet, rays) in stream.iter_mut().zip(rays.chunks(LANES)) {
@@ -131,7 +138,14 @@ impl Tracer for PacketStream<'_, '_> {
             // each ray is valid.
             unsafe {
                 let first = stream.as_mut_ptr().cast();
-                sys::rtcIntersectNM(self.scene.raw(), &mut context, first, LANES as u32, packets, stride);
+                sys::rtcIntersectNM(
+                    self.scene.raw(),
+                    arguments.context(),
+                    first,
+                    LANES as u32,
+                    packets,
+                    stride,
+                );
             }
             for (packet, hits) in stream.iter().zip(hits.chunks_mut(LANES)) {
                 for (lane, hit) in hits.iter_mut().enumerate() {
@@ -144,7 +158,7 @@ impl Tracer for PacketStream<'_, '_> {
     }
 
     fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
-        let mut context = query::context_for(self.coherent);
+        let mut arguments = Arguments::of(self.coherent);
         let mut stream = vec![sys::RTCRay16::default(); STREAM.min(rays.len()).div_ceil(LANES)];
         for (rays, occluded) in rays.chunks(STREAM).zip(occluded.chunks_mut(STREAM)) {
             for (packet, rays) in stream.iter_mut().zip(rays.chunks(LANES)) {
@@ -155,7 +169,14 @@ impl Tracer for PacketStream<'_, '_> {
             // SAFETY: as in `closest`.
             unsafe {
                 let first = stream.as_mut_ptr().cast();
-                sys::rtcOccludedNM(self.scene.raw(), &mut context, first, LANES as u32, packets, stride);
+                sys::rtcOccludedNM(
+                    self.scene.raw(),
+                    arguments.context(),
+                    first,
+                    LANES as u32,
+                    packets,
+                    stride,
+                );
             }
             let answers = stream.iter().zip(occluded.chunks_mut(LANES)).zip(rays.chunks(LANES));
             for ((packet, occluded), rays) in answers {

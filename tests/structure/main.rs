@@ -75,6 +75,7 @@ const UNSAFE_FILES: &[&str] = &[
     "trace/kernel/stack.rs",
     "trace/kernel/traverse.rs",
     // Embree's C interface.
+    "embree/arguments.rs",
     "embree/capture.rs",
     "embree/device.rs",
     "embree/instances.rs",

@@ -4,9 +4,7 @@ use super::row::WATERTIGHT;
 #[cfg(feature = "graft")]
 use super::row::{ROBUST, SINGLE};
 use crate::bench::cell::Cell;
-#[cfg(feature = "graft")]
-use crate::bench::contender;
-use crate::bench::contender::EitherWidth;
+use crate::bench::contender::{self, EitherWidth};
 use crate::builders;
 use crate::bvh::WideBvh;
 #[cfg(feature = "graft")]
@@ -145,9 +143,13 @@ impl<'a> Tree<'a> {
             some("embree-packets-8-coherent", scene.packets::<8>(true)),
             some("embree-packets-16", scene.packets::<16>(false)),
             some("embree-packets-16-coherent", scene.packets::<16>(true)),
+            #[cfg(not(embree4))]
             some("embree-stream", scene.stream(false)),
+            #[cfg(not(embree4))]
             some("embree-stream-coherent", scene.stream(true)),
+            #[cfg(not(embree4))]
             some("embree-packet-stream", scene.packet_stream(false)),
+            #[cfg(not(embree4))]
             some("embree-packet-stream-coherent", scene.packet_stream(true)),
             some(ROBUST, robust.as_ref().map(Borrowed)),
         ];
@@ -177,6 +179,14 @@ impl<'a> Tree<'a> {
             self.contestant("phr-portable", Isa::Scalar.name(), Box::new(portable)),
         ]
     }
+}
+
+/// Kernels of Embree's that the one in use lacks, in a line.
+pub fn left_out() -> Option<String> {
+    let why = || {
+        format!("embree-stream, embree-packet-stream: Embree {} has no streams", contender::library().embree)
+    };
+    cfg!(embree4).then(why)
 }
 
 /// The tree of our builder called `name`.

@@ -5,5 +5,5 @@ mod contestants;
 mod measure;
 pub mod row;
 
-pub use contestants::Trees;
+pub use contestants::{Trees, left_out};
 pub use measure::{KernelSettings, measure};

@@ -3,7 +3,7 @@
 
 use crate::bench::files::new_folder;
 use crate::bench::kernels::row::{self, KERNELS};
-use crate::bench::kernels::{KernelSettings, measure};
+use crate::bench::kernels::{KernelSettings, left_out, measure};
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::settings::MOST_THREADS;
 use crate::cli::failure::Failure;
@@ -68,6 +68,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         row::write(&arguments.out.join(KERNELS), &rows)?;
     }
     say(&summary(&rows))?;
+    if let Some(kernels) = left_out() {
+        say(&format!("Left out: {kernels}.\n"))?;
+    }
     match rows.iter().filter(|row| !row.verified).count() {
         0 => Ok(()),
         wrong => Err(Failure::Wrong(format!("{wrong} rows of wrong hits, see `verified` in {KERNELS}"))),

@@ -4,12 +4,12 @@ use super::system::{UNKNOWN, output};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// The file of the Embree that this process has loaded.
-fn loaded_embree() -> Option<PathBuf> {
+/// The file of the Embree that this process has loaded, whose name begins with `library`.
+fn loaded_embree(library: &str) -> Option<PathBuf> {
     let maps = std::fs::read_to_string("/proc/self/maps").ok()?;
     let path = maps
         .lines()
-        .find_map(|line| line.find('/').map(|at| &line[at..]).filter(|p| p.contains("libembree3")))?;
+        .find_map(|line| line.find('/').map(|at| &line[at..]).filter(|path| path.contains(library)))?;
     Some(PathBuf::from(path))
 }
 
@@ -42,14 +42,16 @@ impl Library {
     /// The library of version `embree`, with the packages it came from.
     pub fn of(embree: String) -> Self {
         let package = |name: &str| output("dpkg-query", &["-W", "-f", "${Package} ${Version}", name]);
-        let embree_package = package("libembree3-3");
-        let note = match loaded_embree() {
+        // Debian's names: libembree3-3, libembree4-4.
+        let major = embree.split('.').next().unwrap_or_default();
+        let embree_package = package(&format!("libembree{major}-{major}"));
+        let note = match loaded_embree(&format!("libembree{major}")) {
             None => UNKNOWN.into(),
             Some(path) => {
-                let whose = if path.starts_with("/usr/lib") && embree_package.contains("libembree3-3 ") {
+                let whose = if path.starts_with("/usr/lib") && embree_package.starts_with("libembree") {
                     "the distribution's build"
                 } else {
-                    "a build of the user's own (EMBREE3_DIR)"
+                    "a build of the user's own"
                 };
                 format!("{whose}: {}, ISA chosen at run time", assertions_in(&path))
             }

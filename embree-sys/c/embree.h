@@ -1,9 +1,19 @@
 /* Input of bindgen: Embree's API, and the shim's functions in place of the headers' inline ones.
-   Each `embree_sys_rtcX` is called `rtcX` in Rust. */
+   Each `embree_sys_rtcX` is called `rtcX` in Rust. `build.rs` defines EMBREE_MAJOR. */
 #pragma once
+#if EMBREE_MAJOR == 3
 #include <embree3/rtcore.h>
+#else
+#include <embree4/rtcore.h>
+#endif
 
+#if EMBREE_MAJOR == 3
 void embree_sys_rtcInitIntersectContext(struct RTCIntersectContext *context);
+#else
+void embree_sys_rtcInitRayQueryContext(struct RTCRayQueryContext *context);
+void embree_sys_rtcInitIntersectArguments(struct RTCIntersectArguments *args);
+void embree_sys_rtcInitOccludedArguments(struct RTCOccludedArguments *args);
+#endif
 void embree_sys_rtcInitPointQueryContext(struct RTCPointQueryContext *context);
 struct RTCBuildArguments embree_sys_rtcDefaultBuildArguments(void);
 
