@@ -49,7 +49,7 @@ impl Bvh {
     /// build with parameters of your own, use a [`builders::Builder`] and make a `Bvh` of its tree.
     ///
     /// # Errors
-    /// [`BvhError::NoSuchBuilder`], [`BvhError::NoSuchWidth`].
+    /// [`BvhError::NoSuchBuilder`], [`BvhError::NoSuchWidth`], [`BvhError::OutOfMemory`].
     pub fn build(mesh: &Mesh, config: &BvhConfig<'_>) -> Result<Self, BvhError> {
         match config.width {
             4 => tree::<4>(mesh, config.builder)?.try_into(),
@@ -187,7 +187,7 @@ impl Bvh {
 /// The tree of the builder called `name`.
 fn tree<const N: usize>(mesh: &Mesh, name: &str) -> Result<WideBvh<N>, BvhError> {
     let mut builder = builders::by_name(name).ok_or_else(|| BvhError::NoSuchBuilder(name.to_owned()))?;
-    Ok(builder.build(mesh).tree)
+    Ok(builder.try_build(mesh)?.tree)
 }
 
 impl TryFrom<Bvh4> for Bvh {

@@ -15,11 +15,11 @@ use std::path::Path;
 /// The order of the modules: each imports only from those before it. Tests may import from anywhere.
 const ORDER: &[&str] = &[
     "random",
+    "memory",
     "geometry",
     "scene",
     "bvh",
     "simd",
-    "memory",
     "parallel",
     "builders::config_error",
     "builders::prims",
