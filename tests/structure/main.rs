@@ -58,6 +58,7 @@ const UNSAFE_FILES: &[&str] = &[
     "memory/huge_pages.rs",
     "memory/prefetch.rs",
     "memory/resident.rs",
+    "memory/runs.rs",
     "memory/stream.rs",
     // Threads that write to places of their own of one array.
     "parallel/disjoint.rs",
