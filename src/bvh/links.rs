@@ -1,5 +1,16 @@
 //! The cheap half of validation: links alone, without boxes and corners.
 
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::indexing_slicing,
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
+
 use super::validate::Invalid;
 use super::{Child, LeafBlock, Link, MAX_DEPTH, WideBvh};
 use rayon::prelude::*;
@@ -73,7 +84,8 @@ impl<const N: usize, B> Walk<'_, N, B> {
             Child::Inner(_) if depth >= MAX_DEPTH => Err(Invalid::TooDeep),
             Child::Inner(index) => {
                 self.nodes.note(index)?;
-                let links = self.tree.nodes[index].links.iter();
+                let node = self.tree.nodes.get(index).ok_or(Invalid::Link { what: "node", index })?;
+                let links = node.links.iter();
                 pending.extend(links.filter(|link| !link.is_empty()).map(|&child| (child, depth + 1)));
                 Ok(())
             }

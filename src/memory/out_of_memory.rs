@@ -2,6 +2,7 @@
 //! unwinds to whoever began the build. Small allocations still end the process, as Rust has it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Memory that the system did not give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -14,11 +15,17 @@ pub struct OutOfMemory {
 }
 
 impl OutOfMemory {
-    /// Unwinds to [`told`], without a word on the way.
+    /// Unwinds to [`told`], without a word on the way; a panic as any other where nobody asked to be told.
     pub(super) fn unwind(self) -> ! {
+        if LISTENERS.load(Relaxed) == 0 {
+            panic!("{self}");
+        }
         resume_unwind(Box::new(self))
     }
 }
+
+/// Calls of [`told`] under way, whichever thread they are on: builds run on many.
+static LISTENERS: AtomicUsize = AtomicUsize::new(0);
 
 /// Runs `work`, which may ask for arrays that the system has no memory for. What it was changing is of no use after an
 /// error but to be dropped.
@@ -26,7 +33,10 @@ impl OutOfMemory {
 /// # Errors
 /// The array.
 pub(crate) fn told<T>(work: impl FnOnce() -> T) -> Result<T, OutOfMemory> {
-    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| match payload.downcast::<OutOfMemory>() {
+    LISTENERS.fetch_add(1, Relaxed);
+    let done = catch_unwind(AssertUnwindSafe(work));
+    LISTENERS.fetch_sub(1, Relaxed);
+    done.map_err(|payload| match payload.downcast::<OutOfMemory>() {
         Ok(error) => *error,
         Err(panic) => resume_unwind(panic),
     })

@@ -6,6 +6,7 @@ use crate::builders::registry::Config;
 use serde_json::Value;
 
 /// The fields of a configuration.
+#[expect(clippy::expect_used, reason = "whatever the command line says, it became a configuration first")]
 pub fn fields(config: &Config) -> Value {
     serde_json::to_value(config).expect("configurations are plain data")
 }
