@@ -227,23 +227,21 @@ fn made_up_records_end_in_one_line_or_are_read() {
     }
 }
 
-/// A build for which there is no memory ends in one line, not in a signal: under any limit beyond what the scene takes.
+/// A build for which there is no memory ends in one line, not in a signal. The limit is what the scene takes, and a part of the
+/// 320 MiB of leaf blocks for which a builder makes room.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_build_without_memory_is_told() {
-    let mut refusals = 0;
-    for (builder, mebibytes) in [("lbvh", 350), ("phr-fast", 350), ("phr-quality", 350), ("ploc", 350)] {
+    for builder in ["lbvh", "phr-fast", "phr-quality", "ploc"] {
         let script = format!(
-            "ulimit -v {}; exec {} build scalable-1M --builder {builder} --width 4 --threads 1",
-            mebibytes << 10,
+            "ulimit -v {}; exec {} build scalable-4M --builder {builder} --width 4 --threads 1",
+            500 << 10,
             env!("CARGO_BIN_EXE_phr")
         );
         let output = Command::new("sh").env("MALLOC_ARENA_MAX", "1").args(["-c", &script]).output().unwrap();
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(String::from_utf8_lossy(&output.stdout).contains("triangles"), "the scene is there: {told}");
         assert_eq!((output.status.code(), told.lines().count()), (Some(1), 1), "{builder}: {told}");
-        assert!(told.contains("no memory for") && told.contains("MiB; "), "{told}");
-        refusals += 1;
+        assert!(told.contains("no memory for") && told.contains(" MiB; "), "{told}");
     }
-    assert_eq!(refusals, 4);
 }
