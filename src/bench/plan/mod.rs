@@ -89,7 +89,7 @@ impl Plan {
             scenes.push(PlannedScene::find(name)?);
         }
         for (i, scene) in scenes.iter().enumerate() {
-            if scenes[..i].iter().any(|other| other.name == scene.name) {
+            if scenes.iter().take(i).any(|other| other.name == scene.name) {
                 return Err(PlanError::SameName(scene.name.clone()));
             }
         }

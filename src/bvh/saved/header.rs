@@ -1,5 +1,7 @@
 //! The first 128 bytes of a saved tree.
 
+#![allow(clippy::indexing_slicing, reason = "places in an array of fixed length, none of them from a file")]
+
 use crate::bvh::Link;
 use crate::geometry::Aabb;
 use crate::random::{GOLDEN, mix};

@@ -96,7 +96,9 @@ fn get<R: Record + Copy>(
         .map_err(|source| SavedError::OutOfMemory { path: path.to_owned(), source })?;
     let chunk = R::BYTES * CHUNK;
     let one = |bytes: &mut Vec<u8>, number: usize, run: &mut Run<'_, R>| {
-        let bytes = &mut bytes[..R::BYTES * run.len()];
+        // A run is no longer than a chunk.
+        let (bytes, _) =
+            bytes.split_at_mut_checked(R::BYTES * run.len()).ok_or(io::ErrorKind::InvalidData)?;
         read_at(file, path, bytes, begin + (number * chunk) as u64)?;
         bytes.chunks_exact(R::BYTES).for_each(|bytes| run.push(R::get(bytes)));
         Ok(checksum(bytes))

@@ -79,6 +79,7 @@ fn inline(mut rest: &str, line: usize, folder: &Path) -> Result<(String, usize),
 }
 
 /// Lines that differ, as `-` what stands there and `+` what should, at most twenty.
+#[allow(clippy::indexing_slicing, reason = "what both begin and end with is no more than either has")]
 pub fn differences(old: &str, new: &str) -> String {
     let (old, new): (Vec<&str>, Vec<&str>) = (old.lines().collect(), new.lines().collect());
     let same_tail = |(a, b): &(&&str, &&str)| a == b;

@@ -138,7 +138,7 @@ impl Recipe {
     }
 
     /// The builder, of trees of nodes of up to `N` children, 4 or 8.
-    #[expect(clippy::expect_used, reason = "changes are checked when they are made")]
+    #[allow(clippy::expect_used, reason = "changes are checked when they are made")]
     pub fn builder<const N: usize>(&self) -> Box<dyn Builder<N>> {
         let built = make::over_triangles(self.base, self.config);
         let builder = built.expect("changes are in range, as was seen when they were made");

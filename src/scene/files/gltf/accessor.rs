@@ -48,7 +48,7 @@ impl<'a> Elements<'a> {
 
     /// Component `axis` of element `index`, both in range: the bytes of it.
     #[inline]
-    #[expect(clippy::indexing_slicing, reason = "`new` has seen that all elements lie within the bytes")]
+    #[allow(clippy::indexing_slicing, reason = "`new` has seen that all elements lie within the bytes")]
     fn raw<const N: usize>(&self, index: usize, axis: usize) -> [u8; N] {
         let at = index * self.stride + axis * N;
         std::array::from_fn(|i| self.bytes[at + i])
