@@ -120,7 +120,7 @@
 //! 7. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots; `experiments`
 //!    has the paper's other figures and its experiments, and `cli` turns all of it into commands (feature `harness`).
 //!
-//! Imports run down this list: `geometry`, `scene`, `bvh`, `simd`, `memory`, `parallel`, `builders`, `embree`, `peers`,
+//! Imports run down this list: `memory`, `geometry`, `scene`, `bvh`, `simd`, `parallel`, `builders`, `embree`, `peers`,
 //! `trace`, `query`, `bench`, `report`, `experiments`, `cli`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]

@@ -1,5 +1,5 @@
-//! Saved trees: refused in one line, or a tree over the mesh that answers rays. Checksums are mended, so that what is behind
-//! them is reached.
+//! Saved trees: refused in one line, or a tree over the mesh that answers rays. Every checksum agrees while the crate is
+//! fuzzed, so that what is behind them is reached.
 
 #![no_main]
 
@@ -49,7 +49,13 @@ fuzz_target!(|changes: (Option<u16>, Vec<(u16, u8)>)| {
                     dir: [1.0, 0.3, 0.2].into(),
                     tfar: f32::INFINITY,
                 };
-                assert_eq!(bvh.intersect(&ray).is_some(), bvh.occluded(&ray));
+                // Boxes and corners may be anything here: the answer is of some triangle, or none.
+                let mut hits = [None; 9];
+                bvh.intersect_batch(&[ray; 9], &mut hits);
+                for hit in hits.into_iter().chain([bvh.intersect(&ray)]).flatten() {
+                    assert!((hit.prim as usize) < mesh.len(), "{hit:?}");
+                }
+                bvh.occluded(&ray);
             }
             Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{error}"),
         }

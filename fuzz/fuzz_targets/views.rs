@@ -3,9 +3,12 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use phr::scene::load;
+use phr::scene::{Limits, load_within};
 use phr::trace::Camera;
 use std::cell::OnceCell;
+
+/// The machine's own would be asked for each time.
+const LIMITS: Limits = Limits { memory: 1 << 26 };
 
 thread_local! {
     static FOLDER: OnceCell<tempfile::TempDir> = const { OnceCell::new() };
@@ -19,7 +22,7 @@ fuzz_target!(|data: &[u8]| {
             folder
         });
         std::fs::write(folder.path().join("views.json"), data).unwrap();
-        match load(&folder.path().join("x.obj")) {
+        match load_within(&folder.path().join("x.obj"), &LIMITS) {
             Ok(scene) => {
                 for view in &scene.views {
                     let ray = Camera::new(view, 8, 8).ray(3, 5, [0.5; 2]);

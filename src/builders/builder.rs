@@ -4,6 +4,7 @@ use super::prims::boxes::Boxes;
 use super::prims::geometry::Geometry;
 use crate::bvh::{TriangleBlock, WideBvh};
 use crate::geometry::Mesh;
+use crate::memory::{self, OutOfMemory};
 use crate::parallel::timeline;
 use std::time::{Duration, Instant};
 
@@ -59,6 +60,14 @@ pub trait Builder<const N: usize, G: Geometry = Mesh>: Send {
 
     /// Builds the tree over all triangles of a mesh, or all boxes. Temporary memory is kept for the next call.
     fn build(&mut self, geometry: &G) -> Build<N, G::Block>;
+
+    /// The same where memory may not suffice: the arrays that grow with the scene are asked for, not taken for granted.
+    ///
+    /// # Errors
+    /// What there was no memory for. This builder is then of no use but to be dropped.
+    fn try_build(&mut self, geometry: &G) -> Result<Build<N, G::Block>, OutOfMemory> {
+        memory::told(|| self.build(geometry))
+    }
 
     /// Gives back a tree that is no longer needed, so that the next one is built in its memory: fresh memory
     /// costs as much as a good part of a build.

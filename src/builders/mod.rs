@@ -32,6 +32,7 @@ pub mod steps;
 mod testing;
 mod wide;
 
+pub use crate::memory::OutOfMemory;
 pub use builder::{BoxBuilder, Build, Builder, Counts, Phase};
 pub use clusters::aac::{Aac, AacConfig};
 pub use clusters::ploc::{Ploc, PlocConfig};

@@ -1,45 +1,124 @@
 //! The cheap half of validation: links alone, without boxes and corners.
 
-use super::validate::{Invalid, mark};
-use super::{Child, LeafBlock, MAX_DEPTH, WideBvh};
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::indexing_slicing,
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
+
+use super::validate::Invalid;
+use super::{Child, LeafBlock, Link, MAX_DEPTH, WideBvh};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// Subtrees that are walked at the same time, where there are as many: some for each of many threads.
+const SUBTREES: usize = 1 << 10;
+
+/// Blocks whose primitives are looked at by one task.
+const GRAIN: usize = 1 << 12;
 
 impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
     /// Proves that the links form a tree of bounded depth that uses every node and block once, and that the leaves name
     /// every one of so many primitives and no other. A fraction of [`WideBvh::validate`]: for trees of which boxes and
-    /// leaf data are trusted, as of a saved one whose checksum agrees.
+    /// leaf data are trusted, as of a saved one whose checksum agrees. On the current rayon pool.
     ///
     /// # Errors
-    /// The first violation found.
+    /// One of the violations.
     pub fn validate_links(&self, primitives: usize) -> Result<(), Invalid> {
-        let (mut nodes, mut blocks) = (vec![false; self.nodes.len()], vec![false; self.blocks.len()]);
-        let mut is_there = vec![false; primitives];
-        let mut pending = vec![(self.root, 0)];
-        while let Some((link, depth)) = pending.pop() {
-            match link.get() {
-                Child::Empty => {}
-                Child::Inner(_) if depth >= MAX_DEPTH => return Err(Invalid::TooDeep),
-                Child::Inner(index) => {
-                    mark(&mut nodes, "node", index)?;
-                    pending.extend(self.nodes[index].links.iter().map(|&child| (child, depth + 1)));
-                }
-                Child::Leaf { first, count } => {
-                    for index in first..first + count {
-                        mark(&mut blocks, "block", index)?;
-                        for prim in self.blocks[index].ids() {
-                            *is_there.get_mut(prim as usize).ok_or(Invalid::Block(index))? = true;
-                        }
-                    }
-                }
+        let walk = Walk {
+            tree: self,
+            nodes: Seen::new("node", self.nodes.len()),
+            blocks: Seen::new("block", self.blocks.len()),
+        };
+        // From the root level by level, until there is enough to do for all threads.
+        let mut level = vec![(self.root, 0)];
+        while (1..SUBTREES).contains(&level.len()) {
+            let mut below = Vec::new();
+            level.into_iter().try_for_each(|item| walk.enter(item, &mut below))?;
+            level = below;
+        }
+        level.into_par_iter().with_max_len(1).try_for_each(|item| {
+            let mut pending = vec![item];
+            while let Some(item) = pending.pop() {
+                walk.enter(item, &mut pending)?;
+            }
+            Ok(())
+        })?;
+        for seen in [&walk.nodes, &walk.blocks] {
+            if let Some(index) = seen.first_unseen() {
+                return Err(Invalid::Unreached { what: seen.what, index });
             }
         }
-        for (what, seen) in [("node", &nodes), ("block", &blocks)] {
-            if let Some(index) = seen.iter().position(|seen| !seen) {
-                return Err(Invalid::Unreached { what, index });
+        let prims = Seen::new("primitive", primitives);
+        self.blocks.par_chunks(GRAIN).enumerate().try_for_each(|(chunk, blocks)| {
+            for (i, block) in blocks.iter().enumerate() {
+                for prim in block.ids() {
+                    let there = prims.places.get(prim as usize).ok_or(Invalid::Block(chunk * GRAIN + i))?;
+                    there.store(true, Relaxed);
+                }
+            }
+            Ok(())
+        })?;
+        prims.first_unseen().map_or(Ok(()), |prim| Err(Invalid::Missing(prim as u32)))
+    }
+}
+
+/// A tree and what of it was seen.
+struct Walk<'a, const N: usize, B> {
+    tree: &'a WideBvh<N, B>,
+    nodes: Seen,
+    blocks: Seen,
+}
+
+impl<const N: usize, B> Walk<'_, N, B> {
+    /// Notes what `link` leads to, and adds the links there to `pending`, each with its depth.
+    #[inline]
+    fn enter(&self, (link, depth): (Link, usize), pending: &mut Vec<(Link, usize)>) -> Result<(), Invalid> {
+        match link.get() {
+            Child::Empty => Ok(()),
+            Child::Inner(_) if depth >= MAX_DEPTH => Err(Invalid::TooDeep),
+            Child::Inner(index) => {
+                self.nodes.note(index)?;
+                let node = self.tree.nodes.get(index).ok_or(Invalid::Link { what: "node", index })?;
+                let links = node.links.iter();
+                pending.extend(links.filter(|link| !link.is_empty()).map(|&child| (child, depth + 1)));
+                Ok(())
+            }
+            Child::Leaf { first, count } => {
+                (first..first + count).try_for_each(|index| self.blocks.note(index))
             }
         }
-        match is_there.iter().position(|is_there| !is_there) {
-            Some(prim) => Err(Invalid::Missing(prim as u32)),
-            None => Ok(()),
+    }
+}
+
+/// Places that were reached.
+struct Seen {
+    what: &'static str,
+    places: Vec<AtomicBool>,
+}
+
+impl Seen {
+    fn new(what: &'static str, len: usize) -> Self {
+        let mut places = Vec::new();
+        places.resize_with(len, AtomicBool::default);
+        Self { what, places }
+    }
+
+    /// Notes that a place is reached, the first time.
+    #[inline]
+    fn note(&self, index: usize) -> Result<(), Invalid> {
+        match self.places.get(index) {
+            Some(place) if !place.swap(true, Relaxed) => Ok(()),
+            _ => Err(Invalid::Link { what: self.what, index }),
         }
+    }
+
+    fn first_unseen(&self) -> Option<usize> {
+        self.places.par_iter().position_first(|place| !place.load(Relaxed))
     }
 }

@@ -1,5 +1,7 @@
 //! Nodes and blocks as bytes: little-endian, each as it lies in memory, with zeros for padding.
 
+#![allow(clippy::indexing_slicing, reason = "all are of `Record::BYTES` bytes")]
+
 use super::{IdBlock, Link, TriangleBlock, WideNode};
 
 /// Something of a fixed number of bytes.

@@ -140,7 +140,7 @@ impl<const N: usize> Walk<'_, N> {
 }
 
 /// Notes that a place is reached, the first time.
-pub(super) fn mark(seen: &mut [bool], what: &'static str, index: usize) -> Result<(), Invalid> {
+fn mark(seen: &mut [bool], what: &'static str, index: usize) -> Result<(), Invalid> {
     match seen.get_mut(index) {
         Some(seen) if !*seen => {
             *seen = true;

@@ -1,6 +1,17 @@
 //! The command line: one file per verb. Bad input ends in one line on stderr and exit code 2, wrong hits and
 //! failed checks in exit code 1, an undecided comparison in 3, Ctrl-C in 130.
 
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::indexing_slicing,
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
+
 mod failure;
 mod measuring;
 mod options;
@@ -12,6 +23,7 @@ mod run_summary;
 mod verbs;
 
 use crate::bench::planned_scene::limit;
+use crate::memory::told;
 use crate::scene::Limits;
 use clap::{Parser, Subcommand};
 use paper::{animate, arguments, experiment, heatmap};
@@ -83,7 +95,15 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
     if let Some(memory) = arguments.max_memory {
         limit(Limits { memory });
     }
-    let result = match &arguments.verb {
+    match told(|| dispatch(&arguments.verb)) {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(failure)) => failure.report(),
+        Err(error) => failure::Failure::Wrong(error.to_string()).report(),
+    }
+}
+
+fn dispatch(verb: &Verb) -> Result<(), failure::Failure> {
+    match verb {
         Verb::Bench(arguments) => bench::run(arguments),
         Verb::Build(arguments) => build::run(arguments),
         Verb::Render(arguments) => render::run(arguments),
@@ -107,9 +127,5 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
         Verb::Report(arguments) => pages::report::run(arguments),
         Verb::Memory(arguments) => memory::run(arguments),
         Verb::Turns(arguments) => turns::run(arguments),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
     }
 }

@@ -6,7 +6,7 @@ use crate::bench::chosen::Chosen;
 use crate::bench::contender;
 use crate::bench::pools::Pools;
 use crate::bench::settings::MOST_THREADS;
-use crate::scene::Scene;
+use crate::scene::{Scene, View};
 use std::path::Path;
 
 /// Processors of this machine: the default of `--threads`.
@@ -37,7 +37,7 @@ pub fn pools(threads: usize) -> Result<Pools, Failure> {
 pub fn cell(builder: &str, width: Option<u32>) -> Result<Cell, Failure> {
     let none: [&Path; 0] = [];
     let cells = Chosen::new(&[builder.to_owned()], &[], &none)?.single_cells(width)?;
-    Ok(cells.into_iter().next().unwrap_or_else(|| unreachable!("each builder has a cell")))
+    cells.into_iter().next().ok_or_else(|| Failure::Bad(format!("{builder}: builds no tree of this width")))
 }
 
 /// Refuses a place for a file that cannot be written, before any work is done.
@@ -70,8 +70,9 @@ pub fn width(text: &str) -> Result<u32, String> {
 /// No such kernel.
 pub fn kernel(name: Option<&str>) -> Result<Kernel, Failure> {
     let known = contender::kernels_of_ours();
-    let Some(name) = name else { return Ok(known[0]) };
-    Kernel::by_name(name).filter(|kernel| known.contains(kernel)).ok_or_else(|| {
+    let named = name.map_or(known.first().copied(), Kernel::by_name);
+    named.filter(|kernel| known.contains(kernel)).ok_or_else(|| {
+        let name = name.unwrap_or_default();
         let known = known.iter().map(|kernel| kernel.name()).collect::<Vec<_>>().join(" and ");
         Failure::Bad(format!("--kernel {name}: our trees are traced by {known}"))
     })
@@ -131,21 +132,21 @@ pub fn size(text: &str) -> Result<u64, String> {
         "t" => Some(1 << 40),
         _ => None,
     };
-    let number = text[..text.len() - unit.len()].parse::<u64>().ok();
+    let number = text.strip_suffix(unit).and_then(|number| number.parse::<u64>().ok());
     let size = number.zip(factor).and_then(|(number, factor): (u64, u64)| number.checked_mul(factor));
     size.filter(|size| *size > 0).ok_or_else(|| "give a size, as 512M or 4G".into())
 }
 
-/// The index of the view that `--view` asks for.
+/// The view that `--view` asks for.
 ///
 /// # Errors
 /// The scene has none of that index.
-pub fn view(scene: &Scene, wanted: usize) -> Result<usize, Failure> {
+pub fn view(scene: &Scene, wanted: usize) -> Result<&View, Failure> {
     let (name, views) = (&scene.name, scene.views.len());
-    if wanted < views {
-        return Ok(wanted);
-    }
-    Err(Failure::Bad(format!("--view {wanted}: {name} has {views} views; give 0 to {}", views - 1)))
+    scene.views.get(wanted).ok_or_else(|| {
+        let last = views.saturating_sub(1);
+        Failure::Bad(format!("--view {wanted}: {name} has {views} views; give 0 to {last}"))
+    })
 }
 
 /// Reads "5%" as 0.05.

@@ -44,7 +44,8 @@ fn answer(rows: &[Row]) -> String {
     let point =
         |&tree: &Tree<'_>| Some((tree_name(tree), (mean(tree, Figure::Build)?, mean(tree, Figure::Trace)?)));
     let (names, points): (Vec<String>, Vec<(f64, f64)>) = field.trees.iter().filter_map(point).unzip();
-    let on_front: Vec<&str> = front(&points).into_iter().map(|i| names[i].as_str()).collect();
+    let on_front: Vec<&str> =
+        front(&points).into_iter().filter_map(|i| names.get(i)).map(String::as_str).collect();
     if on_front.len() > 1 {
         text += &filled(&format!("No other builds and traces as fast: {}.", on_front.join(", ")));
     }
@@ -77,8 +78,8 @@ fn advice(rows: &[Row]) -> String {
         filled(&format!("{}: {count} of {of} rows; {}", warning.name(), warning.advice()))
     });
     let mut text: String = shown.collect();
-    if found.len() > SHOWN {
-        let names: Vec<&str> = found[SHOWN..].iter().map(|(warning, ..)| Warning::name(*warning)).collect();
+    let names: Vec<&str> = found.iter().skip(SHOWN).map(|(warning, ..)| Warning::name(*warning)).collect();
+    if !names.is_empty() {
         text += &filled(&format!("also, see {TABLE}: {}", names.join(", ")));
     }
     if text.is_empty() { text } else { format!("\n{text}") }

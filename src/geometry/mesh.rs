@@ -1,6 +1,7 @@
 //! Indexed triangle meshes, valid by construction.
 
 use super::{Aabb, Ray};
+use crate::memory::{OutOfMemory, huge_pages};
 use glam::{Vec3A, Vec4};
 
 /// Why a mesh could not be made.
@@ -19,6 +20,9 @@ pub enum MeshError {
     /// More triangles than every builder is sure to hold.
     #[error("{0} triangles are more than the 2^26 that any tree is sure to hold; split the mesh")]
     TooLarge(usize),
+    /// No memory for it.
+    #[error(transparent)]
+    OutOfMemory(#[from] OutOfMemory),
 }
 
 /// Why vertices could not be moved.
@@ -84,13 +88,15 @@ impl Mesh {
     /// triangles that no builder can hold. A mesh without triangles is allowed here: builders are total.
     ///
     /// # Errors
-    /// [`MeshError::TooLarge`] beyond [`Mesh::MAX_TRIANGLES`].
+    /// [`MeshError::TooLarge`] beyond [`Mesh::MAX_TRIANGLES`], [`MeshError::OutOfMemory`].
     pub fn new(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<(Self, Dropped), MeshError> {
         if triangles.len() > Self::MAX_TRIANGLES {
             return Err(MeshError::TooLarge(triangles.len()));
         }
         let mut dropped = Dropped::default();
-        let finite: Vec<bool> = vertices.iter().map(|v| v.iter().all(|x| x.abs() < Ray::LARGEST)).collect();
+        let mut finite: Vec<bool> = Vec::new();
+        huge_pages::try_reserve(&mut finite, vertices.len(), "a check of vertices")?;
+        finite.extend(vertices.iter().map(|v| v.iter().all(|x| x.abs() < Ray::LARGEST)));
         let mut triangles = triangles;
         triangles.retain(|t| match t.map(|i| finite.get(i as usize)) {
             [Some(a), Some(b), Some(c)] if *a && *b && *c => true,
@@ -105,7 +111,8 @@ impl Mesh {
         });
         let mut padded_vertices = vertices;
         // No more: `push` might double what millions of vertices take.
-        padded_vertices.reserve_exact(1);
+        let all = padded_vertices.len() + 1;
+        huge_pages::try_reserve(&mut padded_vertices, all, "vertices")?;
         padded_vertices.push([0.0; 3]);
         Ok((Self { padded_vertices, triangles }, dropped))
     }

@@ -3,33 +3,49 @@
 
 #![allow(unsafe_code)]
 
+use super::OutOfMemory;
 use std::mem::MaybeUninit;
 
 /// Below this the kernel has no huge page to give.
 const HUGE_PAGE: usize = 2 << 20;
 
 /// Makes room for `len` elements in all, on huge pages where the system has them and the array is large.
-pub(crate) fn reserve<T>(array: &mut Vec<T>, len: usize) {
+///
+/// # Errors
+/// No memory for `what`.
+pub(crate) fn try_reserve<T>(array: &mut Vec<T>, len: usize, what: &'static str) -> Result<(), OutOfMemory> {
     if array.capacity() >= len {
-        return;
+        return Ok(());
     }
-    array.reserve_exact(len - array.len());
+    array
+        .try_reserve_exact(len - array.len())
+        .map_err(|_| OutOfMemory { what, bytes: len.saturating_mul(size_of::<T>()) })?;
     if size_of::<T>() * array.capacity() >= 2 * HUGE_PAGE {
         advise(array.as_mut_ptr().cast(), size_of::<T>() * array.capacity());
     }
+    Ok(())
 }
 
-/// As [`Vec::resize`], on huge pages.
-pub(crate) fn resize<T: Clone>(array: &mut Vec<T>, len: usize, value: T) {
-    reserve(array, len);
+/// The same, which unwinds to [`super::told`] where there is no memory.
+pub(crate) fn reserve<T>(array: &mut Vec<T>, len: usize, what: &'static str) {
+    try_reserve(array, len, what).unwrap_or_else(|error| error.unwind());
+}
+
+/// As [`Vec::resize`], on huge pages; unwinds likewise.
+pub(crate) fn resize<T: Clone>(array: &mut Vec<T>, len: usize, value: T, what: &'static str) {
+    reserve(array, len, what);
     array.resize(len, value);
 }
 
 /// Room for `len` others in the memory of an empty array, until it is filled.
-pub(crate) fn lend<T, U: Copy>(array: &mut Vec<T>, len: usize) -> &mut [MaybeUninit<U>] {
+pub(crate) fn lend<'a, T, U: Copy>(
+    array: &'a mut Vec<T>,
+    len: usize,
+    what: &'static str,
+) -> &'a mut [MaybeUninit<U>] {
     array.clear();
     // One more, should the first be ill aligned.
-    reserve(array, (size_of::<U>() * (len + 1)).div_ceil(size_of::<T>()));
+    reserve(array, (size_of::<U>() * (len + 1)).div_ceil(size_of::<T>()), what);
     // SAFETY: memory that holds nothing may hold nothing of another type.
     let (_, others, _) = unsafe { array.spare_capacity_mut().align_to_mut::<MaybeUninit<U>>() };
     &mut others[..len]
@@ -59,14 +75,14 @@ mod tests {
     #[test]
     fn arrays_behave_as_ever() {
         let mut array = vec![1u64, 2, 3];
-        super::resize(&mut array, 1 << 20, 7);
+        super::resize(&mut array, 1 << 20, 7, "numbers");
         assert_eq!(array[..4], [1, 2, 3, 7]);
         assert_eq!(array.len(), 1 << 20);
-        super::resize(&mut array, 2, 0);
-        super::reserve(&mut array, 10);
+        super::resize(&mut array, 2, 0, "numbers");
+        super::reserve(&mut array, 10, "numbers");
         assert_eq!(array, [1, 2]);
-        assert_eq!(super::lend::<u64, u16>(&mut array, 5).len(), 5);
-        assert_eq!(super::lend::<u64, [u64; 3]>(&mut array, 50).len(), 50);
+        assert_eq!(super::lend::<u64, u16>(&mut array, 5, "numbers").len(), 5);
+        assert_eq!(super::lend::<u64, [u64; 3]>(&mut array, 50, "numbers").len(), 50);
         assert!(array.is_empty());
     }
 }

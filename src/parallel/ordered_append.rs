@@ -12,6 +12,7 @@
 
 use super::disjoint::DisjointSlice;
 use super::timeline;
+use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
 use std::collections::VecDeque;
 use std::mem::MaybeUninit;
@@ -124,8 +125,8 @@ pub(crate) fn append<C: Chunk, R: Send>(
         a.set_len(written[0]);
         b.set_len(written[1]);
     }
-    a.reserve_exact(end[0] - a.len());
-    b.reserve_exact(end[1] - b.len());
+    huge_pages::reserve(a, end[0], "more than was foreseen");
+    huge_pages::reserve(b, end[1], "more than was foreseen");
     // There may be many of them, and their memory, unlike that of the others, is not kept.
     for (offset, chunk) in left_over {
         let (from_a, from_b) = chunk.elements();

@@ -5,6 +5,7 @@ use crate::builders;
 use crate::bvh::saved::{SavedError, header_of};
 use crate::bvh::{Bvh4, Bvh8, TriangleBlock, WideBvh};
 use crate::geometry::{self, Aabb, Mesh, Ray, Tracer};
+use crate::memory::huge_pages;
 use crate::trace::ProvenTree;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -49,7 +50,7 @@ impl Bvh {
     /// build with parameters of your own, use a [`builders::Builder`] and make a `Bvh` of its tree.
     ///
     /// # Errors
-    /// [`BvhError::NoSuchBuilder`], [`BvhError::NoSuchWidth`].
+    /// [`BvhError::NoSuchBuilder`], [`BvhError::NoSuchWidth`], [`BvhError::OutOfMemory`].
     pub fn build(mesh: &Mesh, config: &BvhConfig<'_>) -> Result<Self, BvhError> {
         match config.width {
             4 => tree::<4>(mesh, config.builder)?.try_into(),
@@ -117,8 +118,14 @@ impl Bvh {
     pub fn load(mesh: &Mesh, path: &Path) -> Result<Self, BvhError> {
         let unusable = |error: SavedError| BvhError::Saved(error.to_string());
         match header_of(path).map_err(unusable)?.width {
-            4 => Bvh4::load(mesh, path).map_err(unusable)?.try_into(),
-            _ => Bvh8::load(mesh, path).map_err(unusable)?.try_into(),
+            4 => {
+                let tree = ProvenTree::load(mesh, path).map_err(unusable)?;
+                Ok(Self { places: places(&tree.get().blocks, mesh.len())?, tree: Tree::Four(tree) })
+            }
+            _ => {
+                let tree = ProvenTree::load(mesh, path).map_err(unusable)?;
+                Ok(Self { places: places(&tree.get().blocks, mesh.len())?, tree: Tree::Eight(tree) })
+            }
         }
     }
 
@@ -187,7 +194,7 @@ impl Bvh {
 /// The tree of the builder called `name`.
 fn tree<const N: usize>(mesh: &Mesh, name: &str) -> Result<WideBvh<N>, BvhError> {
     let mut builder = builders::by_name(name).ok_or_else(|| BvhError::NoSuchBuilder(name.to_owned()))?;
-    Ok(builder.build(mesh).tree)
+    Ok(builder.try_build(mesh)?.tree)
 }
 
 impl TryFrom<Bvh4> for Bvh {
@@ -195,7 +202,7 @@ impl TryFrom<Bvh4> for Bvh {
 
     /// Proves a builder's tree sound.
     fn try_from(tree: Bvh4) -> Result<Self, BvhError> {
-        let places = places(&tree.blocks)?;
+        let places = places(&tree.blocks, triangles(&tree.blocks)?)?;
         Ok(Self { tree: Tree::Four(ProvenTree::new(tree).map_err(BvhError::Malformed)?), places })
     }
 }
@@ -205,19 +212,26 @@ impl TryFrom<Bvh8> for Bvh {
 
     /// As from a 4-wide tree.
     fn try_from(tree: Bvh8) -> Result<Self, BvhError> {
-        let places = places(&tree.blocks)?;
+        let places = places(&tree.blocks, triangles(&tree.blocks)?)?;
         Ok(Self { tree: Tree::Eight(ProvenTree::new(tree).map_err(BvhError::Malformed)?), places })
     }
 }
 
-/// Where each triangle is; one of the places if it is in several blocks.
-fn places(blocks: &[TriangleBlock]) -> Result<Vec<u32>, BvhError> {
+/// Triangles of a mesh of which these are all blocks.
+fn triangles(blocks: &[TriangleBlock]) -> Result<usize, BvhError> {
     let last = blocks.par_iter().flat_map_iter(TriangleBlock::ids).max();
     let length = last.map_or(0, |last| last as usize + 1);
     if length > Mesh::MAX_TRIANGLES {
         return Err(BvhError::Malformed(format!("triangle {} of no mesh", length - 1)));
     }
-    let places: Vec<AtomicU32> = (0..length).map(|_| AtomicU32::new(0)).collect();
+    Ok(length)
+}
+
+/// Where each of so many triangles is; one of the places if it is in several blocks.
+fn places(blocks: &[TriangleBlock], triangles: usize) -> Result<Vec<u32>, BvhError> {
+    let mut places = Vec::new();
+    huge_pages::try_reserve(&mut places, triangles, "places of triangles")?;
+    places.resize_with(triangles, AtomicU32::default);
     blocks.par_iter().enumerate().for_each(|(index, block)| {
         for (lane, prim) in block.ids().enumerate() {
             places[prim as usize].store((4 * index + lane) as u32, Relaxed);

@@ -1,6 +1,6 @@
 //! What tree to build, and why it could not be built.
 
-use crate::builders::{BoxesError, NAMES};
+use crate::builders::{BoxesError, NAMES, OutOfMemory};
 
 /// What tree to build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,6 +38,9 @@ pub enum BvhError {
         /// What is wrong.
         reason: &'static str,
     },
+    /// No memory for a tree.
+    #[error(transparent)]
+    OutOfMemory(#[from] OutOfMemory),
     /// A saved tree that cannot be loaded.
     #[error("{0}")]
     Saved(String),

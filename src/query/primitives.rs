@@ -141,7 +141,7 @@ impl PrimitiveBvh {
 impl<const N: usize> Built<N> {
     fn new(boxes: &Boxes<'_>, name: &str) -> Result<Self, BvhError> {
         let mut builder = over_boxes(name).ok_or_else(|| BvhError::NoSuchBuilder(name.to_owned()))?;
-        let tree = ProvenTree::new(builder.build(boxes).tree).map_err(BvhError::Malformed)?;
+        let tree = ProvenTree::new(builder.try_build(boxes)?.tree).map_err(BvhError::Malformed)?;
         Ok(Self { tree, builder: Mutex::new(builder) })
     }
 
@@ -149,7 +149,12 @@ impl<const N: usize> Built<N> {
         let builder = self.builder.get_mut().unwrap_or_else(PoisonError::into_inner);
         let old = std::mem::take(&mut self.tree);
         builder.recycle(old.into_inner());
-        self.tree = ProvenTree::new(builder.build(boxes).tree).map_err(BvhError::Malformed)?;
+        let built = builder.try_build(boxes);
+        if built.is_err() {
+            let name = builder.name().to_owned();
+            *builder = over_boxes(&name).ok_or(BvhError::NoSuchBuilder(name))?;
+        }
+        self.tree = ProvenTree::new(built?.tree).map_err(BvhError::Malformed)?;
         Ok(())
     }
 }

@@ -1,5 +1,16 @@
 //! Cameras: given in a `views.json`, or placed around the geometry.
 
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::indexing_slicing,
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
+
 use crate::geometry::{Mesh, Ray};
 use glam::Vec3;
 

@@ -205,3 +205,43 @@ fn a_cut_file_is_refused() {
         assert!(is_read().unwrap());
     }
 }
+
+/// Numbers that no run writes, in records that a run reads.
+#[test]
+fn made_up_records_end_in_one_line_or_are_read() {
+    let folder = workplace();
+    assert!(phr(folder.path(), &arguments("out", "2")).status.success());
+    let samples = folder.path().join("out").join(SAMPLES);
+    let whole = std::fs::read_to_string(&samples).unwrap();
+    for (from, to) in
+        [("\"pass\":0", "\"pass\":18446744073709551615"), ("\"round\":0", "\"round\":4294967296")]
+    {
+        assert!(whole.contains(from), "{from}");
+        std::fs::write(&samples, whole.replace(from, to)).unwrap();
+        let mut more = arguments("out", "3");
+        more.push("--resume");
+        let output = phr(folder.path(), &more);
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() || output.status.code() == Some(2), "{to}: {told}");
+        assert!(!told.contains("panicked"), "{to}: {told}");
+    }
+}
+
+/// A build for which there is no memory ends in one line, not in a signal. The limit is what the scene takes, and a part of the
+/// 320 MiB of leaf blocks for which a builder makes room.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_build_without_memory_is_told() {
+    for builder in ["lbvh", "phr-fast", "phr-quality", "ploc"] {
+        let script = format!(
+            "ulimit -v {}; exec {} build scalable-4M --builder {builder} --width 4 --threads 1",
+            500 << 10,
+            env!("CARGO_BIN_EXE_phr")
+        );
+        let output = Command::new("sh").env("MALLOC_ARENA_MAX", "1").args(["-c", &script]).output().unwrap();
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(String::from_utf8_lossy(&output.stdout).contains("triangles"), "the scene is there: {told}");
+        assert_eq!((output.status.code(), told.lines().count()), (Some(1), 1), "{builder}: {told}");
+        assert!(told.contains("no memory for") && told.contains(" MiB; "), "{told}");
+    }
+}

@@ -16,11 +16,11 @@ use std::path::Path;
 /// The order of the modules: each imports only from those before it. Tests may import from anywhere.
 const ORDER: &[&str] = &[
     "random",
+    "memory",
     "geometry",
     "scene",
     "bvh",
     "simd",
-    "memory",
     "parallel",
     "builders::config_error",
     "builders::prims",
@@ -59,6 +59,7 @@ const UNSAFE_FILES: &[&str] = &[
     "memory/huge_pages.rs",
     "memory/prefetch.rs",
     "memory/resident.rs",
+    "memory/runs.rs",
     "memory/stream.rs",
     // Threads that write to places of their own of one array.
     "parallel/disjoint.rs",

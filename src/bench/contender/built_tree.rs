@@ -1,13 +1,15 @@
 //! The request to a contender, and the tree that it returns.
 
-use crate::bench::build_times::BuildTimes;
+use crate::bench::build_times::{BuildTimes, ms};
 use crate::bench::cell::Kernel;
 use crate::bench::pools::Pools;
 use crate::bench::tree_facts::TreeFacts;
 use crate::bvh::saved::SavedError;
 use crate::bvh::{Bvh4, Bvh8, sah_cost};
 use crate::geometry::{Mesh, Tracer};
+use rayon::ThreadPool;
 use std::path::Path;
+use std::time::Instant;
 
 /// A request to a contender.
 #[derive(Clone, Copy)]
@@ -75,16 +77,45 @@ impl EitherWidth {
         }
     }
 
-    /// Saves the tree, which `builder` built over `mesh`.
+    /// Saves the tree, which `builder` built over `mesh`, and loads it again on `pool`.
     ///
     /// # Errors
-    /// An unwritable place.
-    pub fn save(&self, mesh: &Mesh, builder: &str, path: &Path) -> Result<(), SavedError> {
-        match self {
+    /// An unwritable place, or no memory for the tree a second time.
+    pub fn save(
+        &self,
+        mesh: &Mesh,
+        builder: &str,
+        path: &Path,
+        pool: &ThreadPool,
+    ) -> Result<Saving, SavedError> {
+        let start = Instant::now();
+        pool.install(|| match self {
             Self::Four(tree) => tree.save(mesh, builder, path),
             Self::Eight(tree) => tree.save(mesh, builder, path),
-        }
+        })?;
+        let saved_ms = ms(start.elapsed());
+        let start = Instant::now();
+        let loaded: Self = pool.install(|| match self {
+            Self::Four(_) => Bvh4::load(mesh, path).map(Self::from),
+            Self::Eight(_) => Bvh8::load(mesh, path).map(Self::from),
+        })?;
+        let loaded_ms = ms(start.elapsed());
+        drop(loaded);
+        let bytes =
+            std::fs::metadata(path).map_err(|source| SavedError::Io { path: path.to_owned(), source })?.len();
+        Ok(Saving { saved_ms, loaded_ms, bytes })
     }
+}
+
+/// How long a tree took to its file and back, and the file's bytes.
+#[derive(Clone, Copy, Debug)]
+pub struct Saving {
+    /// Milliseconds of saving, until it was on the disk.
+    pub saved_ms: f64,
+    /// Milliseconds of loading it again, checked.
+    pub loaded_ms: f64,
+    /// Bytes of the file.
+    pub bytes: u64,
 }
 
 /// A tree as its contender built it.

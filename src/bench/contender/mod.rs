@@ -16,7 +16,7 @@ mod tree_under_kernel;
 #[cfg(not(feature = "embree"))]
 mod without_embree;
 
-pub use built_tree::{BuildRequest, BuiltTree, EitherWidth};
+pub use built_tree::{BuildRequest, BuiltTree, EitherWidth, Saving};
 pub use caught::caught;
 #[cfg(feature = "graft")]
 pub use embree::isas as embree_isas;

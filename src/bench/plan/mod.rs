@@ -1,6 +1,17 @@
 //! What a run consists of: scenes, cells (a builder at a width) with their kernels, and settings.
 //! Everything that can be wrong with a request is found here, before anything is timed or written.
 
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::indexing_slicing,
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
+
 pub mod chosen;
 pub mod planned_scene;
 pub mod settings;
@@ -78,7 +89,7 @@ impl Plan {
             scenes.push(PlannedScene::find(name)?);
         }
         for (i, scene) in scenes.iter().enumerate() {
-            if scenes[..i].iter().any(|other| other.name == scene.name) {
+            if scenes.iter().take(i).any(|other| other.name == scene.name) {
                 return Err(PlanError::SameName(scene.name.clone()));
             }
         }

@@ -108,10 +108,10 @@ impl PlannedScene {
     pub fn load(&self) -> Result<Scene, SceneError> {
         match &self.source {
             Source::File(path) => scene::load_within(path, LIMITS.get().unwrap_or(&Limits::of_machine())),
-            Source::Generated(name) => Ok(scene::generator(name).map_or_else(
-                || unreachable!("{name} was found when the plan was made"),
-                scene::Generator::generate,
-            )),
+            // It was found when the plan was made.
+            Source::Generated(name) => scene::generator(name)
+                .map(scene::Generator::generate)
+                .ok_or_else(|| SceneError::UnknownFormat(name.into())),
             Source::Scalable(triangles) => Ok(scene::scalable(*triangles, SCALABLE_SEED)),
         }
     }

@@ -21,6 +21,9 @@ pub enum MergeError {
     /// There are none.
     #[error("{}: no shards; run `phr bench --shard K/N --out {}` for each K first", .0.display(), .0.display())]
     None(PathBuf),
+    /// The records do not say what was to be measured.
+    #[error("{}: {ENVIRONMENT} has no plan; measure it again", .0.display())]
+    NoPlan(PathBuf),
     /// A shard has not ended.
     #[error("{}: not finished; run its command again with --resume", .0.display())]
     Unfinished(PathBuf),
@@ -51,6 +54,7 @@ impl Part {
     fn read(folder: PathBuf) -> Result<Self, MergeError> {
         let environment = results_dir::environment(&folder)?;
         match environment {
+            Some(environment) if !environment.plan.is_object() => Err(MergeError::NoPlan(folder)),
             Some(environment) if environment.state == State::Complete => {
                 let rows = row::read(&folder)?;
                 Ok(Self { folder, environment, rows })
@@ -65,7 +69,7 @@ impl Part {
 
     /// Names of all scenes of the run.
     fn scenes(&self) -> Vec<String> {
-        let names = self.environment.plan["all_scenes"].as_array();
+        let names = self.environment.plan.get("all_scenes").and_then(serde_json::Value::as_array);
         names.into_iter().flatten().filter_map(|name| name.as_str().map(str::to_owned)).collect()
     }
 }
@@ -93,7 +97,10 @@ pub fn merge(folder: &Path) -> Result<Vec<PathBuf>, MergeError> {
     }
     let mut machines: Vec<Vec<&Part>> = Vec::new();
     for part in &parts {
-        match machines.iter_mut().find(|group| are_alike(&group[0].environment, &part.environment)) {
+        match machines
+            .iter_mut()
+            .find(|group| group.iter().all(|known| are_alike(&known.environment, &part.environment)))
+        {
             Some(group) => group.push(part),
             None => machines.push(vec![part]),
         }
@@ -123,7 +130,7 @@ fn same_run(first: &Part, part: &Part) -> Result<(), MergeError> {
     if a.library.embree != b.library.embree {
         return unlike("Embree");
     }
-    if a.plan["settings"] != b.plan["settings"] || first.scenes() != part.scenes() {
+    if a.plan.get("settings") != b.plan.get("settings") || first.scenes() != part.scenes() {
         return unlike("plan");
     }
     Ok(())
@@ -137,6 +144,8 @@ fn are_alike(a: &Environment, b: &Environment) -> bool {
 
 /// Writes the rows of some shards in the order of `scenes`, and their environment.
 fn write(parts: &[&Part], scenes: &[String], folder: &Path) -> Result<PathBuf, RecordsError> {
+    // Groups begin with a shard.
+    let Some(first) = parts.first() else { return Ok(folder.to_owned()) };
     let of_scene = |scene: &String| {
         let rows = parts.iter().flat_map(|part| &part.rows).filter(|row| row.scene == *scene);
         rows.cloned().collect::<Vec<_>>()
@@ -149,13 +158,13 @@ fn write(parts: &[&Part], scenes: &[String], folder: &Path) -> Result<PathBuf, R
     // A stable sort: the phases of a scene keep their order.
     phases.sort_by_key(|phase| scenes.iter().position(|scene| *scene == phase.scene));
     new_folder(folder)?;
-    let mut environment = parts[0].environment.clone();
-    let all = |of: fn(&Environment) -> Vec<serde_json::Value>| {
-        parts.iter().flat_map(|part| of(&part.environment)).collect::<Vec<_>>()
-    };
-    environment.plan["scenes"] = all(|one| one.plan["scenes"].as_array().cloned().unwrap_or_default()).into();
-    environment.plan["shards"] = all(|one| vec![one.plan["shard"].clone()]).into();
+    let mut environment = first.environment.clone();
+    let plans = || parts.iter().map(|part| &part.environment.plan);
+    let scenes = plans().filter_map(|plan| plan.get("scenes")?.as_array()).flatten().cloned().collect();
+    let shards = plans().map(|plan| plan.get("shard").cloned().unwrap_or_default()).collect();
     if let Some(plan) = environment.plan.as_object_mut() {
+        plan.insert("scenes".into(), serde_json::Value::Array(scenes));
+        plan.insert("shards".into(), serde_json::Value::Array(shards));
         plan.remove("shard");
     }
     environment.before = parts.iter().flat_map(|part| part.environment.before.clone()).collect();

@@ -1,5 +1,16 @@
 //! The records of a run: samples as taken, the rows made from them, the environment, and their files.
 
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::indexing_slicing,
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
+
 pub mod build_times;
 pub mod environment;
 pub mod files;

@@ -1,5 +1,11 @@
 //! The records of a run on disk, brought up to date after every visit.
 
+#![allow(
+    clippy::indexing_slicing,
+    clippy::unreachable,
+    reason = "its own records, which it made or compared; it reads none"
+)]
+
 use super::environment::moment::Moment;
 use super::environment::{ENVIRONMENT, Environment, Machine, Program, State};
 use super::files::{RecordsError, Written, new_folder, read_json, write_json};

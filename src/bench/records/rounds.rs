@@ -118,14 +118,20 @@ pub fn read(path: &Path) -> Result<(Vec<(RowKey, RowRounds)>, usize), RecordsErr
             malformed(std::io::Error::new(std::io::ErrorKind::InvalidData, what).into())
         };
         let times = line.times().ok_or_else(unusable)?;
-        let figure = FIGURES.iter().position(|name| *name == line.figure).ok_or_else(unusable)?;
+        let [build, trace, frame] = FIGURES;
+        let place: fn(&mut RowRounds) -> &mut ByRound = match &*line.figure {
+            figure if figure == build => |of_row| &mut of_row.build,
+            figure if figure == trace => |of_row| &mut of_row.trace,
+            figure if figure == frame => |of_row| &mut of_row.frame,
+            _ => return Err(unusable()),
+        };
         let key = line.key();
         // The figures of a row follow each other.
         if rows.last().is_none_or(|last| last.0 != key) {
             rows.push((key, RowRounds::default()));
         }
         if let Some((_, of_row)) = rows.last_mut() {
-            *[&mut of_row.build, &mut of_row.trace, &mut of_row.frame][figure] = times;
+            *place(of_row) = times;
         }
     }
     Ok((rows, lines))

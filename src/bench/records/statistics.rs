@@ -1,6 +1,8 @@
 //! Robust statistics of few samples: median and median absolute deviation, the interval of a ratio, means
 //! of ratios over scenes.
 
+#![allow(clippy::indexing_slicing, reason = "ranks of a sorted list, within its length")]
+
 use serde::{Deserialize, Serialize};
 
 /// What is kept of a list of samples.

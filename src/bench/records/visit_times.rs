@@ -7,6 +7,7 @@ use super::samples::{CellSamples, VisitSamples};
 use super::statistics::{figures, median};
 use crate::bench::cell::Kernel;
 use crate::trace::RayKind;
+use std::collections::BTreeMap;
 
 /// Per visit, the build time in a regime; none in a regime of older runs. A visit's builds count as one sample, their
 /// median, as its traces do.
@@ -64,14 +65,12 @@ pub fn times(
         let matching = visit.timings.iter().filter(|timing| {
             timing.kernel == kernel && view.is_none_or(|view| view == timing.view) && kind(timing.kind)
         });
-        let mut passes = Vec::new();
+        // By number, which a file may have any of.
+        let mut passes = BTreeMap::<usize, f64>::new();
         for timing in matching {
-            if passes.len() <= timing.pass {
-                passes.resize(timing.pass + 1, 0.0);
-            }
-            passes[timing.pass] += timing.ms;
+            *passes.entry(timing.pass).or_default() += timing.ms;
         }
-        median(&passes)
+        median(&passes.into_values().collect::<Vec<_>>())
     };
     by_round(cell, of_visit)
 }

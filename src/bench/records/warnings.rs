@@ -1,5 +1,7 @@
 //! Named defects of a measurement. Rows carry the names; the table and the summary add advice.
 
+#![allow(clippy::indexing_slicing, reason = "of the samples that the summary is of: there are some")]
+
 use super::statistics::Summary;
 use crate::bench::cpu_time::{CpuTime, DISTURBED};
 use serde::{Deserialize, Serialize};

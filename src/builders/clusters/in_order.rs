@@ -24,8 +24,8 @@ pub(crate) fn in_order(
     ordered.pairs.clear();
     ordered.root = None;
     let Some(root) = tree.root else { return ordered_keys };
-    huge_pages::reserve(&mut ordered_keys, keys.len());
-    huge_pages::reserve(&mut ordered.pairs, tree.pairs.len());
+    huge_pages::reserve(&mut ordered_keys, keys.len(), "ordered keys");
+    huge_pages::reserve(&mut ordered.pairs, tree.pairs.len(), "ordered pairs");
     let divided = TaskTree::grow((root, 0), &|(node, first): (Node, u32)| {
         if node.count() <= GRAIN || node.is_leaf() {
             return Division::Task((node, first));

@@ -152,7 +152,7 @@ fn linear<G: Geometry>(
 ) -> Node {
     // Of leaves of several references about half are full.
     let most = keys.len().div_ceil(rule.always as usize) * if rule.always == 1 { 1 } else { 2 };
-    huge_pages::reserve(pairs, most + most / 1000 + 64);
+    huge_pages::reserve(pairs, most + most / 1000 + 64, "the auxiliary tree");
     let top = TopTree::new(refs, keys, depth);
     let make = |i: usize, treelet: &mut LbvhTreelet| {
         let (first, depth, mut keys) = top.treelet(i);

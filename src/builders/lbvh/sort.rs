@@ -68,12 +68,12 @@ impl MortonOrder {
         }
         self.info = Some(info);
         let more: usize = self.presplit.chunks.iter().map(|chunk| chunk.pieces - chunk.needles).sum();
-        let keys = huge_pages::lend(spare, prims.len() + more);
+        let keys = huge_pages::lend(spare, prims.len() + more, "keys");
         self.encode(geometry, prims, &MortonEncoder::new(info.centers), bits.mask(), keys);
         // SAFETY: `encode` has written every key.
         let keys = unsafe { &mut *(std::ptr::from_mut(keys) as *mut [MortonKey]) };
         watch.lap("codes");
-        huge_pages::resize(&mut self.keys, keys.len(), 0);
+        huge_pages::resize(&mut self.keys, keys.len(), 0, "sorted keys");
         match bits {
             SortBits::All => radix_sort::sort(keys, &mut self.keys),
             SortBits::Highest => radix_sort::bucket_sort(keys, &mut self.keys),

@@ -1,6 +1,7 @@
 //! Which nodes may look for better places: those that promise most and have not looked in vain.
 
 use super::tree::{ROOT, Tree};
+use crate::memory::huge_pages;
 use crate::parallel;
 use rayon::prelude::*;
 
@@ -22,7 +23,7 @@ pub(crate) struct Candidates {
 impl Candidates {
     /// Finds the `wanted` nodes of `tree` of the highest promise among those not `tried`.
     pub fn find(&mut self, tree: &Tree, tried: &[bool], wanted: usize) {
-        self.promises.resize(tree.pairs.len(), [0; 2]);
+        huge_pages::resize(&mut self.promises, tree.pairs.len(), [0; 2], "gains of nodes");
         let histograms =
             parallel::map(self.promises.par_chunks_mut(CHUNK).enumerate(), |(chunk, promises)| {
                 let mut histogram = vec![0u32; BUCKETS];
@@ -51,6 +52,8 @@ impl Candidates {
             });
         let mut room = wanted.saturating_sub(above);
         self.nodes.clear();
+        let most = found.iter().map(Vec::len).sum();
+        huge_pages::reserve(&mut self.nodes, most, "promising nodes");
         for index in found.into_iter().flatten() {
             let is_last = self.promises[index as usize / 2][index as usize % 2] as usize == last;
             if !is_last || room > 0 {

@@ -8,6 +8,7 @@ use super::candidates::Candidates;
 use super::tree::{Node, Pair, ROOT, Tree};
 use crate::bvh::MAX_DEPTH;
 use crate::geometry::Aabb;
+use crate::memory::huge_pages;
 use crate::parallel;
 use rayon::prelude::*;
 
@@ -40,7 +41,7 @@ impl Reinsertion {
     /// Does `rounds` rounds for the `wanted` most promising nodes each.
     pub fn run(&mut self, tree: &mut Tree, rounds: u32, wanted: usize) {
         self.tried.clear();
-        self.tried.resize(2 * tree.pairs.len(), false);
+        huge_pages::resize(&mut self.tried, 2 * tree.pairs.len(), false, "nodes that were tried");
         for _ in 0..rounds {
             self.round(tree, wanted);
         }
@@ -50,7 +51,7 @@ impl Reinsertion {
     pub(super) fn round(&mut self, tree: &mut Tree, wanted: usize) -> usize {
         self.candidates.find(tree, &self.tried, wanted);
         let nodes = &self.candidates.nodes;
-        self.moves.resize(nodes.len(), Move::default());
+        huge_pages::resize(&mut self.moves, nodes.len(), Move::default(), "moves of nodes");
         let chunks = self.moves.par_chunks_mut(CHUNK).zip(nodes.par_chunks(CHUNK));
         parallel::for_each(chunks, |(moves, nodes)| {
             let mut stack = Vec::new();
@@ -66,7 +67,7 @@ impl Reinsertion {
         self.moves.par_sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain).then(a.node.cmp(&b.node)));
         // A search holds no longer where the nodes it speaks of were replaced.
         self.replaced.clear();
-        self.replaced.resize(2 * tree.pairs.len(), false);
+        huge_pages::resize(&mut self.replaced, 2 * tree.pairs.len(), false, "nodes that were replaced");
         let mut made = 0;
         for &one in &self.moves {
             if self.replaced[one.node as usize] || self.replaced[one.target as usize] {

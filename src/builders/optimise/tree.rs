@@ -111,14 +111,14 @@ impl Tree {
     pub fn clear(&mut self, n: usize) {
         self.pairs.clear();
         self.prims.clear();
-        huge_pages::reserve(&mut self.pairs, n / 2 + 64);
-        huge_pages::reserve(&mut self.prims, n + n / 4 + 64);
+        huge_pages::reserve(&mut self.pairs, n / 2 + 64, "the tree to be optimised");
+        huge_pages::reserve(&mut self.prims, n + n / 4 + 64, "references of the tree to be optimised");
         self.pairs.push(Pair::UNUSED);
     }
 
     /// Sets the root and tells all pairs their parents.
     pub fn finish(&mut self, root: Node) {
-        huge_pages::reserve(&mut self.parents, self.pairs.len());
+        huge_pages::reserve(&mut self.parents, self.pairs.len(), "parents in the tree to be optimised");
         self.parents.resize_with(self.pairs.len(), AtomicU32::default);
         *self.parents[0].get_mut() = ROOT;
         self.pairs[0].0[0] = root;

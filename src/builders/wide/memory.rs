@@ -73,7 +73,7 @@ impl<S: Default, const N: usize, B> Memory<S, N, B> {
         let WideBvh { mut nodes, mut blocks, .. } = self.tree.take().unwrap_or_default();
         nodes.clear();
         blocks.clear();
-        huge_pages::reserve(&mut nodes, n / N + 64);
+        huge_pages::reserve(&mut nodes, n / N + 64, "nodes");
         (nodes, blocks)
     }
 
@@ -81,7 +81,7 @@ impl<S: Default, const N: usize, B> Memory<S, N, B> {
     pub fn blocks(&mut self, n: usize) -> &mut Vec<B> {
         let blocks = &mut self.tree.get_or_insert_default().blocks;
         blocks.clear();
-        huge_pages::reserve(blocks, n / 2 + 64);
+        huge_pages::reserve(blocks, n / 2 + 64, "leaf blocks");
         blocks
     }
 }

@@ -6,6 +6,7 @@
 
 use crate::bvh::{Child, Invalid, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::{Aabb, Mesh};
+use crate::memory::huge_pages;
 use crate::parallel;
 use glam::Vec3A;
 use rayon::prelude::*;
@@ -50,12 +51,15 @@ impl<const N: usize> WideBvh<N> {
             return Err(RefitError::Triangles { tree: triangles, mesh: mesh.len() });
         }
 
-        let mut of_blocks = vec![Aabb::EMPTY; self.blocks.len()];
+        let mut of_blocks = Vec::new();
+        huge_pages::resize(&mut of_blocks, self.blocks.len(), Aabb::EMPTY, "boxes of leaf blocks");
         let chunks = self.blocks.par_chunks_mut(GRAIN).zip(of_blocks.par_chunks_mut(GRAIN));
         parallel::for_each(chunks, |(blocks, boxes)| {
             blocks.iter_mut().zip(boxes).for_each(|(block, bounds)| *bounds = refill(block, mesh));
         });
-        let of_nodes: Vec<NodeBox> = (0..self.nodes.len()).map(|_| NodeBox::default()).collect();
+        let mut of_nodes: Vec<NodeBox> = Vec::new();
+        huge_pages::reserve(&mut of_nodes, self.nodes.len(), "boxes of nodes");
+        of_nodes.resize_with(self.nodes.len(), NodeBox::default);
         let boxes = Boxes { of_nodes: &of_nodes, of_blocks: &of_blocks };
         self.bounds = boxes.gather(&self.nodes, self.root, 0)?;
         parallel::for_each(self.nodes.par_chunks_mut(GRAIN), |nodes| {

@@ -2,7 +2,7 @@
 //!
 //! The format is little-endian and laid out as in memory, so that a program may map it: a header of 128 bytes, the nodes
 //! (128 bytes each, 256 of 8-wide trees: lower planes, upper planes, links, zeros up to a multiple of 64), then the blocks
-//! of 160 bytes. Its first version:
+//! of 160 bytes. Its second version:
 //!
 //! | bytes | content |
 //! |:--|:--|
@@ -12,11 +12,22 @@
 //! | 24, 32 | nodes, blocks |
 //! | 40 to 63 | the box of everything: lower corner, upper corner |
 //! | 64, 72 | fingerprint of the mesh, its triangles |
-//! | 80 | checksum of nodes and blocks |
+//! | 80 | checksum of nodes and blocks: of the checksums of every 2048 of them |
 //! | 88 | checksum of the 88 bytes before |
 //! | 96 to 127 | name of the builder, zeros after it |
 //!
-//! Checksums find damage, no forgery; what a file says is checked before a kernel follows its links.
+//! A checksum of bytes is that of four sums, each of every fourth word of eight bytes. Checksums find damage, no forgery; what a file says is checked before a kernel follows its links.
+
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::indexing_slicing,
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
 
 mod header;
 mod read;
@@ -26,10 +37,12 @@ pub use header::Header;
 pub use read::header_of;
 
 use super::validate::Invalid;
+use crate::memory::OutOfMemory;
 use std::path::{Path, PathBuf};
 
 /// Records that are converted by a task, and have a checksum together.
-const CHUNK: usize = 1 << 13;
+/// So few that their bytes stay in a core's cache between the file and the tree.
+const CHUNK: usize = 1 << 11;
 
 /// Why a tree could not be saved or loaded: one line that names the file and the remedy.
 #[derive(Debug, thiserror::Error)]
@@ -49,6 +62,14 @@ pub enum SavedError {
         path: PathBuf,
         /// What is wrong with it.
         what: String,
+    },
+    /// No memory for the tree.
+    #[error("{}: {source}", path.display())]
+    OutOfMemory {
+        /// The file.
+        path: PathBuf,
+        /// What was asked for.
+        source: OutOfMemory,
     },
     /// The tree of another mesh.
     #[error("{}: the tree of another mesh ({triangles} triangles, {mesh:016x}); give its scene or save the tree again", path.display())]

@@ -3,17 +3,17 @@
 use super::CHUNK;
 use super::SavedError;
 use super::header::{BYTES, Header, checksum, step};
-use crate::bvh::WideBvh;
 use crate::bvh::record::Record;
+use crate::bvh::{WideBvh, WideNode};
 use crate::geometry::Mesh;
+use crate::memory::huge_pages;
+use crate::memory::runs::{self, Run};
 use crate::scene::mesh_fingerprint;
-use rayon::prelude::*;
 use std::fs::File;
-use std::io::Read;
+#[cfg(not(unix))]
+use std::io::Seek;
+use std::io::{self, Read};
 use std::path::Path;
-
-/// Chunks read at a time.
-const BATCH: usize = 16;
 
 /// What the file at `path` says of its tree.
 ///
@@ -58,7 +58,7 @@ impl<const N: usize> WideBvh<N> {
     /// # Errors
     /// [`SavedError`]: a file that is damaged, of another width, of another mesh, or whose links form no tree.
     pub fn load(mesh: &Mesh, path: &Path) -> Result<Self, SavedError> {
-        let (mut file, header) = open(path)?;
+        let (file, header) = open(path)?;
         if header.width != N as u32 {
             let what = format!("a tree of {} children per node, not {N}", header.width);
             return Err(SavedError::unusable(path, what));
@@ -67,8 +67,9 @@ impl<const N: usize> WideBvh<N> {
             let Header { triangles, mesh, .. } = header;
             return Err(SavedError::OtherMesh { path: path.to_owned(), triangles, mesh });
         }
-        let (nodes, sum) = get(header.nodes, 0, &mut file, path)?;
-        let (blocks, sum) = get(header.blocks, sum, &mut file, path)?;
+        let blocks_at = BYTES as u64 + header.nodes * size_of::<WideNode<N>>() as u64;
+        let (nodes, sum) = get(header.nodes, 0, &file, BYTES as u64, path)?;
+        let (blocks, sum) = get(header.blocks, sum, &file, blocks_at, path)?;
         if sum != header.checksum {
             return Err(SavedError::unusable(path, "damaged nodes or blocks"));
         }
@@ -79,27 +80,42 @@ impl<const N: usize> WideBvh<N> {
     }
 }
 
-/// The next `count` records, and `sum` with their checksums.
-fn get<R: Record>(
+/// `count` records from byte `begin` on, and `sum` with their checksums: each chunk goes from the file through a thread's
+/// cache to its place.
+fn get<R: Record + Copy>(
     count: u64,
-    mut sum: u64,
-    file: &mut File,
+    sum: u64,
+    file: &File,
+    begin: u64,
     path: &Path,
 ) -> Result<(Vec<R>, u64), SavedError> {
-    let io = SavedError::io(path);
     // As many as the file is long.
     let count = count as usize;
     let mut records: Vec<R> = Vec::new();
-    let no_memory = |_| std::io::Error::from(std::io::ErrorKind::OutOfMemory);
-    records.try_reserve_exact(count).map_err(no_memory).map_err(&io)?;
-    let mut bytes = vec![0; R::BYTES * (CHUNK * BATCH).min(count)];
-    while records.len() < count {
-        let batch = (count - records.len()).min(CHUNK * BATCH);
-        let bytes = &mut bytes[..R::BYTES * batch];
-        file.read_exact(bytes).map_err(&io)?;
-        let sums: Vec<u64> = bytes.par_chunks(R::BYTES * CHUNK).map(checksum).collect();
-        sum = sums.into_iter().fold(sum, step);
-        records.par_extend(bytes.par_chunks(R::BYTES).with_min_len(CHUNK / 4).map(R::get));
-    }
-    Ok((records, sum))
+    huge_pages::try_reserve(&mut records, count, "a saved tree")
+        .map_err(|source| SavedError::OutOfMemory { path: path.to_owned(), source })?;
+    let chunk = R::BYTES * CHUNK;
+    let one = |bytes: &mut Vec<u8>, number: usize, run: &mut Run<'_, R>| {
+        // A run is no longer than a chunk.
+        let (bytes, _) =
+            bytes.split_at_mut_checked(R::BYTES * run.len()).ok_or(io::ErrorKind::InvalidData)?;
+        read_at(file, path, bytes, begin + (number * chunk) as u64)?;
+        bytes.chunks_exact(R::BYTES).for_each(|bytes| run.push(R::get(bytes)));
+        Ok(checksum(bytes))
+    };
+    let sums =
+        runs::fill(&mut records, count, CHUNK, || vec![0; chunk], one).map_err(SavedError::io(path))?;
+    Ok((records, sums.into_iter().fold(sum, step)))
+}
+
+#[cfg(unix)]
+fn read_at(file: &File, _: &Path, bytes: &mut [u8], at: u64) -> io::Result<()> {
+    std::os::unix::fs::FileExt::read_exact_at(file, bytes, at)
+}
+
+#[cfg(not(unix))]
+fn read_at(_: &File, path: &Path, bytes: &mut [u8], at: u64) -> io::Result<()> {
+    let mut file = File::open(path)?;
+    file.seek(io::SeekFrom::Start(at))?;
+    file.read_exact(bytes)
 }

@@ -57,6 +57,28 @@ fn other_meshes_and_widths_are_refused() {
     assert!(said(chain(&mesh).save(&mesh, "", &folder.path().join("no/x"))).contains("No such file"));
 }
 
+/// Of several chunks each of nodes and blocks, on any number of threads.
+#[test]
+fn chunks_follow_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.phrtree");
+    let mesh = mesh(4 * (2 * CHUNK + 77));
+    let tree = crate::builders::by_name::<4>("lbvh").unwrap().build(&mesh).tree;
+    assert!(tree.blocks.len() > CHUNK && tree.nodes.len() > CHUNK / 2);
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            tree.save(&mesh, "lbvh", &path).unwrap();
+            assert_eq!(Bvh4::load(&mesh, &path).unwrap(), tree);
+        });
+    }
+    let mut bytes = std::fs::read(&path).unwrap();
+    let last = bytes.len() - 1;
+    bytes[last] ^= 1;
+    std::fs::write(&path, bytes).unwrap();
+    assert!(Bvh4::load(&mesh, &path).unwrap_err().to_string().contains("damaged nodes or blocks"));
+}
+
 /// Any byte changed and any end cut off.
 #[test]
 fn damage_is_found() {
@@ -76,6 +98,11 @@ fn damage_is_found() {
         std::fs::write(&path, &whole[..at]).unwrap();
         assert!(Bvh4::load(&mesh, &path).is_err(), "{at} bytes");
     }
+    let mut older = whole.clone();
+    older[8] = 1;
+    std::fs::write(&path, older).unwrap();
+    let message = Bvh4::load(&mesh, &path).unwrap_err().to_string();
+    assert!(message.contains("version 1, this program reads 2; save the tree again"), "{message}");
     std::fs::write(&path, [&whole[..], b"\0"].concat()).unwrap();
     assert!(Bvh4::load(&mesh, &path).is_err(), "a byte too many");
 }

@@ -13,7 +13,7 @@ use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// Chunks converted at a time.
-const BATCH: usize = 16;
+const BATCH: usize = 64;
 
 impl<const N: usize> WideBvh<N> {
     /// Saves the tree, which `builder` built over `mesh`.

@@ -69,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pools = pools(arguments.threads.unwrap_or_else(all_threads))?;
     let scene = PlannedScene::find(arguments.scene.as_deref().unwrap_or_default())?.load()?;
     let request = heatmap::Request {
-        view: options::view(&scene, arguments.view)?,
+        view: options::view(&scene, arguments.view).map(|_| arguments.view)?,
         scene: &scene,
         cells: &cells(arguments)?,
         size: arguments.size,

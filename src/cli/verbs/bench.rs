@@ -244,7 +244,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     plan.check_files()?;
     if !arguments.trees.is_empty() {
-        check(&plan.scenes[0].0.load()?.mesh)?;
+        plan.scenes.first().map_or(Ok(()), |(scene, _)| Ok::<_, Failure>(check(&scene.load()?.mesh)?))?;
     }
     if let Some(reason) = arguments.when_quiet.then(|| Moment::now(plan.settings.threads).busy()).flatten() {
         let remedy = "wait for a quiet hour or run without --when-quiet";

@@ -1,7 +1,7 @@
 //! `phr build`: one scene, one builder, its phases and its tree.
 
 use crate::bench::chosen::Chosen;
-use crate::bench::contender::{self, BuildRequest, BuiltTree, Contender};
+use crate::bench::contender::{self, BuildRequest, BuiltTree, Contender, Saving};
 use crate::bench::memory;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::statistics::Summary;
@@ -73,11 +73,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for cell in cells {
         let built = Contender::of(&cell).and_then(|mut contender| contender.build(&request));
         let built = built.map_err(Failure::Wrong)?;
+        let mut text = describe(&built);
         if let Some(output) = &arguments.output {
             let tree = built.tree().map_err(|reason| Failure::Wrong(reason.to_owned()))?;
-            tree.save(&scene.mesh, &cell.builder, output)?;
+            let Saving { saved_ms, loaded_ms, bytes } =
+                tree.save(&scene.mesh, &cell.builder, output, &pools.all)?;
+            text += &line("saved", format!("{} in {} ms", mebibytes(bytes), short(saved_ms)));
+            text += &line("loaded again", format!("{} ms", short(loaded_ms)));
         }
-        let mut text = describe(&built);
         match memory::measure(&program, &scene.mesh, &cell, pools.all.current_num_threads()) {
             Ok(memory) => {
                 text += &line("resident, peak of build", mebibytes(memory.peak_bytes));

@@ -91,7 +91,7 @@ fn settings(arguments: &Arguments) -> Result<KernelSettings, Failure> {
         let of_builder = cells.len();
         cells.extend(widths.iter().filter_map(|&width| options::cell(builder, Some(width)).ok()));
         if cells.len() == of_builder {
-            options::cell(builder, Some(widths[0]))?;
+            options::cell(builder, widths.first().copied())?;
         }
     }
     if arguments.rounds == 0 || arguments.threads.contains(&0) || arguments.size == 0 || arguments.views == 0

@@ -9,6 +9,7 @@ use crate::cli::options::{self, all_threads, check_place, pools};
 use crate::cli::output::say;
 use crate::trace::{self, Image, PathSettings};
 use std::path::{Path, PathBuf};
+use std::slice::from_ref;
 
 /// Render a view of a scene through a builder's tree to a PNG file
 #[derive(Debug, clap::Args)]
@@ -62,18 +63,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for remark in scene.remarks() {
         eprintln!("phr: {remark}");
     }
-    let view = &scene.views[options::view(&scene, arguments.view)?];
+    let view = options::view(&scene, arguments.view)?;
+    let kernel = *cell.kernels.first().ok_or_else(|| Failure::Bad(format!("{}: no kernel", cell.builder)))?;
     let request = BuildRequest {
         mesh: &scene.mesh,
         pools: &pools,
-        kernels: &cell.kernels[..1],
+        kernels: from_ref(&kernel),
         wants_facts: false,
         fresh_only: true,
     };
     let mut contender = Contender::of(&cell).map_err(Failure::Wrong)?;
     let built = contender.build(&request).map_err(Failure::Wrong)?;
     let threads = pools.all.current_num_threads();
-    let tree = TreeUnderKernel::new(&built, cell.kernels[0], threads).map_err(Failure::Wrong)?;
+    let tree = TreeUnderKernel::new(&built, kernel, threads).map_err(Failure::Wrong)?;
     let tracer = tree.tracer().map_err(|reason| Failure::Wrong(reason.to_owned()))?;
     let mut image = Image::new(arguments.size, arguments.size);
     for sample in 0..arguments.samples {

@@ -99,7 +99,7 @@ unsafe fn walk<const N: usize>(root: u64, bounds: Aabb, mesh: &Mesh) -> Result<W
 /// The same elements where Embree and our builders keep theirs: a copy on small pages would be slower to trace.
 fn on_huge_pages<T>(mut elements: Vec<T>) -> Vec<T> {
     let mut moved = Vec::new();
-    huge_pages::reserve(&mut moved, elements.len());
+    huge_pages::reserve(&mut moved, elements.len(), "a tree's copy");
     moved.append(&mut elements);
     moved
 }

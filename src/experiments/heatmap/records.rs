@@ -1,6 +1,17 @@
 //! What a heat map is drawn from: a CSV with a line per builder, and beside it the counts of all pixels as a grey PNG of
 //! 16 bits, one builder below the other, without loss.
 
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::indexing_slicing,
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
+
 use crate::bench::files::{RecordsError, read_csv_file, write_csv, write_whole};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -100,30 +111,35 @@ fn encoded(panels: &[Panel]) -> Result<Vec<u8>, png::EncodingError> {
 pub fn read(png: &Path) -> Result<Vec<Panel>, HeatmapError> {
     let [csv_path, counts_path] = places(png);
     let rows: Vec<HeatmapRow> = read_csv_file(&csv_path, "run `phr heatmap` without --redraw first")?;
-    let size = rows[0].size;
+    let size = rows.first().map_or(0, |row| row.size);
     let failed = |reason: String| HeatmapError::Counts { path: counts_path.clone(), reason };
-    let (across, down, samples) = decoded(&counts_path).map_err(&failed)?;
-    if rows.iter().any(|row| row.size != size) || (across, down) != (size, size * rows.len() as u32) {
-        let count = rows.len();
-        return Err(failed(format!("{across} x {down} pixels are not {count} panels of {size} x {size}")));
-    }
-    let pixels = (size * size) as usize;
+    let (count, are_alike) = (rows.len(), rows.iter().all(|row| row.size == size));
+    let samples = decoded(&counts_path, |across, down| {
+        let panels = u64::from(size).checked_mul(count as u64);
+        (are_alike && across == size && Some(u64::from(down)) == panels)
+            .then_some(())
+            .ok_or_else(|| format!("{across} x {down} pixels are not {count} panels of {size} x {size}"))
+    });
+    let samples = samples.map_err(failed)?;
+    // No more than the picture has.
+    let pixels = (size as usize).saturating_mul(size as usize).max(1);
     let panels = rows.into_iter().zip(samples.chunks_exact(pixels));
     Ok(panels.map(|(row, steps)| Panel { row, steps: steps.to_vec() }).collect())
 }
 
-/// Width, height and samples of a grey PNG of 16 bits.
-fn decoded(path: &Path) -> Result<(u32, u32, Vec<u16>), String> {
+/// Samples of a grey PNG of 16 bits, of a width and height that `check` accepts: memory is taken afterwards.
+fn decoded(path: &Path, check: impl Fn(u32, u32) -> Result<(), String>) -> Result<Vec<u16>, String> {
     let file = std::fs::File::open(path).map_err(|error| error.to_string())?;
     let mut reader =
         png::Decoder::new(std::io::BufReader::new(file)).read_info().map_err(|error| error.to_string())?;
     if reader.output_color_type() != (png::ColorType::Grayscale, png::BitDepth::Sixteen) {
         return Err("not a grey picture of 16 bits".into());
     }
+    let (across, down) = reader.info().size();
+    check(across, down)?;
     let mut bytes = vec![0; reader.output_buffer_size().ok_or("too large")?];
-    let info = reader.next_frame(&mut bytes).map_err(|error| error.to_string())?;
-    let samples = bytes.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])).collect();
-    Ok((info.width, info.height, samples))
+    reader.next_frame(&mut bytes).map_err(|error| error.to_string())?;
+    Ok(bytes.as_chunks().0.iter().map(|pair| u16::from_be_bytes(*pair)).collect())
 }
 
 #[cfg(test)]

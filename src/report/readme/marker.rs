@@ -1,5 +1,7 @@
 //! A marker in a page, and what it stands for: kinds, words, options, and the text made from the rows.
 
+#![allow(clippy::indexing_slicing, reason = "`Marker::of` counts the words that each kind has")]
+
 use super::error::ReadmeError;
 use super::findings::findings;
 use crate::bench::environment::{Environment, State};

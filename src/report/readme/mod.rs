@@ -1,6 +1,17 @@
 //! Figures within Markdown pages: the text between two markers is generated from committed rows, and a check tells
 //! whether it still agrees with them. `results/README.md` describes the markers.
 
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::indexing_slicing,
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
+
 mod error;
 pub mod findings;
 mod marker;
@@ -68,6 +79,7 @@ fn inline(mut rest: &str, line: usize, folder: &Path) -> Result<(String, usize),
 }
 
 /// Lines that differ, as `-` what stands there and `+` what should, at most twenty.
+#[allow(clippy::indexing_slicing, reason = "what both begin and end with is no more than either has")]
 pub fn differences(old: &str, new: &str) -> String {
     let (old, new): (Vec<&str>, Vec<&str>) = (old.lines().collect(), new.lines().collect());
     let same_tail = |(a, b): &(&&str, &&str)| a == b;

@@ -29,11 +29,13 @@ impl<'a> Lines<'a> {
             if !self.append()? {
                 return Ok(!self.line.is_empty());
             }
-            let end = self.line.trim_ascii_end().len();
-            if !joined || self.is_cut || end == 0 || self.line[end - 1] != b'\\' {
+            let Some(end) = self.line.trim_ascii_end().strip_suffix(b"\\").map(<[u8]>::len) else {
+                return Ok(true);
+            };
+            if !joined || self.is_cut {
                 return Ok(true);
             }
-            self.line.truncate(end - 1);
+            self.line.truncate(end);
             self.line.push(b' ');
         }
     }

@@ -96,7 +96,8 @@ fn format_of(path: &Path) -> Option<(String, Format, Compression)> {
 /// `name` without `suffix` in any case of letters.
 fn without_suffix<'a>(name: &'a str, suffix: &str) -> Option<&'a str> {
     let at = name.len().checked_sub(suffix.len())?;
-    (name.is_char_boundary(at) && at > 0 && name[at..].eq_ignore_ascii_case(suffix)).then(|| &name[..at])
+    let (stem, end) = name.split_at_checked(at)?;
+    (!stem.is_empty() && end.eq_ignore_ascii_case(suffix)).then_some(stem)
 }
 
 #[cfg(test)]

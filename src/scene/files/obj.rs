@@ -34,7 +34,8 @@ pub(super) fn read<'a>(reader: &mut dyn BufRead, guard: &'a Guard) -> Result<Raw
             raw.push_vertex(*vertex)?;
         }
         for triangle in mesh.indices.as_chunks().0 {
-            raw.push_triangle(triangle.map(|index: u32| first + index))?;
+            // Beyond 2^32 vertices no triangle is accepted anyway.
+            raw.push_triangle(triangle.map(|index: u32| first.saturating_add(index)))?;
         }
     }
     Ok(raw)
@@ -143,7 +144,7 @@ impl BufRead for Filter<'_> {
                 }
             }
         }
-        Ok(&self.kept[self.consumed..])
+        Ok(self.kept.get(self.consumed..).unwrap_or_default())
     }
 
     fn consume(&mut self, amount: usize) {

@@ -116,12 +116,14 @@ impl Read for Terminated<'_> {
             return self.header.read(buffer);
         }
         let read = self.inner.read(buffer)?;
-        if read == 0 && self.ascii.get() && !self.ended && !buffer.is_empty() {
-            self.ended = true;
-            buffer[0] = b'\n';
-            return Ok(1);
+        match buffer.first_mut() {
+            Some(first) if read == 0 && self.ascii.get() && !self.ended => {
+                self.ended = true;
+                *first = b'\n';
+                Ok(1)
+            }
+            _ => Ok(read),
         }
-        Ok(read)
     }
 
     fn read_exact(&mut self, buffer: &mut [u8]) -> io::Result<()> {
@@ -129,8 +131,8 @@ impl Read for Terminated<'_> {
             return self.inner.read_exact(buffer);
         }
         let mut filled = 0;
-        while filled < buffer.len() {
-            match self.read(&mut buffer[filled..])? {
+        while let Some(rest @ [_, ..]) = buffer.get_mut(filled..) {
+            match self.read(rest)? {
                 0 => return Err(io::ErrorKind::UnexpectedEof.into()),
                 read => filled += read,
             }

@@ -17,7 +17,7 @@ pub(super) fn take(reader: &mut dyn BufRead) -> Result<Vec<u8>, Fault> {
         if read.map_err(|error| fault(&error.to_string()))? == 0 {
             return if room == 0 { Err(fault("longer than 64 KiB")) } else { Ok(header) };
         }
-        let line = &header[begin..];
+        let line = header.get(begin..).unwrap_or_default();
         let word = line.split(u8::is_ascii_whitespace).find(|word| !word.is_empty()).unwrap_or_default();
         let is_whole = line.ends_with(b"\n");
         if begin == 0 && word != b"ply" {

@@ -14,8 +14,8 @@ pub(super) enum Compression {
     Zstd,
 }
 
-/// Buffer between file or decoder and parser, bytes.
-const BUFFER: usize = 1 << 20;
+/// Buffer between file or decoder and parser, bytes, of files as long.
+const BUFFER: u64 = 1 << 20;
 /// Windows up to 2^27 bytes (`zstd --long`) are accepted.
 const ZSTD_WINDOW_LOG: u32 = 27;
 /// A compressed file may give so many bytes for each of its own; meshes give 2 to 30.
@@ -44,12 +44,16 @@ pub(super) fn reader<'a>(
 ) -> Result<Box<dyn BufRead + 'a>, SceneError> {
     let (file, length) = open(path)?;
     let left = length.saturating_mul(MOST_EXPANSION).max(EXPANDED_AT_LEAST);
-    let plain =
-        |inner: Box<dyn Read>| Box::new(BufReader::with_capacity(BUFFER, Expanded { inner, left, guard }));
+    let buffer = |most: u64| most.clamp(1 << 10, BUFFER) as usize;
+    let own = buffer(length);
+    let plain = |inner: Box<dyn Read>| {
+        let most = buffer(length.saturating_mul(MOST_EXPANSION));
+        Box::new(BufReader::with_capacity(most, Expanded { inner, left, guard }))
+    };
     Ok(match compression {
-        Compression::None => Box::new(BufReader::with_capacity(BUFFER, file)),
+        Compression::None => Box::new(BufReader::with_capacity(own, file)),
         Compression::Gzip => {
-            plain(Box::new(flate2::bufread::MultiGzDecoder::new(BufReader::with_capacity(BUFFER, file))))
+            plain(Box::new(flate2::bufread::MultiGzDecoder::new(BufReader::with_capacity(own, file))))
         }
         Compression::Zstd => {
             let decoder = zstd::Decoder::new(file).and_then(|mut decoder| {

@@ -34,16 +34,18 @@ fn binary<'a>(reader: &mut dyn BufRead, guard: &'a Guard) -> Result<RawMesh<'a>,
     };
     let mut header = [0; TITLE + 4];
     reader.read_exact(&mut header).map_err(|error| fault("header".into(), &error))?;
-    let count = u32::from_le_bytes(std::array::from_fn(|i| header[TITLE + i]));
+    let [.., a, b, c, d] = header;
+    let count = u32::from_le_bytes([a, b, c, d]);
     let mut raw = RawMesh::new(guard);
     raw.announce(3 * u64::from(count), u64::from(count))?;
     let mut bytes = [0; TRIANGLE];
     for triangle in 0..count {
         let place = || format!("triangle {triangle} of {count}");
         reader.read_exact(&mut bytes).map_err(|error| fault(place(), &error))?;
-        let words = bytes.as_chunks::<4>().0;
-        let corner = |i: usize| std::array::from_fn(|axis| f32::from_le_bytes(words[3 + 3 * i + axis]));
-        push(&mut raw, [corner(0), corner(1), corner(2)])?;
+        // Behind the normal.
+        let mut numbers = bytes.as_chunks().0.iter().skip(3).map(|word| f32::from_le_bytes(*word));
+        let mut corner = || std::array::from_fn(|_| numbers.next().unwrap_or_default());
+        push(&mut raw, [corner(), corner(), corner()])?;
     }
     raw.contents.objects = 1;
     let place = || "end of the last triangle".to_owned();
@@ -87,7 +89,7 @@ fn text<'a>(reader: &mut dyn BufRead, guard: &'a Guard) -> Result<RawMesh<'a>, F
             b"facet" | b"outer" | b"endloop" | b"" => {}
             other => {
                 let problem =
-                    format!("unknown word {}", String::from_utf8_lossy(&other[..other.len().min(40)]));
+                    format!("unknown word {}", String::from_utf8_lossy(other.get(..40).unwrap_or(other)));
                 return Err(lines.fault(&problem));
             }
         }

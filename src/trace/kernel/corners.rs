@@ -36,7 +36,7 @@ impl CornerBlock {
 /// If the tree names a triangle that the mesh lacks.
 pub(super) fn corner_blocks<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh) -> Vec<CornerBlock> {
     let mut blocks = Vec::new();
-    huge_pages::reserve(&mut blocks, tree.blocks.len());
+    huge_pages::reserve(&mut blocks, tree.blocks.len(), "corners of triangles");
     blocks.par_extend(tree.blocks.par_iter().map(|block| CornerBlock::of(block, mesh)));
     blocks
 }

@@ -4,7 +4,10 @@
 #![allow(unsafe_code)]
 
 use crate::bvh::limits::MAX_BLOCKS;
+use crate::bvh::saved::SavedError;
 use crate::bvh::{Child, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
+use crate::geometry::Mesh;
+use std::path::Path;
 
 /// A tree whose links are in range, whose nodes have one parent each and whose inner levels do not exceed
 /// [`MAX_DEPTH`], over leaf blocks of some form. Only made by [`SoundTree::new`]; the borrow keeps the proof true.
@@ -133,19 +136,29 @@ impl<const N: usize, B> ProvenTree<N, B> {
         Ok(Self(tree))
     }
 
-    /// The tree.
-    pub fn get(&self) -> &WideBvh<N, B> {
-        &self.0
-    }
-
     /// The tree, given back.
     pub fn into_inner(self) -> WideBvh<N, B> {
         self.0
     }
 
+    /// The tree.
+    pub fn get(&self) -> &WideBvh<N, B> {
+        &self.0
+    }
+
     #[inline(always)]
     pub(super) fn sound(&self) -> SoundTree<'_, N, B> {
         SoundTree { root: self.0.root, nodes: &self.0.nodes, blocks: &self.0.blocks }
+    }
+}
+
+impl<const N: usize> ProvenTree<N> {
+    /// The tree saved at `path` for `mesh`: what [`WideBvh::load`] finds of its links is all that kernels need.
+    ///
+    /// # Errors
+    /// As of [`WideBvh::load`].
+    pub fn load(mesh: &Mesh, path: &Path) -> Result<Self, SavedError> {
+        WideBvh::load(mesh, path).map(Self)
     }
 }
 

@@ -53,7 +53,7 @@ impl Chosen {
                     changed.len() - 1
                 }
             };
-            changed[index].set_text(change)?;
+            changed.get_mut(index).into_iter().try_for_each(|recipe| recipe.set_text(change))?;
         }
         for recipe in changed {
             chosen.add(recipe.name(), recipe, None)?;

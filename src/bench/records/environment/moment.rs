@@ -56,7 +56,8 @@ fn others_share(span: Duration) -> Option<f64> {
             .take(8)
             .collect();
         // user, nice, system, idle, iowait, irq, softirq, steal
-        (ticks.len() == 8).then(|| [ticks.iter().sum(), ticks[3] + ticks[4]])
+        let [_, _, _, idle, iowait, ..] = ticks[..] else { return None };
+        (ticks.len() == 8).then(|| [ticks.iter().sum(), idle + iowait])
     };
     let before = read()?;
     std::thread::sleep(span);

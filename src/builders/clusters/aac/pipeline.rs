@@ -52,7 +52,12 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Aac<N, G::Block> {
         let mut watch = Stopwatch::start();
         self.order.sort_all(geometry, self.memory.blocks(geometry.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
-        huge_pages::resize(&mut self.tree.pairs, geometry.len().saturating_sub(1), [Node::ZERO; 2]);
+        huge_pages::resize(
+            &mut self.tree.pairs,
+            geometry.len().saturating_sub(1),
+            [Node::ZERO; 2],
+            "pairs of clusters",
+        );
         self.tree.root = cluster(&self.config, self.order.refs(geometry), &mut keys, &mut self.tree.pairs);
         self.order.keys = keys;
         watch.lap("clusters");

@@ -32,11 +32,11 @@ impl Clustering {
         pairs: &mut Vec<[Node; 2]>,
     ) -> Option<Node> {
         pairs.clear();
-        huge_pages::reserve(pairs, keys.len());
+        huge_pages::reserve(pairs, keys.len(), "pairs of clusters");
         let Self { clusters, next, tasks } = self;
-        huge_pages::reserve(next, keys.len());
+        huge_pages::reserve(next, keys.len(), "clusters");
         clusters.clear();
-        huge_pages::reserve(clusters, keys.len());
+        huge_pages::reserve(clusters, keys.len(), "clusters");
         let count = keys.len().div_ceil(TASK);
         ordered_append::append(count, tasks, clusters, pairs, |task, chunk: &mut Merged| {
             chunk.of_leaves(refs, keys, task);

@@ -11,6 +11,7 @@ use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};
 use crate::builders::phr::extensions::binned::{BinnedSahConfig, binned_sah};
 use crate::builders::prims::geometry::Geometry;
+use crate::memory::huge_pages;
 use crate::simd::Isa;
 use std::ops::Range;
 
@@ -71,7 +72,7 @@ impl AuxiliaryTree {
             let mut made = BinaryTree::default();
             let pairs = &mut made.pairs;
             if !matches!(self, Self::Ploc(_)) {
-                pairs.resize(keys.len() - 1, [Node::ZERO; 2]);
+                huge_pages::resize(pairs, keys.len() - 1, [Node::ZERO; 2], "pairs of clusters");
             }
             made.root = match self {
                 Self::Lbvh => None,

@@ -115,14 +115,14 @@ impl<const N: usize> MergedPhr<N> {
         let Kept { triangles, pairs, root } = self.kept;
         let Auxiliary { order, tree, scale, .. } = &mut self.memory.auxiliary;
         order.keys.truncate(triangles);
-        huge_pages::reserve(&mut order.keys, mesh.len());
+        huge_pages::reserve(&mut order.keys, mesh.len(), "merged keys");
         order.keys.extend_from_slice(&self.dynamic.order.keys);
         tree.pairs.truncate(pairs);
         let added: &[[Node; 2]] = match self.dynamic.tree.root {
             Some(_) => &self.dynamic.tree.pairs,
             None => &[],
         };
-        huge_pages::reserve(&mut tree.pairs, pairs + added.len() + 1);
+        huge_pages::reserve(&mut tree.pairs, pairs + added.len() + 1, "merged pairs");
         let appended = |node: Node| node.appended(pairs as u32, triangles as u32);
         tree.pairs.extend(added.iter().map(|pair| pair.map(appended)));
         tree.root = match (root, self.dynamic.tree.root.map(appended)) {

@@ -6,6 +6,7 @@ use crate::builders::registry::Config;
 use serde_json::Value;
 
 /// The fields of a configuration.
+#[allow(clippy::expect_used, reason = "whatever the command line says, it became a configuration first")]
 pub fn fields(config: &Config) -> Value {
     serde_json::to_value(config).expect("configurations are plain data")
 }
@@ -71,7 +72,7 @@ pub fn find(template: &Value, field: &str) -> Option<String> {
 
 /// The value of the field of a full name.
 pub fn at<'a>(fields: &'a Value, path: &str) -> &'a Value {
-    path.split('.').fold(fields, |inside, name| &inside[name])
+    path.split('.').fold(fields, |inside, name| inside.get(name).unwrap_or(&Value::Null))
 }
 
 /// The configuration with another value in the field of a full name. `false` turns off what may be off: an extension, and
@@ -87,7 +88,9 @@ pub fn changed(config: &Config, template: &Value, path: &str, value: &Value) -> 
         if place.is_null() {
             *place = standard.clone();
         }
-        (place, standard) = (&mut place[name], &standard[name]);
+        let fields = place.as_object_mut().ok_or_else(|| format!("no field {path}"))?;
+        place = fields.entry(name).or_insert(Value::Null);
+        standard = standard.get(name).unwrap_or(&Value::Null);
     }
     *place = match (value, standard) {
         (Value::Bool(true), Value::Object(_)) => standard.clone(),

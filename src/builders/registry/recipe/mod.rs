@@ -4,6 +4,17 @@
 //!
 //! [`fields`] reads and writes the fields of any configuration by their names, [`error`] says what is wrong with one.
 
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::indexing_slicing,
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
+
 mod error;
 mod fields;
 
@@ -133,6 +144,7 @@ impl Recipe {
     }
 
     /// The builder, of trees of nodes of up to `N` children, 4 or 8.
+    #[allow(clippy::expect_used, reason = "changes are checked when they are made")]
     pub fn builder<const N: usize>(&self) -> Box<dyn Builder<N>> {
         let built = make::over_triangles(self.base, self.config);
         let builder = built.expect("changes are in range, as was seen when they were made");

@@ -48,6 +48,7 @@ impl<'a> Elements<'a> {
 
     /// Component `axis` of element `index`, both in range: the bytes of it.
     #[inline]
+    #[allow(clippy::indexing_slicing, reason = "`new` has seen that all elements lie within the bytes")]
     fn raw<const N: usize>(&self, index: usize, axis: usize) -> [u8; N] {
         let at = index * self.stride + axis * N;
         std::array::from_fn(|i| self.bytes[at + i])
@@ -134,7 +135,7 @@ pub(super) fn indices(root: &Root, buffers: &Buffers, index: usize, out: &mut Ve
     if let Some((places, values)) = read.sparse()? {
         for i in 0..places.count {
             let place = read.place(&places, i)?;
-            out[place] = values.integer(i);
+            *out.get_mut(place).ok_or_else(|| read.fault("fewer elements than it says"))? = values.integer(i);
         }
     }
     Ok(())

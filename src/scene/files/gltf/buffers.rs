@@ -43,7 +43,9 @@ impl Buffers {
             if (bytes.len() as u64) < length {
                 return Err(fault(&format!("has {} bytes of {length}", bytes.len())));
             }
-            buffers[index] = bytes;
+            if let Some(place) = buffers.get_mut(index) {
+                *place = bytes;
+            }
         }
         Ok(Self(buffers))
     }

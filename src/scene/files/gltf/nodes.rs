@@ -23,8 +23,12 @@ pub(super) fn placed_meshes(root: &Root, contents: &mut Contents) -> Result<Vec<
     let mut skinned = 0;
     while let Some((index, parent)) = waiting.pop() {
         let fault = |problem: &str| Fault::new(format!("node {index}"), problem, Fault::DAMAGED);
-        let node = root.nodes.get(index).ok_or_else(|| fault("there is no such node"))?;
-        if std::mem::replace(&mut is_reached[index], true) {
+        let (node, is_reached) = root
+            .nodes
+            .get(index)
+            .zip(is_reached.get_mut(index))
+            .ok_or_else(|| fault("there is no such node"))?;
+        if std::mem::replace(is_reached, true) {
             return Err(fault("child of two nodes, or of itself"));
         }
         let transform = parent * local(node);
@@ -60,7 +64,7 @@ fn roots(root: &Root) -> Result<Vec<usize>, Fault> {
             *is_root = false;
         }
     }
-    Ok((0..root.nodes.len()).filter(|&node| is_root[node]).collect())
+    Ok((0..).zip(is_root).filter_map(|(node, is_root)| is_root.then_some(node)).collect())
 }
 
 fn local(node: &Node) -> DMat4 {

@@ -120,7 +120,9 @@ fn append_vertices(
     let begin = raw.vertices.len();
     let replaced = positions(root, buffers, accessor, |position| Ok(raw.push_vertex(moved(position))?))?;
     for (place, position) in replaced {
-        raw.vertices[begin + place] = moved(position);
+        if let Some(vertex) = raw.vertices.get_mut(begin + place) {
+            *vertex = moved(position);
+        }
     }
     Ok(())
 }
