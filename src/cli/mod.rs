@@ -25,6 +25,7 @@ mod verbs;
 use crate::bench::planned_scene::limit;
 use crate::memory::told;
 use crate::scene::Limits;
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use paper::{animate, arguments, experiment, heatmap};
 use std::ffi::OsString;
@@ -83,6 +84,12 @@ pub fn main() -> ExitCode {
 pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
+        // One line, as for all that verbs refuse.
+        Err(error) if error.kind() == ErrorKind::ValueValidation => {
+            let text = error.to_string();
+            let reason = text.lines().next().unwrap_or_default().trim_start_matches("error: ");
+            return failure::Failure::Bad(reason.to_owned()).report();
+        }
         Err(error) => {
             // Help and version arrive here too, with code 0. If they cannot be printed, nothing is left to do.
             let _ = error.print();

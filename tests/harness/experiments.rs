@@ -148,7 +148,7 @@ fn what_cannot_be_done_is_refused_in_one_line() {
     let cases: Vec<(&[&str], &[&str])> = vec![
         (&["experiment", "nothing"], &["no experiment is called nothing", "grid", "cut-size", "split"]),
         (&["experiment", "grid", "missing.ply"], &["missing.ply"]),
-        (&["experiment", "grid", "scalable-2k", "--width", "5"], &["--width 5", "4 or 8"]),
+        (&["experiment", "grid", "scalable-2k", "--width", "5"], &["--width", "4 or 8"]),
         (&["experiment", "grid", "--redraw", "--out", "empty"], &[ROWS]),
         (&["experiment", "cut-size", "--redraw", "--out", "empty"], &["cut-size.csv", "--redraw"]),
         (&["experiment", "split", "scalable-2k", "scalable-3k"], &["one scene"]),
@@ -160,7 +160,7 @@ fn what_cannot_be_done_is_refused_in_one_line() {
         (&["heatmap", "--redraw", "-o", "map.png"], &["map.csv", "--redraw"]),
         (&["animate", "rooms"], &["no moving scene is called rooms", "wrung", "parade"]),
         (&["animate", "wrung", "--frames", "0"], &["--frames 0"]),
-        (&["animate", "wrung", "--width", "5"], &["--width 5", "4 or 8"]),
+        (&["animate", "wrung", "--width", "5"], &["--width", "4 or 8"]),
         (&["animate", "wrung", "--triangles", "10"], &["--triangles 10", "1000"]),
         (&["animate", "wrung", "--kernel", "gpu"], &["--kernel gpu", "phr"]),
         (&["animate", "wrung", "--builder", "bvh"], &["no builder of ours is called bvh"]),
