@@ -138,6 +138,7 @@ impl Recipe {
     }
 
     /// The builder over boxes of anything, under the name that it has without changes.
+    #[allow(clippy::expect_used, reason = "changes are checked when they are made")]
     pub fn builder_over_boxes<const N: usize>(&self) -> Box<BoxBuilder<N>> {
         let built = make::over_boxes(self.base, self.config);
         built.expect("changes are in range, as was seen when they were made")
