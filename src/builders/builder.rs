@@ -61,7 +61,8 @@ pub trait Builder<const N: usize, G: Geometry = Mesh>: Send {
     /// Builds the tree over all triangles of a mesh, or all boxes. Temporary memory is kept for the next call.
     fn build(&mut self, geometry: &G) -> Build<N, G::Block>;
 
-    /// The same where memory may not suffice: the arrays that grow with the scene are asked for, not taken for granted.
+    /// The same where memory may not suffice: the large arrays are asked for, not taken for granted. Flags and short lists
+    /// still end the process. Beside it, a plain `build` on another thread that fails so unwinds without a message.
     ///
     /// # Errors
     /// What there was no memory for. This builder is then of no use but to be dropped.

@@ -66,7 +66,7 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
     /// stay as they are.
     ///
     /// # Errors
-    /// [`BvhError::Transform`]; the tree is then as before.
+    /// [`BvhError::Transform`]; the tree is then as before. [`BvhError::OutOfMemory`]; it is then empty, and may be rebuilt.
     pub fn rebuild(&mut self, instances: Vec<Instance<B>>) -> Result<(), BvhError> {
         let placed = placed(instances)?;
         self.top.rebuild(&placed)?;

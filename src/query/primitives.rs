@@ -44,6 +44,8 @@ enum Tree {
 
 struct Built<const N: usize> {
     tree: ProvenTree<N, IdBlock>,
+    /// The builder's name with its changes.
+    name: String,
     /// Keeps its memory for the next build. Locked by nobody: builds have the tree to themselves.
     builder: Mutex<Box<BoxBuilder<N>>>,
 }
@@ -62,7 +64,7 @@ impl PrimitiveBvh {
     /// of spatial splits.
     ///
     /// # Errors
-    /// [`BvhError::Boxes`], [`BvhError::NoSuchBuilder`], [`BvhError::NoSuchWidth`].
+    /// [`BvhError::Boxes`], [`BvhError::NoSuchBuilder`], [`BvhError::NoSuchWidth`], [`BvhError::OutOfMemory`].
     pub fn build<P: Primitives>(primitives: &P, config: &BvhConfig<'_>) -> Result<Self, BvhError> {
         let boxes = Boxes::of(primitives)?;
         match config.width {
@@ -75,7 +77,7 @@ impl PrimitiveBvh {
     /// Builds the tree anew over other `primitives`, or the same ones that moved, in the memory of this one.
     ///
     /// # Errors
-    /// [`BvhError::Boxes`]; the tree is then as before.
+    /// [`BvhError::Boxes`]; the tree is then as before. [`BvhError::OutOfMemory`]; it is then empty, and may be rebuilt.
     pub fn rebuild<P: Primitives>(&mut self, primitives: &P) -> Result<(), BvhError> {
         let boxes = Boxes::of(primitives)?;
         match &mut self.0 {
@@ -142,7 +144,7 @@ impl<const N: usize> Built<N> {
     fn new(boxes: &Boxes<'_>, name: &str) -> Result<Self, BvhError> {
         let mut builder = over_boxes(name).ok_or_else(|| BvhError::NoSuchBuilder(name.to_owned()))?;
         let tree = ProvenTree::new(builder.try_build(boxes)?.tree).map_err(BvhError::Malformed)?;
-        Ok(Self { tree, builder: Mutex::new(builder) })
+        Ok(Self { tree, name: name.to_owned(), builder: Mutex::new(builder) })
     }
 
     fn rebuild(&mut self, boxes: &Boxes<'_>) -> Result<(), BvhError> {
@@ -151,8 +153,7 @@ impl<const N: usize> Built<N> {
         builder.recycle(old.into_inner());
         let built = builder.try_build(boxes);
         if built.is_err() {
-            let name = builder.name().to_owned();
-            *builder = over_boxes(&name).ok_or(BvhError::NoSuchBuilder(name))?;
+            *builder = over_boxes(&self.name).ok_or_else(|| BvhError::NoSuchBuilder(self.name.clone()))?;
         }
         self.tree = ProvenTree::new(built?.tree).map_err(BvhError::Malformed)?;
         Ok(())

@@ -80,7 +80,7 @@ impl EitherWidth {
     /// Saves the tree, which `builder` built over `mesh`, and loads it again on `pool`.
     ///
     /// # Errors
-    /// An unwritable place, or no memory for the tree a second time.
+    /// An unwritable place.
     pub fn save(
         &self,
         mesh: &Mesh,
@@ -95,12 +95,16 @@ impl EitherWidth {
         })?;
         let saved_ms = ms(start.elapsed());
         let start = Instant::now();
-        let loaded: Self = pool.install(|| match self {
+        let loaded: Result<Self, SavedError> = pool.install(|| match self {
             Self::Four(_) => Bvh4::load(mesh, path).map(Self::from),
             Self::Eight(_) => Bvh8::load(mesh, path).map(Self::from),
-        })?;
-        let loaded_ms = ms(start.elapsed());
-        drop(loaded);
+        });
+        let elapsed = ms(start.elapsed());
+        let loaded_ms = match loaded {
+            Ok(_) => Some(elapsed),
+            Err(SavedError::OutOfMemory { .. }) => None,
+            Err(error) => return Err(error),
+        };
         let bytes =
             std::fs::metadata(path).map_err(|source| SavedError::Io { path: path.to_owned(), source })?.len();
         Ok(Saving { saved_ms, loaded_ms, bytes })
@@ -112,8 +116,8 @@ impl EitherWidth {
 pub struct Saving {
     /// Milliseconds of saving, until it was on the disk.
     pub saved_ms: f64,
-    /// Milliseconds of loading it again, checked.
-    pub loaded_ms: f64,
+    /// Milliseconds of loading it again, checked; `None` without memory for the tree a second time.
+    pub loaded_ms: Option<f64>,
     /// Bytes of the file.
     pub bytes: u64,
 }

@@ -2,6 +2,7 @@
 //! 2017): which subtrees become leaves, and how the children of each wide node are distributed over the subtrees below.
 
 use crate::bvh::limits::{BLOCK, MAX_WIDTH};
+use crate::memory::huge_pages;
 use crate::parallel::join;
 use arrayvec::ArrayVec;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -153,6 +154,7 @@ impl Choices {
         in_parallel: bool,
     ) -> f32 {
         if self.0.len() < pairs {
+            huge_pages::reserve(&mut self.0, pairs, "choices of collapsing");
             self.0.resize_with(pairs, AtomicU32::default);
         }
         self.solve_below::<S, N>(source, root, costs, if in_parallel { PARALLEL_LEVELS } else { 0 }).cost[0]

@@ -53,13 +53,14 @@ impl<const N: usize> WideBvh<N> {
 
         let mut of_blocks = Vec::new();
         huge_pages::resize(&mut of_blocks, self.blocks.len(), Aabb::EMPTY, "boxes of leaf blocks");
+        // Before anything is changed: want of memory unwinds.
+        let mut of_nodes: Vec<NodeBox> = Vec::new();
+        huge_pages::reserve(&mut of_nodes, self.nodes.len(), "boxes of nodes");
+        of_nodes.resize_with(self.nodes.len(), NodeBox::default);
         let chunks = self.blocks.par_chunks_mut(GRAIN).zip(of_blocks.par_chunks_mut(GRAIN));
         parallel::for_each(chunks, |(blocks, boxes)| {
             blocks.iter_mut().zip(boxes).for_each(|(block, bounds)| *bounds = refill(block, mesh));
         });
-        let mut of_nodes: Vec<NodeBox> = Vec::new();
-        huge_pages::reserve(&mut of_nodes, self.nodes.len(), "boxes of nodes");
-        of_nodes.resize_with(self.nodes.len(), NodeBox::default);
         let boxes = Boxes { of_nodes: &of_nodes, of_blocks: &of_blocks };
         self.bounds = boxes.gather(&self.nodes, self.root, 0)?;
         parallel::for_each(self.nodes.par_chunks_mut(GRAIN), |nodes| {

@@ -12,11 +12,12 @@
 //! | 24, 32 | nodes, blocks |
 //! | 40 to 63 | the box of everything: lower corner, upper corner |
 //! | 64, 72 | fingerprint of the mesh, its triangles |
-//! | 80 | checksum of nodes and blocks: of the checksums of every 2048 of them |
-//! | 88 | checksum of the 88 bytes before |
+//! | 80 | of nodes, then blocks: the checksums of every 2048, one step each from 0 on |
+//! | 88 | checksum of bytes 0 to 87, xor that of bytes 96 to 127 rotated left by a bit |
 //! | 96 to 127 | name of the builder, zeros after it |
 //!
-//! A checksum of bytes is that of four sums, each of every fourth word of eight bytes. Checksums find damage, no forgery; what a file says is checked before a kernel follows its links.
+//! A checksum of bytes is that of four sums, each of every fourth word of eight bytes. Checksums find damage, no forgery;
+//! what a file says is checked before a kernel follows its links.
 
 #![cfg_attr(
     not(test),

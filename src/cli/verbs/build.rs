@@ -79,7 +79,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             let Saving { saved_ms, loaded_ms, bytes } =
                 tree.save(&scene.mesh, &cell.builder, output, &pools.all)?;
             text += &line("saved", format!("{} in {} ms", mebibytes(bytes), short(saved_ms)));
-            text += &line("loaded again", format!("{} ms", short(loaded_ms)));
+            text += &line(
+                "loaded again",
+                loaded_ms.map_or("no memory for it".into(), |ms| format!("{} ms", short(ms))),
+            );
         }
         match memory::measure(&program, &scene.mesh, &cell, pools.all.current_num_threads()) {
             Ok(memory) => {
