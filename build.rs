@@ -17,7 +17,7 @@ fn main() {
     let mut is_chosen = false;
     for prefix in ["EMBREE_DIR", "EMBREE3_DIR"] {
         println!("cargo:rerun-if-env-changed={prefix}");
-        is_chosen |= std::env::var_os(prefix).is_some();
+        is_chosen |= std::env::var_os(prefix).is_some_and(|prefix| !prefix.is_empty());
     }
     if let (true, Ok(lib)) = (is_chosen, std::env::var("DEP_EMBREE_LIB")) {
         println!("cargo:rustc-link-arg=-Wl,-rpath,{lib}");

@@ -4,6 +4,7 @@
 //! if one is set, and nowhere else; otherwise in the places where distributions install it. Where both versions are,
 //! Embree 3 is taken, with which the published figures were measured. An error names everything missing in one paragraph.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::{env, fs, panic};
 
@@ -120,7 +121,7 @@ impl Embree {
 /// Versions that will do, the preferred one first.
 fn majors() -> Result<Vec<u32>, String> {
     let is_wanted = |major: u32| env::var_os(format!("CARGO_FEATURE_EMBREE{major}")).is_some();
-    let is_for_3 = env::var_os("EMBREE_DIR").is_none() && env::var_os("EMBREE3_DIR").is_some();
+    let is_for_3 = prefix("EMBREE_DIR").is_none() && prefix("EMBREE3_DIR").is_some();
     match (is_wanted(3), is_wanted(4)) {
         (false, true) if is_for_3 => {
             Err("the feature embree4 asks for Embree 4, and EMBREE3_DIR names an Embree 3; set EMBREE_DIR instead"
@@ -133,10 +134,15 @@ fn majors() -> Result<Vec<u32>, String> {
     }
 }
 
+/// The variable's value, unless it is empty.
+fn prefix(variable: &str) -> Option<OsString> {
+    env::var_os(variable).filter(|prefix| !prefix.is_empty())
+}
+
 /// The prefixes to look in, and how to say so.
 fn places(is_macos: bool) -> (Vec<PathBuf>, String) {
     for variable in ["EMBREE_DIR", "EMBREE3_DIR"] {
-        if let Some(prefix) = env::var_os(variable) {
+        if let Some(prefix) = prefix(variable) {
             let place = format!("in {variable}={}", prefix.to_string_lossy());
             return (vec![PathBuf::from(prefix)], place);
         }
