@@ -1,12 +1,13 @@
 //! Which builder for a scene and a number of rays: total time = build + rays / speed for every tree, who wins where, and
 //! where the lines cross. From a quick measurement ([`measured`]) or from a [`model`] over the mesh's facts.
-//! [`page`] is the text, [`rows`] the CSV, [`tuned`] the page of a search, [`crate::report::plot::total_time`] the plot.
+//! [`page`] is the text, [`rows`] the CSV, [`tuned`] the page of a search, [`tuned_rows`] its CSV, [`crate::report::plot::total_time`] the plot.
 
 pub mod measured;
 pub mod model;
 pub mod page;
 pub mod rows;
 pub mod tuned;
+pub mod tuned_rows;
 
 use super::figures::tree_name;
 use crate::bench::quick::line::{TotalTime, least_at, winners};

@@ -109,14 +109,20 @@ fn figures(estimate: Option<Estimate>) -> [Option<f64>; 3] {
 /// # Errors
 /// No such file, other columns, no rows.
 pub fn read_all(folder: &Path) -> Result<Vec<Vec<AdviceRow>>, RecordsError> {
+    let schema = |row: &AdviceRow| row.schema;
+    let read = |one: &PathBuf| read_csv(one, ADVICE, (schema, SCHEMA), "run `phr advise` first");
+    with_file(folder, ADVICE).iter().map(read).collect()
+}
+
+/// The subfolders of `folder` that hold a file of this name, in order; the folder itself where none does.
+pub(super) fn with_file(folder: &Path, name: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let mut folders: Vec<PathBuf> = entries.filter(|below| below.join(ADVICE).is_file()).collect();
+    let mut folders: Vec<PathBuf> = entries.filter(|below| below.join(name).is_file()).collect();
     folders.sort();
     if folders.is_empty() {
         folders.push(folder.to_owned());
     }
-    let schema = |row: &AdviceRow| row.schema;
-    folders.iter().map(|one| read_csv(one, ADVICE, (schema, SCHEMA), "run `phr advise` first")).collect()
+    folders
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::bench::results_dir;
 use crate::bench::row::{self, Row};
 use crate::bench::{kernels, scaling};
 use crate::report::ablation::Ablation;
-use crate::report::advice::{self, model::judged, model::judged_files};
+use crate::report::advice::{self, model::judged, model::judged_files, tuned_rows};
 use crate::report::evidence::assertions::assertions;
 use crate::report::evidence::constants::constants;
 use crate::report::evidence::fronts::fronts;
@@ -25,7 +25,7 @@ use crate::report::{self, targets};
 use std::path::Path;
 
 /// The kinds of markers, each with the words that follow; `...` stands for more of the last.
-pub(super) const KINDS: [(&str, &str); 20] = [
+pub(super) const KINDS: [(&str, &str); 21] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
@@ -46,9 +46,10 @@ pub(super) const KINDS: [(&str, &str); 20] = [
     ("findings", "EXPERIMENT"),
     ("advice", "RESULTS..."),
     ("measured-advice", "RESULTS"),
+    ("tuned", "SEARCHES"),
 ];
 /// Kinds with fixed kernels, which take no `--kernel`.
-const OF_FIXED_KERNELS: [&str; 12] = [
+const OF_FIXED_KERNELS: [&str; 13] = [
     "targets",
     "bars",
     "growth",
@@ -61,6 +62,7 @@ const OF_FIXED_KERNELS: [&str; 12] = [
     "findings",
     "advice",
     "measured-advice",
+    "tuned",
 ];
 /// The kind that takes `--withheld RESULTS`.
 const OF_WITHHELD: &str = "summary";
@@ -146,6 +148,8 @@ impl<'a> Marker<'a> {
                 let run = row::read(&results).map_err(records)?;
                 judged_files::page(&run, &advice).map_err(|reason| self.wrong(reason))
             }
+            "tuned" => tuned_rows::page(&folder.join(self.words[0]))
+                .map_err(|source| ReadmeError::Records { line: self.line, source }),
             "constants" => constants(&folder.join(self.words[0])).map_err(|reason| self.wrong(reason)),
             _ => self.of_one_run(folder),
         }

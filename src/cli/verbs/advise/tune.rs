@@ -1,7 +1,7 @@
 //! `phr tune`: the parameters for a scene and a number of rays.
 
 use crate::bench::chosen::ConfigFile;
-use crate::bench::files::write_json;
+use crate::bench::files::{new_folder, write_json};
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::tune::search::Search;
 use crate::cli::failure::Failure;
@@ -10,7 +10,8 @@ use crate::cli::output::say;
 use crate::cli::progress::Steps;
 use crate::report::advice::rays_in_words;
 use crate::report::advice::tuned::{page, verdict};
-use std::path::PathBuf;
+use crate::report::advice::tuned_rows::{self, TUNE};
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Search the parameters of PHR for a scene and a number of rays
@@ -20,7 +21,8 @@ use std::time::Duration;
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene file or name of a generated scene
-    scene: String,
+    #[arg(required_unless_present = "judge", conflicts_with = "judge")]
+    scene: Option<String>,
     /// Number of rays that a tree is for: 50M, 1G, 3e8
     #[arg(long, default_value = "1G", value_name = "N", value_parser = rays)]
     rays: f64,
@@ -39,6 +41,12 @@ pub struct Arguments {
     /// Seed of the search and of the rays
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u64,
+    /// Folder for tune.csv, all that was tried [default: results/tune-SCENE]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Search nothing: tell what the searches gained whose tune.csv lie in subfolders of this folder
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "output", "name"])]
+    judge: Option<PathBuf>,
     /// File for the configuration, which --config of other commands reads
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -49,13 +57,16 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(folder) = &arguments.judge {
+        return say(&tuned_rows::page(folder)?);
+    }
     let threads = arguments.threads.unwrap_or_else(all_threads);
     pools(threads)?;
     if arguments.seconds == 0 {
         return Err(Failure::Bad("--seconds 0: nothing would be tried; give 10 or more".into()));
     }
     arguments.output.as_deref().map(check_place).transpose()?;
-    let planned = PlannedScene::find(&arguments.scene)?;
+    let planned = PlannedScene::find(arguments.scene.as_deref().unwrap_or_default())?;
     let name = arguments.name.clone().unwrap_or_else(|| {
         let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
         let scene: String = planned.name.chars().map(plain).take(40).collect();
@@ -74,10 +85,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if scene.dropped.total() > 0 {
         eprintln!("phr: {}: {}", scene.name, scene.dropped);
     }
+    let named = || Path::new("results").join(format!("tune-{}", scene.name));
+    let folder = arguments.out.clone().unwrap_or_else(named);
+    new_folder(&folder)?;
     let steps = Steps::new(&scene.name);
     let tuned = search.run(&scene, &mut |doing| steps.at(doing)).map_err(Failure::Wrong)?;
     drop(steps);
     say(&page(&tuned, &scene.name, arguments.rays))?;
+    tuned_rows::write(&folder, &tuned, (&scene.name, scene.mesh.len()), arguments.rays)?;
+    say(&folder.join(TUNE).display().to_string())?;
     if let Some(file) = &arguments.output {
         let cell = &tuned.fresh.cell;
         let about = format!(
