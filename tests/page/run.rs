@@ -109,7 +109,7 @@ pub fn attach(folder: &Path) {
     std::fs::create_dir(&experiments).unwrap();
     std::fs::write(experiments.join("alpha-delta.csv"), "alpha,delta,ms\n0.55,6,12.5\n").unwrap();
     std::fs::write(experiments.join("alpha-delta.svg"), svg).unwrap();
-    let pixels = phr::report::plot::raster::png(svg, 1.0).unwrap();
+    let pixels = phr::report::plot::raster::png(svg).unwrap();
     std::fs::write(folder.join("heatmap.png"), pixels).unwrap();
 }
 

@@ -8,9 +8,6 @@ use crate::cli::output::say;
 use crate::report::plot::{self, Drawing, raster};
 use std::path::{Path, PathBuf};
 
-/// Pixels of a PNG for each of the drawing's.
-const SCALE: f32 = 2.0;
-
 /// Draw the figures of a results folder as SVG and PNG: Figure 6, build time against trace time, averaged and by
 /// scene; growth, where it has scalable scenes; phases of builds, where it knows them
 #[derive(Debug, clap::Args)]
@@ -64,7 +61,7 @@ pub fn draw(drawings: &[Drawing], folder: &Path) -> Result<Vec<PathBuf>, Failure
         let svg = folder.join(drawing.name).with_extension("svg");
         let png = svg.with_extension("png");
         write_whole(&svg, drawing.svg.as_bytes())?;
-        write_whole(&png, &raster::png(&drawing.svg, SCALE)?)?;
+        write_whole(&png, &raster::png(&drawing.svg)?)?;
         files.extend([svg, png]);
     }
     Ok(files)

@@ -32,12 +32,14 @@ static OPTIONS: LazyLock<usvg::Options<'static>> = LazyLock::new(|| {
     usvg::Options { fontdb: Arc::new(fonts), font_family: family, ..usvg::Options::default() }
 });
 
-/// Draws `svg` at `scale` pixels for each of its own and encodes it.
+/// Draws `svg` with two pixels for each of its own and encodes it; large drawings with one and a half, to keep files small.
 ///
 /// # Errors
 /// A drawing that is malformed or too large.
-pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, RasterError> {
-    png_with(svg, scale, &[])
+pub fn png(svg: &str) -> Result<Vec<u8>, RasterError> {
+    const LARGE: f32 = 2e6;
+    let size = usvg::Tree::from_str(svg, &OPTIONS)?.size();
+    png_with(svg, if size.width() * size.height() > LARGE { 1.5 } else { 2.0 }, &[])
 }
 
 /// Colours to put over a drawing, pixel for pixel.
@@ -51,7 +53,7 @@ pub struct Patch {
     pub rgb: Vec<[u8; 3]>,
 }
 
-/// As [`png()`], with `patches` over the drawing; what of them lies outside is left out.
+/// Likewise with `scale` pixels for each of the drawing's, and `patches` over it; what of them lies outside is left out.
 ///
 /// # Errors
 /// As [`png()`].
@@ -97,13 +99,13 @@ mod tests {
         assert!(25.0 < short && short < 50.0 && 2.0 * short < long && long < 140.0, "{short} {long}");
 
         let mut svg = super::super::svg::Svg::new(60.0, 20.0, "");
-        let blank = png(&svg.clone().finish(), 1.0).unwrap();
+        let blank = png(&svg.clone().finish()).unwrap();
         svg.text((5.0, 15.0), super::super::svg::Anchor::Start, 12.0, "#000000", "phr-hq", "");
-        assert_ne!(png(&svg.finish(), 1.0).unwrap(), blank);
+        assert_ne!(png(&svg.finish()).unwrap(), blank);
     }
 
     #[test]
     fn nonsense_is_an_error() {
-        assert!(matches!(png("no drawing", 1.0), Err(RasterError::Svg(_))));
+        assert!(matches!(png("no drawing"), Err(RasterError::Svg(_))));
     }
 }

@@ -26,8 +26,8 @@ fn the_plot_is_reproducible_and_names_every_method() {
                 "{method}"
             );
         }
-        let png = raster::png(&drawing.svg, 1.0).unwrap();
-        assert_eq!(png, raster::png(&drawing.svg, 1.0).unwrap());
+        let png = raster::png(&drawing.svg).unwrap();
+        assert_eq!(png, raster::png(&drawing.svg).unwrap());
         assert!(png.starts_with(b"\x89PNG"));
     }
     // The paper's points: all by name in the mean, those of Conference in its panel.
