@@ -11,7 +11,7 @@ use crate::report::grid::{Grid, short};
 const RAYS: [(Option<f64>, &str); 3] =
     [(None, "the recorded rays"), (Some(1e6), "1 M rays"), (Some(1e7), "10 M rays")];
 
-/// A table and a paragraph of every scene.
+/// A table of every scene, and who takes the least time.
 pub fn findings(rows: &[FrameRow]) -> String {
     let scenes = scenes_of(rows.iter().map(|row| &row.scene));
     let told: Vec<String> = scenes.iter().map(|scene| of_scene(rows, scene)).collect();
@@ -28,7 +28,8 @@ fn of_scene(rows: &[FrameRow], scene: &str) -> String {
     let mut text = format!(
         "## {scene}\n\n{} triangles, {} of which never move; {} frames of about {} rays ({} x {} pixels, {}), {}-wide trees, {} \
          threads, traces under {}, medians of {} rounds; every answer of every frame verified. Means over the frames after \
-         the first, in which every tree is built.\n\n",
+         the first, in which every tree is built. loses from: the frame from which on a frame takes longer than with the same \
+         builder's rebuilding, in brackets all frames so far together.\n\n",
         first.triangles,
         first.fixed,
         first.frames,
@@ -43,11 +44,6 @@ fn of_scene(rows: &[FrameRow], scene: &str) -> String {
     );
     text += &table(&tracks);
     text += "\n";
-    for track in tracks.iter().filter(|track| track.entrant.update != Update::Rebuild) {
-        if let Some(base) = rebuilt(&tracks, &track.entrant) {
-            text += &sentence(track, base);
-        }
-    }
     text += &best(&tracks);
     text + &failed
 }
@@ -72,7 +68,9 @@ fn table(tracks: &[Track<'_>]) -> String {
         let base = rebuilt(tracks, &track.entrant).filter(|_| track.entrant.update != Update::Rebuild);
         if let Some(base) = base {
             cells.extend(RAYS.map(|(rays, _)| {
-                loses_from(track, base, rays).map_or_else(|| "never".into(), |frame| frame.to_string())
+                let told = |frame: Option<usize>| frame.map_or("never".to_owned(), |frame| frame.to_string());
+                let together = above_from(&track.cumulated(rays), &base.cumulated(rays));
+                format!("{} ({})", told(loses_from(track, base, rays)), told(together))
             }));
         }
         grid.push(cells);
@@ -88,48 +86,6 @@ fn later(values: &[f64]) -> f64 {
 /// The frame from which on a frame takes longer than one of `base`.
 fn loses_from(track: &Track<'_>, base: &Track<'_>, rays: Option<f64>) -> Option<usize> {
     above_from(&smoothed(&track.totals(rays)), &smoothed(&base.totals(rays)))
-}
-
-/// A contestant beside the one that rebuilds.
-fn sentence(track: &Track<'_>, base: &Track<'_>) -> String {
-    let (build, base_build) = (later(&track.builds()), later(&base.builds()));
-    let (trace, base_trace) = (later(&track.traces(None)), later(&base.traces(None)));
-    let change = |ratio: f64, [more, less]: [&str; 2]| {
-        let percent = 100.0 * (ratio - 1.0);
-        format!("{:.0} % {}", percent.abs(), if percent >= 0.0 { more } else { less })
-    };
-    let does = match track.entrant.update {
-        Update::Rebuild => "rebuilding",
-        Update::Refit => "refitting its tree",
-        Update::Refine => "refining cuts of its refitted auxiliary tree",
-        Update::Merge => "keeping the static part's auxiliary tree",
-        Update::MergeSah => "keeping an auxiliary tree of the static part by binned SAH",
-    };
-    let mut text = format!(
-        "{}: {does} takes {} a frame in place of {} ms ({}); its trees trace {} in the mean{}.",
-        track.entrant.builder,
-        short(build),
-        short(base_build),
-        change(build / base_build, ["more", "less"]),
-        change(trace / base_trace, ["slower", "faster"]),
-        aged(track, base).map_or_else(String::new, |ratio| {
-            format!(", a ray takes {} steps in the last frame", change(ratio, ["more", "fewer"]))
-        }),
-    );
-    let told = RAYS.map(|(rays, name)| {
-        let from = |frame: Option<usize>| {
-            frame.map_or_else(|| "never".into(), |frame| format!("from frame {frame} on"))
-        };
-        let cumulated = above_from(&track.cumulated(rays), &base.cumulated(rays));
-        format!("{} ({}) with {name}", from(loses_from(track, base, rays)), from(cumulated))
-    });
-    text += &format!(" Against rebuilding it loses (all frames so far together): {}.\n\n", told.join("; "));
-    text
-}
-
-/// The steps of a ray in the last frame, relative to those of `base`.
-fn aged(track: &Track<'_>, base: &Track<'_>) -> Option<f64> {
-    Some(track.rows.last()?.steps? / base.rows.last()?.steps?)
 }
 
 /// Who takes the least time for all frames.
@@ -166,13 +122,7 @@ mod tests {
         ]
         .concat();
         let text = findings(&all);
-        assert!(text.contains("from frame 8 on (from frame 15 on) with the recorded rays"), "{text}");
-        assert!(text.contains("from frame 0 on (from frame 1 on) with 1 M rays"), "{text}");
-        assert!(text.contains("a ray takes 190 % more steps in the last frame"), "{text}");
-        assert!(
-            text.contains("refitting its tree takes 1.00 a frame in place of 8.00 ms (88 % less)"),
-            "{text}"
-        );
+        assert!(text.contains(" 8 (15) |"), "{text}");
         assert!(text.contains("with the recorded rays lbvh, rebuild (0.360 s)"), "{text}");
         assert!(text.contains("of Embree's embree-sah, rebuild"), "{text}");
     }
