@@ -17,10 +17,14 @@
 # make bench-animation
 #                   trees that follow scenes that move, 100 frames each, 4-wide into results/animation and 8-wide into
 #                   results/animation-8: one to two hours on two cores
-# make bench-advice what `phr advise` names for each of the files SCENES and the built-in scenes after half a minute, judged by
-#                   a longer run over the trees that may be named, into results/advice: an hour on two cores
+# make bench-advice
+#                   what `phr advise` names for each of the files SCENES and the built-in scenes after half a minute,
+#                   judged by a longer run over the trees that may be named, into results/advice: an hour on two cores
+# make bench-tune   what `phr tune` gains over phr-quality for 10^9 rays in the same scenes, two minutes each, into
+#                   results/tune: an hour
 # make bench-reference
-#                   every figure of README and RESULTS again: the runs of bench-builders into results/full, stopped and
+#                   the figures of README, RESULTS, METHODOLOGY and FINDINGS that come from the reference run, its
+#                   ablations, kernels and scaling, again: the runs of bench-builders into results/full, stopped and
 #                   resumed at will, reduced into results/reference and results/reference-ablation, tables, plots and pages
 #                   made from them; refuses to start on a busy machine
 # cargo bench --bench steps
@@ -93,7 +97,7 @@ KERNEL_TESTS = --test library -- trace_agreement trace_batches trace_watertight 
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: test-peers test-trixie test-platforms audit package faults fuzz test-slurm sanitize bench bench-scaling bench-animation bench-advice bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
+.PHONY: report test-peers test-trixie test-platforms audit package faults fuzz test-slurm sanitize bench bench-scaling bench-animation bench-advice bench-tune bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -160,6 +164,13 @@ bench-advice: packages
 	done
 	./target/release/phr advise --judge results/advice --advice results/advice
 
+bench-tune: packages
+	$(CARGO) build --release --bin phr
+	for scene in $(KERNEL_SCENES) $(SCENES); do \
+		./target/release/phr tune $$scene --rays 1G --threads 2 --out results/tune/$$(basename $$scene .ply.zst) $(ARGS) || exit 1; \
+	done
+	./target/release/phr tune --judge results/tune
+
 # A new revision begins anew: it cannot continue the runs of another (remove results/full).
 bench-reference: RESUMED = yes
 bench-reference: packages
@@ -175,7 +186,10 @@ bench-reference: packages
 	./target/release/phr plot $(REFERENCE)
 	./target/release/phr plot $(REFERENCE)/growth
 	./target/release/phr advise --fit $(REFERENCE) --model src/report/advice/model/model.json
-	./target/release/phr readme README.md RESULTS.md
+	for experiment in construction-speed trace-speed; do \
+		./target/release/phr experiment $$experiment --rows $(REFERENCE) || exit 1; \
+	done
+	./target/release/phr readme README.md RESULTS.md METHODOLOGY.md FINDINGS.md
 
 bench-paper: packages
 	$(CARGO) build --release --bin phr
