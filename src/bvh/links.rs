@@ -1,15 +1,7 @@
 //! The cheap half of validation: links alone, without boxes and corners.
 
-#![cfg_attr(
-    not(test),
-    warn(
-        clippy::indexing_slicing,
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable
-    )
-)]
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 use super::validate::Invalid;
 use super::{Child, LeafBlock, Link, MAX_DEPTH, WideBvh};

@@ -1,16 +1,8 @@
 //! What a run consists of: scenes, cells (a builder at a width) with their kernels, and settings.
 //! Everything that can be wrong with a request is found here, before anything is timed or written.
 
-#![cfg_attr(
-    not(test),
-    warn(
-        clippy::indexing_slicing,
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable
-    )
-)]
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 pub mod chosen;
 pub mod planned_scene;

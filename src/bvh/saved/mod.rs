@@ -19,16 +19,8 @@
 //! A checksum of bytes is that of four sums, each of every fourth word of eight bytes. Checksums find damage, no forgery;
 //! what a file says is checked before a kernel follows its links.
 
-#![cfg_attr(
-    not(test),
-    warn(
-        clippy::indexing_slicing,
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable
-    )
-)]
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 mod header;
 mod read;

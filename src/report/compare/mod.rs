@@ -1,16 +1,8 @@
 //! Is B faster than A, slower or the same? [`runs`] compares two runs, figure by figure, [`by_turns`] two programs that were
 //! measured beside each other.
 
-#![cfg_attr(
-    not(test),
-    warn(
-        clippy::indexing_slicing,
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable
-    )
-)]
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 pub mod by_turns;
 pub mod runs;

@@ -1,16 +1,8 @@
 //! Figures within Markdown pages: the text between two markers is generated from committed rows, and a check tells
 //! whether it still agrees with them. `results/README.md` describes the markers.
 
-#![cfg_attr(
-    not(test),
-    warn(
-        clippy::indexing_slicing,
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable
-    )
-)]
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 mod error;
 pub mod findings;

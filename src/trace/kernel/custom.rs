@@ -98,20 +98,20 @@ impl<const N: usize> ProvenTree<N, IdBlock> {
         test: F,
         traversal: T,
     ) -> T::Answer {
-        let setup = &RefCell::new(test);
+        let test = &RefCell::new(test);
         let tree = self.sound();
         match isa {
             #[cfg(target_arch = "x86_64")]
             Isa::Avx2(token) => token.run(
                 #[inline(always)]
-                || traversal.run(Custom::<'_, FastAvx2<_>, F>::new((token, setup), ray), tree, ray.tfar),
+                || traversal.run(Custom::<'_, FastAvx2<_>, F>::new((token, test), ray), tree, ray.tfar),
             ),
             #[cfg(target_arch = "x86_64")]
             Isa::Avx512(token) => token.avx2().run(
                 #[inline(always)]
-                || traversal.run(Custom::<'_, FastAvx2<_>, F>::new((token, setup), ray), tree, ray.tfar),
+                || traversal.run(Custom::<'_, FastAvx2<_>, F>::new((token, test), ray), tree, ray.tfar),
             ),
-            _ => traversal.run(Custom::<'_, FastScalar, F>::new(((), setup), ray), tree, ray.tfar),
+            _ => traversal.run(Custom::<'_, FastScalar, F>::new(((), test), ray), tree, ray.tfar),
         }
     }
 }
