@@ -61,7 +61,9 @@ fn medians(cell: &CellSamples) -> Vec<(String, f64)> {
             let known = all.iter_mut().find(|(known, _)| known == phase);
             if let Some((_, times)) = known {
                 times.resize(visit + 1, 0.0);
-                times.last_mut().into_iter().for_each(|time| *time += ms);
+                if let Some(time) = times.last_mut() {
+                    *time += ms;
+                }
             }
         }
     }

@@ -46,14 +46,14 @@ impl Chosen {
         for change in changes {
             let malformed = || RecipeError::Malformed(change.clone());
             let (base, change) = change.split_once('.').ok_or_else(malformed)?;
-            let index = match changed.iter().position(|recipe| recipe.base() == base) {
-                Some(index) => index,
+            match changed.iter_mut().find(|recipe| recipe.base() == base) {
+                Some(recipe) => recipe.set_text(change)?,
                 None => {
-                    changed.push(Recipe::of(base)?);
-                    changed.len() - 1
+                    let mut recipe = Recipe::of(base)?;
+                    recipe.set_text(change)?;
+                    changed.push(recipe);
                 }
-            };
-            changed.get_mut(index).into_iter().try_for_each(|recipe| recipe.set_text(change))?;
+            }
         }
         for recipe in changed {
             chosen.add(recipe.name(), recipe, None)?;
