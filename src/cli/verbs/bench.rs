@@ -244,7 +244,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     plan.check_files()?;
     if !arguments.trees.is_empty() {
-        plan.scenes.first().map_or(Ok(()), |(scene, _)| Ok::<_, Failure>(check(&scene.load()?.mesh)?))?;
+        if let Some((scene, _)) = plan.scenes.first() {
+            check(&scene.load()?.mesh)?;
+        }
     }
     if let Some(reason) = arguments.when_quiet.then(|| Moment::now(plan.settings.threads).busy()).flatten() {
         let remedy = "wait for a quiet hour or run without --when-quiet";

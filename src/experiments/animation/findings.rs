@@ -122,7 +122,9 @@ mod tests {
         ]
         .concat();
         let text = findings(&all);
-        assert!(text.contains(" 8 (15) |"), "{text}");
+        let refit = text.lines().find(|line| line.starts_with("| lbvh, refit")).unwrap();
+        let cells: Vec<&str> = refit.split('|').map(str::trim).collect();
+        assert_eq!((cells[2], &cells[7..9]), ("1.00", &["8 (15)", "0 (1)"][..]), "{text}");
         assert!(text.contains("with the recorded rays lbvh, rebuild (0.360 s)"), "{text}");
         assert!(text.contains("of Embree's embree-sah, rebuild"), "{text}");
     }
