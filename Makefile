@@ -156,8 +156,8 @@ bench-animation: packages
 
 bench-advice: packages
 	$(CARGO) build --release --bin phr
-	./target/release/phr bench --set builtin $(SCENES) --size 128 $(addprefix --builder ,$(ADVISED)) --filter grafted \
-		--rounds 8 --threads 2 --replace --out results/advice $(ARGS)
+	./target/release/phr bench $(KERNEL_SCENES) $(SCENES) --size 128 $(addprefix --builder ,$(ADVISED)) --filter grafted \
+		--rounds 5 --threads 2 --replace --out results/advice $(ARGS)
 	for scene in $(KERNEL_SCENES) $(SCENES); do \
 		./target/release/phr advise $$scene --threads 2 \
 			--out results/advice/$$(basename $$scene .ply.zst) || exit 1; \
