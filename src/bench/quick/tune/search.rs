@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 pub const ANCHOR: &str = "phr-quality";
 /// Tried first.
 const PRESETS: [&str; 4] = ["phr-quality", "phr-best", "phr-speed", "phr-turbo"];
-/// Configurations in the race.
-const RACERS: usize = 5;
+/// Configurations in the race, at least and at most: as many as there is time for.
+const RACERS: [usize; 2] = [2, 5];
 /// Shares of the time: until the race begins, and until it ends.
 const RACE: [f64; 2] = [0.6, 0.8];
 /// Rounds of the race, and of the last measurement, at least.
@@ -32,7 +32,8 @@ pub struct Search {
     pub kernel: Kernel,
     /// Threads of builds and traces.
     pub threads: usize,
-    /// Time for everything, from the loaded scene on; the last rounds are finished.
+    /// Time for everything, from the loaded scene on. A trial, the least race and the least last measurement, some
+    /// twenty visits, are made whatever the time.
     pub limit: Duration,
     /// Determines the proposals and the rays.
     pub seed: u64,
@@ -42,7 +43,7 @@ impl Search {
     /// Searches for `scene`; tells `progress` what is done.
     ///
     /// # Errors
-    /// No threads, no reference tree, or an anchor that fails, in one line.
+    /// No threads, no reference tree, no time for a trial, or an anchor that fails, in one line.
     pub fn run(&self, scene: &Scene, progress: &mut dyn FnMut(&str)) -> Result<Tuned, String> {
         let start = Instant::now();
         let until = |share: f64| start + self.limit.mul_f64(share);
@@ -50,20 +51,19 @@ impl Search {
         let anchor = self.cell(&recipe(ANCHOR), self.width.unwrap_or(8));
         let under = |seed| (self.threads, self.kernel, seed);
         let searched = quickly(scene, under(self.seed), |quick| {
-            let mut trials = self.trials(quick, &anchor, until(RACE[0]), progress)?;
-            trials.0.retain(|trial| !trial.pairs.is_empty());
-            let race = self.race(quick, &anchor, &trials.0, until(RACE[1]), progress)?;
-            Ok::<_, String>((trials, race))
+            let (trials, mut failures) = self.trials(quick, &anchor, until(RACE[0]), progress)?;
+            let race = self.race(quick, &anchor, (&trials, &mut failures), until(RACE[1]), progress)?;
+            Ok::<_, String>((trials, failures, race))
         })??;
-        let ((trials, failures), race) = searched;
-        let best = race.first().ok_or("nothing could be tried")?;
+        let (trials, mut failures, race) = searched;
+        let best = race.first().ok_or_else(|| nothing(scene, self.limit, &failures))?;
         let mut fresh = vec![Trial { pairs: Vec::new(), ..best.clone() }];
         quickly(scene, under(self.seed + 1), |quick| {
-            self.rounds(quick, &anchor, &mut fresh, until(1.0), &mut |round| {
+            self.rounds(quick, &anchor, (&mut fresh, &mut failures), until(1.0), &mut |round| {
                 progress(&format!("the best again with other rays, round {}", round + 1));
             })
         })??;
-        let fresh = fresh.swap_remove(0);
+        let fresh = fresh.pop().ok_or_else(|| nothing(scene, self.limit, &failures))?;
         Ok(Tuned { anchor, trials, failures, race, fresh })
     }
 
@@ -105,7 +105,7 @@ impl Search {
                 }
                 Err(reason) => {
                     proposals.tell(&point, f64::INFINITY);
-                    failures.push((format!("{} / {}", cell.builder, cell.width), reason));
+                    failures.push((name(&cell), reason));
                 }
             }
         }
@@ -116,36 +116,40 @@ impl Search {
         mean_ratios(&trial.pairs, self.rays)[2].value
     }
 
-    /// The best of the trials by turns; the best of the race first.
+    /// The best of the trials by turns; the best of the race first. Those that fail go to the failures.
     fn race(
         &self,
         quick: &mut Quick<'_>,
         anchor: &Cell,
-        trials: &[Trial],
+        (trials, failures): (&[Trial], &mut Vec<(String, String)>),
         until: Instant,
         progress: &mut dyn FnMut(&str),
     ) -> Result<Vec<Trial>, String> {
+        // As long as the trials took.
+        let pair = self.limit.mul_f64(RACE[0]) / trials.len().max(1) as u32;
+        let pairs = until.saturating_duration_since(Instant::now()).div_duration_f64(pair) as usize;
+        let count = (pairs / ROUNDS).clamp(RACERS[0], RACERS[1]);
         let mut sorted: Vec<&Trial> = trials.iter().collect();
         sorted.sort_by(|a, b| self.total(a).total_cmp(&self.total(b)));
         let mut racers: Vec<Trial> = Vec::new();
         for trial in sorted {
-            if racers.len() < RACERS && !racers.iter().any(|racer| racer.cell == trial.cell) {
+            if racers.len() < count && !racers.iter().any(|racer| racer.cell == trial.cell) {
                 racers.push(Trial { pairs: Vec::new(), ..trial.clone() });
             }
         }
-        self.rounds(quick, anchor, &mut racers, until, &mut |round| {
+        self.rounds(quick, anchor, (&mut racers, failures), until, &mut |round| {
             progress(&format!("race of the best, round {}", round + 1));
         })?;
         racers.sort_by(|a, b| self.total(a).total_cmp(&self.total(b)));
         Ok(racers)
     }
 
-    /// Measures each of `racers` after the anchor, in random order within a round, until the time is over.
+    /// Measures each of `racers` after the anchor, in random order within a round, until the time is over. Who fails has lost.
     fn rounds(
         &self,
         quick: &mut Quick<'_>,
         anchor: &Cell,
-        racers: &mut [Trial],
+        (racers, failures): (&mut Vec<Trial>, &mut Vec<(String, String)>),
         until: Instant,
         progress: &mut dyn FnMut(usize),
     ) -> Result<(), String> {
@@ -153,7 +157,7 @@ impl Search {
         // Memory, threads and code of a new reference tree are warm after one visit.
         quick.visit(anchor)?;
         for round in 0.. {
-            if round >= ROUNDS && Instant::now() >= until {
+            if racers.is_empty() || round >= ROUNDS && Instant::now() >= until {
                 break;
             }
             progress(round);
@@ -161,11 +165,29 @@ impl Search {
             random.shuffle(&mut order);
             for i in order {
                 let before = quick.visit(anchor)?;
-                let tried = quick.visit(&racers[i].cell)?;
-                racers[i].pairs.push(Pair { tried, anchor: before });
+                match quick.visit(&racers[i].cell) {
+                    Ok(tried) => racers[i].pairs.push(Pair { tried, anchor: before }),
+                    Err(reason) => failures.push((name(&racers[i].cell), reason)),
+                }
             }
+            racers.retain(|racer| racer.pairs.len() > round);
         }
         Ok(())
+    }
+}
+
+fn name(cell: &Cell) -> String {
+    format!("{} / {}", cell.builder, cell.width)
+}
+
+fn nothing(scene: &Scene, limit: Duration, failures: &[(String, String)]) -> String {
+    match failures.first() {
+        Some((name, reason)) => format!("{}: every configuration failed, first {name}: {reason}", scene.name),
+        None => format!(
+            "{}: no configuration was tried in {} s; give more --seconds",
+            scene.name,
+            limit.as_secs()
+        ),
     }
 }
 
