@@ -9,8 +9,10 @@ use std::time::{Duration, Instant};
 /// Numbers of rays over which a tree may win.
 pub const BUDGETS: [f64; 11] = [1e5, 3e5, 1e6, 3e6, 1e7, 3e7, 1e8, 3e8, 1e9, 3e9, 1e10];
 /// A tree whose best visits are nowhere within these factors of the best tree is not measured again: after one visit, which
-/// others may have disturbed, and after more.
-const HOPELESS: [f64; 2] = [1.6, 1.2];
+/// others may have disturbed, after two, three and more, so that the time goes to trees that are hard to tell apart.
+const HOPELESS: [f64; 4] = [1.6, 1.2, 1.12, 1.08];
+/// The note of such a tree.
+pub const DROPPED: &str = "dropped";
 /// Rounds before trees without a prospect have their turn.
 const EARLY_ROUNDS: usize = 3;
 
@@ -48,6 +50,7 @@ pub fn survey(
     let none = |cell: &Cell| Surveyed { cell: cell.clone(), visits: Vec::new(), note: String::new() };
     let mut found: Vec<Surveyed> = candidates.iter().map(|candidate| none(&candidate.cell)).collect();
     let mut random = SplitMix64::new(1);
+    let mut is_first = true;
     for round in 0.. {
         let has_turn = round >= EARLY_ROUNDS || 2 * start.elapsed() > limit;
         let takes_part = |i: &usize| found[*i].note.is_empty() && (has_turn || candidates[*i].has_prospect);
@@ -62,10 +65,10 @@ pub fn survey(
             // What is built in more than 60 ms is built once in a visit, unless others disturb it.
             let expected =
                 Duration::from_secs_f64(1.2e-3 * known.unwrap_or(candidates[i].expected_ms).max(0.0));
-            let is_first = round == 0 && visited == 0;
             if !is_first && (left.is_zero() || expected > left) {
                 continue;
             }
+            is_first = false;
             progress(round, &found[i].cell);
             match quick.visit(&found[i].cell) {
                 Ok(visit) => found[i].visits.push(visit),
@@ -97,9 +100,9 @@ fn drop_hopeless(found: &mut [Surveyed]) {
         let least =
             |figure: fn(&QuickVisit) -> f64| surveyed.visits.iter().map(figure).fold(f64::INFINITY, f64::min);
         let line = TotalTime::exact(least(|visit| visit.build_ms), least(|visit| visit.ns_per_ray));
-        let factor = HOPELESS[usize::from(surveyed.visits.len() > 1)];
+        let factor = HOPELESS[surveyed.visits.len().min(HOPELESS.len()) - 1];
         if !BUDGETS.iter().zip(best).any(|(&rays, best)| line.at(rays) <= factor * best) {
-            surveyed.note = "dropped".into();
+            surveyed.note = DROPPED.into();
         }
     }
 }
@@ -125,9 +128,20 @@ mod tests {
                 visits: vec![QuickVisit { build_ms: 100.0, ns_per_ray: 150.0 }; 2],
                 ..of("twice", 0.0, 0.0)
             },
+            Surveyed {
+                visits: vec![QuickVisit { build_ms: 100.0, ns_per_ray: 110.0 }; 3],
+                ..of("three times", 0.0, 0.0)
+            },
+            Surveyed {
+                visits: vec![QuickVisit { build_ms: 100.0, ns_per_ray: 110.0 }; 4],
+                ..of("four times", 0.0, 0.0)
+            },
             Surveyed { visits: Vec::new(), note: "no time".into(), ..of("late", 0.0, 0.0) },
         ];
         drop_hopeless(&mut found);
-        assert_eq!(found.map(|surveyed| surveyed.note), ["", "", "", "dropped", "", "dropped", "no time"]);
+        assert_eq!(
+            found.map(|surveyed| surveyed.note),
+            ["", "", "", DROPPED, "", DROPPED, "", DROPPED, "no time"]
+        );
     }
 }
