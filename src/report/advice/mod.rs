@@ -11,7 +11,7 @@ pub mod tuned_rows;
 
 use super::figures::tree_name;
 use crate::bench::quick::line::{TotalTime, least_at, winners};
-use crate::bench::quick::survey::Surveyed;
+use crate::bench::quick::survey::{DROPPED, Surveyed};
 
 /// Trees of a model that take at most this many times as long as the best are near it.
 pub const NEAR: f64 = 1.05;
@@ -79,8 +79,8 @@ impl Advice {
         winners(&only).into_iter().map(|(i, from)| (lines[i].0, from)).collect()
     }
 
-    /// The best tree for so many rays, and those near it: whose interval overlaps with its; by a model, whose errors are
-    /// much the same for all trees, those that take at most [`NEAR`] times as long.
+    /// The best tree for so many rays, and those near it: whose interval overlaps with its, unless they were dropped as too
+    /// slow; by a model, whose errors are much the same for all trees, those that take at most [`NEAR`] times as long.
     pub fn best_at(&self, rays: f64) -> Option<(&Known, Vec<&Known>)> {
         let lines = self.lines();
         let only: Vec<TotalTime> = lines.iter().map(|(_, line)| *line).collect();
@@ -89,7 +89,8 @@ impl Advice {
             if lines[i].0.rounds == 0 {
                 only[i].at(rays) <= NEAR * only[best].at(rays)
             } else {
-                only[i].estimate_at(rays).low <= only[best].estimate_at(rays).high
+                lines[i].0.note != DROPPED
+                    && only[i].estimate_at(rays).low <= only[best].estimate_at(rays).high
             }
         };
         let near = (0..lines.len()).filter(|&i| i != best && is_near(i));
@@ -110,6 +111,7 @@ pub fn rays_in_words(rays: f64) -> String {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::bench::quick::QuickVisit;
 
     pub(crate) fn advice() -> Advice {
         let known = |builder: &str, width, line| Known {
@@ -130,6 +132,12 @@ pub(crate) mod tests {
                 known("phr-speed", 8, exact(50.0, 120.0)),
                 known("phr-best", 8, exact(200.0, 100.0)),
                 known("aac", 4, exact(300.0, 150.0)),
+                // As a tree after one visit: nothing is known of its errors.
+                Known {
+                    rounds: 1,
+                    note: DROPPED.into(),
+                    ..known("hunt-50", 4, TotalTime::of(&[QuickVisit { build_ms: 400.0, ns_per_ray: 300.0 }]))
+                },
                 Known { note: "no time".into(), ..known("hunt-500", 8, None) },
             ],
         }
