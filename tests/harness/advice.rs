@@ -155,7 +155,7 @@ fn advice_in_files_is_judged_by_a_run() {
         }
     };
     known("hall", &trees);
-    known("yard", &[("phr-speed", 50.0, 60.0), ("phr-best", 40.0, 50.0), ("not-in-the-run", 1.0, 1.0)]);
+    known("yard", &[("phr-speed", 50.0, 60.0), ("phr-best", 40.0, 50.0)]);
     let arguments = ["advise", "--judge", "run", "--advice", "advice"];
     let page = told(folder.path(), &arguments);
     assert!(page.contains("Share of 2 scenes") && page.contains("among the 3 trees"), "{page}");
@@ -170,6 +170,12 @@ fn advice_in_files_is_judged_by_a_run() {
     known("cellar", &trees);
     let output = phr(folder.path(), &arguments);
     assert_eq!(output.status.code(), Some(2));
-    let why = "phr: run: the run has no scene cellar, for which there is advice\n";
+    let why = "phr: run: the run has no scene cellar, for which there is advice; add it to the run, or remove the advice\n";
     assert_eq!(text(&output.stderr), why);
+
+    known("yard", &[("lbvh", 10.0, 100.0), ("not-in-the-run", 1.0, 200.0)]);
+    std::fs::remove_dir_all(folder.path().join("advice").join("cellar")).unwrap();
+    let output = phr(folder.path(), &arguments);
+    let told = text(&output.stderr);
+    assert!(told.contains("yard is not-in-the-run for 100k rays") && told.lines().count() == 1, "{told}");
 }

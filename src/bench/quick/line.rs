@@ -37,6 +37,14 @@ impl TotalTime {
         Self { build_ms: exact(build_ms), ns_per_ray: exact(ns_per_ray) }
     }
 
+    /// The geometric mean of lines without errors; `None` of none.
+    pub fn mean(lines: impl Iterator<Item = Self>) -> Option<Self> {
+        let visit =
+            |line: Self| QuickVisit { build_ms: line.build_ms.value, ns_per_ray: line.ns_per_ray.value };
+        let mean = Self::of(&lines.map(visit).collect::<Vec<_>>())?;
+        Some(Self::exact(mean.build_ms.value, mean.ns_per_ray.value))
+    }
+
     /// Milliseconds for the build and so many rays.
     pub fn at(&self, rays: f64) -> f64 {
         self.build_ms.value + 1e-6 * self.ns_per_ray.value * rays

@@ -11,7 +11,7 @@ use crate::report::figures::tree_name;
 use crate::report::grid::Grid;
 
 /// Advice this near to the best counts as right.
-const RIGHT: f64 = 1.05;
+pub(super) const RIGHT: f64 = 1.05;
 
 /// The judged advice of one set of scenes.
 pub(super) struct Judged {
@@ -124,7 +124,7 @@ pub(super) fn misses(judged: &Judged) -> String {
     let mut grid = Grid::new(["scene", "rays", "advised", "best", "ratio"]);
     let name = |tree: usize| tree_name((&judged.trees[tree].0, judged.trees[tree].1));
     let wrong = judged.outcomes.iter().filter(|outcome| outcome.ratio > RIGHT);
-    for Outcome { scene, rays, advised, best, ratio } in wrong {
+    for Outcome { scene, rays, advised, best, ratio, .. } in wrong {
         grid.push(vec![
             scene.clone(),
             rays_in_words(*rays),

@@ -1,30 +1,35 @@
-//! The table of how good advice in files is, measured most often, by a run over the same scenes.
+//! The table of how good advice in files is, measured most often, by a run over the same scenes, which has to have every tree
+//! that the advice names as the best.
 
-use super::judge::{judge, one_round};
-use super::judged::{Judged, misses, table};
+use super::judge::{fair_loss, judge, one_round};
+use super::judged::{Judged, RIGHT, misses, table};
 use super::observed::{Observed, observed};
-use crate::bench::quick::line::TotalTime;
+use crate::bench::quick::line::{TotalTime, least_at};
+use crate::bench::quick::survey::BUDGETS;
 use crate::bench::row::Row;
+use crate::report::advice::rays_in_words;
 use crate::report::advice::rows::AdviceRow;
+use crate::report::figures::tree_name;
 
 /// The table for some files of advice, by the total times of a run.
 ///
 /// # Errors
-/// Advice for a scene that the run does not have, or for none of its trees, in one line.
+/// Advice for a scene or a tree that the run does not have, in one line.
 pub fn page(run: &[Row], advice: &[Vec<AdviceRow>]) -> Result<String, String> {
     let run = observed(run);
     let trees =
         run.first().map(|scene| scene.trees.clone()).ok_or("no scene has lbvh under embree-grafted")?;
-    let (mut outcomes, mut noise) = (Vec::new(), Vec::new());
+    let (mut outcomes, mut noise, mut losses) = (Vec::new(), Vec::new(), Vec::new());
     for rows in advice {
         let name = rows.first().map(|row| row.scene.as_str()).unwrap_or_default();
         let scene = run.iter().find(|scene| scene.scene == name);
-        let scene = scene.ok_or_else(|| format!("the run has no scene {name}, for which there is advice"))?;
-        let lines = lines(scene, rows);
-        if !lines.iter().any(|line| line.at(0.0).is_finite()) {
-            return Err(format!("the advice for {name} has none of the run's trees"));
-        }
-        outcomes.extend(judge(scene, &lines));
+        let scene = scene.ok_or_else(|| {
+            format!("the run has no scene {name}, for which there is advice; add it to the run, or remove the advice")
+        })?;
+        all_are_measured(scene, rows)?;
+        let judged = judge(scene, &lines(scene, rows));
+        losses.extend(judged.iter().map(|outcome| fair_loss(&scene.by_round, outcome.advised, outcome.rays)));
+        outcomes.extend(judged);
         noise.extend(one_round(std::slice::from_ref(scene)).unwrap_or_default());
     }
     let mut about = format!(
@@ -33,6 +38,22 @@ pub fn page(run: &[Row], advice: &[Vec<AdviceRow>]) -> Result<String, String> {
         advice.len(),
         trees.len()
     );
+    let sure: Option<Vec<bool>> = outcomes.iter().map(|outcome| outcome.is_surely_above(RIGHT)).collect();
+    if let Some(sure) = sure {
+        let wrong = sure.iter().filter(|wrong| **wrong).count();
+        about += &format!(
+            " In {wrong} of {} pairs of scene and number of rays it is surely more than 5 %: the 95 % interval over the run's \
+             rounds lies above it.",
+            sure.len()
+        );
+    }
+    if let Some(losses) = losses.into_iter().collect::<Option<Vec<f64>>>() {
+        let mean = 100.0 * ((losses.iter().sum::<f64>() / losses.len() as f64).exp() - 1.0);
+        about += &format!(
+            " The best of many noisy figures looks better than it is: in rounds by which it was not chosen, the advice loses \
+             {mean:.1} % against it in the mean."
+        );
+    }
     let mut all = vec![Judged { name: "advice", trees: trees.clone(), outcomes }];
     if !noise.is_empty() {
         all.push(Judged { name: "one round", trees, outcomes: noise });
@@ -40,6 +61,25 @@ pub fn page(run: &[Row], advice: &[Vec<AdviceRow>]) -> Result<String, String> {
     }
     about.push('\n');
     Ok(table(&all) + "\n" + &about + &misses(&all[0]))
+}
+
+/// Whether the run has every tree that the advice takes for the best.
+fn all_are_measured(scene: &Observed, rows: &[AdviceRow]) -> Result<(), String> {
+    let (known, lines): (Vec<&AdviceRow>, Vec<TotalTime>) =
+        rows.iter().filter_map(|row| Some((row, row.line()?))).unzip();
+    for rays in BUDGETS {
+        let best =
+            least_at(&lines, rays).ok_or_else(|| format!("the advice for {} has no tree", scene.scene))?;
+        let AdviceRow { builder, width, .. } = known[best];
+        if !scene.trees.contains(&(builder.clone(), *width)) {
+            let (tree, rays) = (tree_name((builder, *width)), rays_in_words(rays));
+            return Err(format!(
+                "the advice for {} is {tree} for {rays} rays, which the run has not in every scene; bench {builder} too",
+                scene.scene
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// The advice's line of each tree of the scene; an endless time where it has none.

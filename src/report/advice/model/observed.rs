@@ -4,7 +4,6 @@ use super::facts::{BUILDER, SceneFacts};
 use crate::bench::quick::line::TotalTime;
 use crate::bench::quick::line::least_at;
 use crate::bench::row::Row;
-use crate::bench::statistics::geometric_mean;
 use crate::report::figures::{GRAFTED, SceneFigures, WIDTH, scenes, trees};
 
 /// The kernel under which all trees compare.
@@ -24,8 +23,8 @@ pub struct Observed {
     pub trees: Vec<TreeName>,
     /// The total time of each.
     pub lines: Vec<TotalTime>,
-    /// The same of the first round alone, and of all later ones; `None` where the times of rounds are not known.
-    pub by_round: Option<[Vec<TotalTime>; 2]>,
+    /// The same in each round; none where the times of rounds are not known of all trees.
+    pub by_round: Vec<Vec<TotalTime>>,
 }
 
 impl Observed {
@@ -45,7 +44,7 @@ impl Observed {
         Self {
             trees: keep.iter().map(|&i| self.trees[i].clone()).collect(),
             lines: some(&self.lines),
-            by_round: self.by_round.as_ref().map(|halves| halves.each_ref().map(some)),
+            by_round: self.by_round.iter().map(some).collect(),
             ..self.clone()
         }
     }
@@ -68,9 +67,10 @@ pub fn observed(rows: &[Row]) -> Vec<Observed> {
         facts: *facts,
         trees: trees.iter().map(|(builder, width)| ((*builder).to_owned(), *width)).collect(),
         lines: trees.iter().filter_map(|&tree| line(figures, tree)).collect(),
-        by_round: trees.iter().map(|&tree| halves(figures, tree)).collect::<Option<Vec<_>>>().map(|halves| {
-            [0, 1].map(|half| halves.iter().map(|of_tree: &[TotalTime; 2]| of_tree[half]).collect())
-        }),
+        by_round: by_round(
+            &trees.iter().filter_map(|&tree| rounds(figures, tree)).collect::<Vec<_>>(),
+            trees.len(),
+        ),
     };
     known.iter().map(of).collect()
 }
@@ -82,14 +82,16 @@ fn line(figures: &SceneFigures<'_>, tree: (&str, u32)) -> Option<TotalTime> {
     Some(TotalTime::exact(build, 1e6 * traced.trace_ms_median? / traced.rays? as f64))
 }
 
-/// The total time of a tree in the first round, and in the later ones.
-fn halves(figures: &SceneFigures<'_>, tree: (&str, u32)) -> Option<[TotalTime; 2]> {
+/// The total time of a tree in each round.
+fn rounds(figures: &SceneFigures<'_>, tree: (&str, u32)) -> Option<Vec<TotalTime>> {
     let traced = figures.trace(tree, KERNEL).value()?;
     let rays = traced.rays? as f64;
-    let mean = |times: &[(u32, f64)]| geometric_mean(&times.iter().map(|time| time.1).collect::<Vec<_>>());
-    let of = |first: bool| {
-        let part = |times: &[(u32, f64)]| if first { mean(times.get(..1)?) } else { mean(times.get(1..)?) };
-        Some(TotalTime::exact(part(&traced.by_round.build)?, 1e6 * part(&traced.by_round.trace)? / rays))
-    };
-    Some([of(true)?, of(false)?])
+    let times = traced.by_round.build.iter().zip(&traced.by_round.trace);
+    Some(times.map(|(build, trace)| TotalTime::exact(build.1, 1e6 * trace.1 / rays)).collect())
+}
+
+/// The rounds in which all of so many trees were measured, from the rounds of each tree.
+fn by_round(of_trees: &[Vec<TotalTime>], trees: usize) -> Vec<Vec<TotalTime>> {
+    let count = of_trees.iter().map(Vec::len).min().filter(|_| of_trees.len() == trees).unwrap_or_default();
+    (0..count).map(|round| of_trees.iter().map(|rounds| rounds[round]).collect()).collect()
 }
