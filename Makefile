@@ -18,8 +18,8 @@
 #                   trees that follow scenes that move, 100 frames each, 4-wide into results/animation and 8-wide into
 #                   results/animation-8: one to two hours on two cores
 # make bench-advice
-#                   what `phr advise` names for each of the files SCENES and the built-in scenes after half a minute,
-#                   judged by a longer run over the trees that may be named, into results/advice: an hour on two cores
+#                   what `phr advise` names for each of the files SCENES and the built-in scenes after half a minute, helped
+#                   by a model that has not seen the scene; judged by a longer run, into results/advice: 40 minutes on two cores
 # make bench-tune   what `phr tune` gains over phr-quality for 10^9 rays in the same scenes, two minutes each, into
 #                   results/tune: an hour
 # make bench-reference
@@ -157,10 +157,13 @@ bench-animation: packages
 bench-advice: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr bench $(KERNEL_SCENES) $(SCENES) --size 128 $(addprefix --builder ,$(ADVISED)) --filter grafted \
-		--rounds 5 --threads 2 --replace --out results/advice $(ARGS)
+		--rounds 5 --threads 2 --replace --out results/advice-run $(ARGS)
+	./target/release/phr reduce results/advice-run results/advice
 	for scene in $(KERNEL_SCENES) $(SCENES); do \
-		./target/release/phr advise $$scene --threads 2 \
-			--out results/advice/$$(basename $$scene .ply.zst) || exit 1; \
+		name=$$(basename $$scene .ply.zst); \
+		./target/release/phr advise --fit $(REFERENCE) --without $$name --model target/without.json && \
+			./target/release/phr advise $$scene --threads 2 --model target/without.json --out results/advice/$$name \
+			|| exit 1; \
 	done
 	./target/release/phr advise --judge results/advice --advice results/advice
 

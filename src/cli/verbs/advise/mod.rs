@@ -66,8 +66,11 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Fit the model to the rows of a results folder and write it to the file of --model
-    #[arg(long, value_name = "RESULTS", requires = "model")]
+    #[arg(long, value_name = "RESULTS", requires = "model", conflicts_with = "judge")]
     fit: Option<PathBuf>,
+    /// With --fit: without this scene, for which the model is to be judged
+    #[arg(long, value_name = "SCENE", requires = "fit")]
+    without: Option<String>,
     /// Print how good the model's advice is: for each scene of a results folder by a model of the others
     #[arg(long, value_name = "RESULTS")]
     judge: Option<PathBuf>,
@@ -83,7 +86,13 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let (Some(results), Some(file)) = (&arguments.fit, &arguments.model) {
         let refused = |reason| Failure::Bad(format!("{}: {reason}", results.display()));
-        let model = choose::model_of(&row::read(results)?).map_err(refused)?;
+        let mut rows = row::read(results)?;
+        let all = rows.len();
+        rows.retain(|row| Some(&row.scene) != arguments.without.as_ref());
+        if let Some(scene) = arguments.without.as_ref().filter(|_| rows.len() == all) {
+            return Err(Failure::Bad(format!("--without {scene}: {} has no such scene", results.display())));
+        }
+        let model = choose::model_of(&rows).map_err(refused)?;
         write_whole(file, model.file().as_bytes())?;
         return say(&format!("{}: {} trees from {} scenes", file.display(), model.trees.len(), model.scenes));
     }
@@ -129,6 +138,9 @@ fn measurement(arguments: &Arguments) -> Result<Measurement, Failure> {
     let chosen = Chosen::new(&arguments.builders, &arguments.changes, &arguments.configs)?;
     let mut cells = chosen.cells(false)?;
     cells.retain(|cell| arguments.width.0.contains(&cell.width));
+    if cells.is_empty() {
+        return Err(Failure::Bad("--width: none of the builders given has such trees; leave it out".into()));
+    }
     let wanted = arguments.kernel.as_deref();
     let has = |kernel: Kernel| cells.iter().any(|cell| cell.kernels.contains(&kernel));
     let default = if has(Kernel::EmbreeGrafted) { Kernel::EmbreeGrafted } else { Kernel::Phr };
@@ -160,7 +172,11 @@ fn write(advice: &Advice, folder: &Path) -> Result<(), Failure> {
     say(&format!("\n{}{plots}", folder.join(ADVICE).display()))?;
     if advice.lines().is_empty() {
         let first = advice.trees.first().map_or("no tree of these widths", |known| &known.note);
-        return Err(Failure::Wrong(format!("{}: no tree was measured; first {first}", advice.scene)));
+        let remedy = "give more --seconds, or another --builder";
+        return Err(Failure::Wrong(format!(
+            "{}: no tree was measured, first {first}; {remedy}",
+            advice.scene
+        )));
     }
     Ok(())
 }
