@@ -74,13 +74,13 @@ fn merged_shards_are_the_whole_run() {
     let [merged, whole] = ["apart", "whole"].map(|name| lasting(&row::read(&folder.join(name)).unwrap()));
     assert_eq!(merged, whole);
     assert!(folder.join("apart/table1.md").is_file());
-    let environment: Environment = read_json(&folder.join("apart").join(ENVIRONMENT)).unwrap();
+    let environment: Environment = read_json(&folder.join("apart").join(ENVIRONMENT), "").unwrap();
     assert_eq!(environment.plan["scenes"].as_array().unwrap().len(), 3);
     assert_eq!(environment.before.len(), 2, "a moment of each shard");
 
     // Unlike machines are kept apart.
     let path = shards[1].join(ENVIRONMENT);
-    let mut other: Environment = read_json(&path).unwrap();
+    let mut other: Environment = read_json(&path, "").unwrap();
     other.machine.cpu = "another".into();
     write_json(&path, &other).unwrap();
     let output = phr(folder, &["merge", "apart"]);
@@ -94,7 +94,7 @@ fn merged_shards_are_the_whole_run() {
     assert!(refused(folder).contains("another plan"));
     std::fs::remove_dir_all(&shards[1]).unwrap();
     assert!(refused(folder).contains("no shard has b"));
-    std::fs::remove_file(shards[0].join(ENVIRONMENT)).unwrap();
+    std::fs::remove_file(shards[0].join(ENVIRONMENT), "").unwrap();
     assert!(refused(folder).contains("not finished"));
     std::fs::remove_dir_all(&shards[0]).unwrap();
     assert!(refused(folder).contains("no shards"));

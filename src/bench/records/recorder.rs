@@ -13,7 +13,7 @@ use super::phases::{self, PHASES};
 use super::rounds::ROUNDS;
 use super::row::{self, ROWS, Row, SCHEMA};
 use super::rows::{self, Header};
-use super::samples::{CellSamples, SAMPLES, Samples, SceneSamples};
+use super::samples::{CellSamples, NO_RESUME, SAMPLES, Samples, SceneSamples};
 use super::tree_facts::TreeFacts;
 use super::warnings::Warning;
 use crate::bench::cell::Cell;
@@ -106,7 +106,7 @@ impl<'a> Recorder<'a> {
         };
         let mut samples = Samples { schema: SCHEMA, run_id: environment.run_id.clone(), scenes: Vec::new() };
         if options.resume {
-            let old: Environment = read_json(&folder.join(ENVIRONMENT))?;
+            let old: Environment = read_json(&folder.join(ENVIRONMENT), NO_RESUME)?;
             same(&old, &environment, folder)?;
             samples = Samples::read(folder)?;
             if samples.run_id != old.run_id {

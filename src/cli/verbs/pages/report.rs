@@ -1,6 +1,6 @@
 //! `phr report`: a run as one HTML file.
 
-use crate::bench::files::{RecordsError, write_whole};
+use crate::bench::files::write_whole;
 use crate::bench::{results_dir, row};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
@@ -40,10 +40,5 @@ pub fn write_page(results: &Path, file: &Path) -> Result<(), Failure> {
     let folder = if place.is_dir() { place.as_path() } else { place.parent().unwrap_or(&place) };
     let environment = results_dir::environment(folder)?;
     let page = page(&rows, environment.as_ref(), folder)?;
-    Ok(write_whole(file, page.as_bytes()).map_err(|error| match error {
-        RecordsError::Io { path, source, .. } => {
-            RecordsError::Io { path, source, remedy: "give a writable place with -o" }
-        }
-        other => other,
-    })?)
+    Ok(write_whole(file, page.as_bytes())?)
 }
