@@ -8,7 +8,8 @@
 
 use super::environment::moment::Moment;
 use super::environment::{ENVIRONMENT, Environment, Machine, Program, State};
-use super::files::{RecordsError, Written, new_folder, read_json, write_json};
+use super::files::{Written, new_folder, read_json, write_json};
+use super::made_of_rows;
 use super::phases::{self, PHASES};
 use super::rounds::ROUNDS;
 use super::row::{self, ROWS, Row, SCHEMA};
@@ -24,21 +25,6 @@ use crate::bench::planned_scene::PlannedScene;
 use crate::random::SplitMix64;
 use crate::scene::Scene;
 use std::path::Path;
-
-/// Files that the command makes from the rows when a run ends.
-const MADE_OF_ROWS: [&str; 11] = [
-    "table1.md",
-    "figure6.svg",
-    "figure6.png",
-    "figure6-scenes.svg",
-    "figure6-scenes.png",
-    "growth.svg",
-    "growth.png",
-    "phases.svg",
-    "phases.png",
-    "threads.svg",
-    "threads.png",
-];
 
 /// Where and how a run is recorded.
 pub struct RecordOptions<'a> {
@@ -129,18 +115,7 @@ impl<'a> Recorder<'a> {
         };
         recorder.write_environment()?;
         if !options.resume {
-            // No file of an older run may be taken for part of this one.
-            for file in MADE_OF_ROWS.into_iter().chain([ROWS, ROUNDS, PHASES, SAMPLES]) {
-                let path = folder.join(file);
-                if path.exists() {
-                    let remedy = "give another folder with --out";
-                    std::fs::remove_file(&path).map_err(|source| RecordsError::Io {
-                        path,
-                        source,
-                        remedy,
-                    })?;
-                }
-            }
+            made_of_rows::remove(folder, &[ROWS, ROUNDS, PHASES, SAMPLES])?;
         }
         Ok(recorder)
     }

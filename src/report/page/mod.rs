@@ -25,9 +25,6 @@ use serde::Serialize;
 use std::path::Path;
 use words::Item;
 
-/// The page's file in a results folder.
-pub const PAGE: &str = "report.html";
-
 /// Why there is no page.
 #[derive(Debug, thiserror::Error)]
 pub enum PageError {

@@ -1,10 +1,11 @@
 //! `phr report`: a run as one HTML file.
 
 use crate::bench::files::write_whole;
+use crate::bench::made_of_rows::PAGE;
 use crate::bench::{results_dir, row};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
-use crate::report::page::{PAGE, page};
+use crate::report::page::page;
 use std::path::{Path, PathBuf};
 
 /// Write a page about a results folder: verdict, plots, table, pictures and surroundings in one HTML file

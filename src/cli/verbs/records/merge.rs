@@ -1,10 +1,10 @@
 //! `phr merge`: the shards of a run as one.
 
+use crate::bench::made_of_rows::PAGE;
 use crate::bench::{merge, row};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use crate::cli::verbs::pages::made_of_rows;
-use crate::report::page::PAGE;
 use std::path::PathBuf;
 
 /// Merge the shards of a run (`phr bench --shard K/N`) into rows, table, plots and page; those of unlike machines apart
