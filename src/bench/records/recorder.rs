@@ -73,6 +73,8 @@ impl<'a> Recorder<'a> {
         if let Some(shard) = plan.shard {
             recorded_plan["shard"] = shard.to_string().into();
             recorded_plan["all_scenes"] = plan.all_scenes.clone().into();
+            recorded_plan["all_cells"] = serde_json::json!(plan.all_cells);
+            recorded_plan["filter"] = plan.filter.clone().into();
         }
         let machine = Machine::this(options.host);
         let mut environment = Environment {
