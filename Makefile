@@ -258,7 +258,7 @@ package: packages
 
 test-peers: packages
 	$(CARGO) clippy --workspace --all-targets --features phr/peers -- -D warnings
-	$(CARGO) test -p phr --features peers --lib peers::
+	$(CARGO) test -p phr --features peers --lib --test harness peers::
 
 test-trixie:
 	sh .ci/test-trixie

@@ -29,7 +29,7 @@ pub enum PlanError {
         known: String,
     },
     /// Not a builder of that width.
-    #[error("--width {width}: {builder} builds trees of width {widths}")]
+    #[error("--width {width}: {builder} builds trees of width {widths}; give one of these")]
     NoSuchWidth {
         /// The builder.
         builder: String,

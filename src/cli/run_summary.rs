@@ -1,10 +1,10 @@
 //! The end of `phr bench`: the verdict, where the results are, and advice on the warnings.
 
+use crate::bench::made_of_rows::{PAGE, TABLE};
 use crate::bench::row::{ROWS, Row};
 use crate::bench::samples::SAMPLES;
 use crate::bench::warnings::Warning;
 use crate::report::figures::{Figure, Tree, Under, scenes, tree_name, trees};
-use crate::report::page::PAGE;
 use crate::report::plot::pareto::front;
 use crate::report::table::brief::filled;
 use crate::report::table::warned;
@@ -12,8 +12,6 @@ use crate::report::verdict::field::Field;
 use crate::report::verdict::{Sentence, verdict};
 use std::path::{Path, PathBuf};
 
-/// The file of the table in a results folder.
-pub const TABLE: &str = "table1.md";
 /// Warnings shown; the table has all.
 const SHOWN: usize = 3;
 

@@ -62,7 +62,7 @@ fn checked(out: &Path, before: &Samples) -> Samples {
         }
     }
     assert!(before.scenes.len() <= samples.scenes.len());
-    read_json::<Environment>(&out.join(ENVIRONMENT)).unwrap();
+    read_json::<Environment>(&out.join(ENVIRONMENT), "").unwrap();
     if out.join(ROWS).exists() {
         row::read(out).unwrap();
     }
@@ -179,13 +179,13 @@ fn a_cut_file_is_refused() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let out = folder.path().join("out");
     let (rows, samples) = (row::read(&out).unwrap(), Samples::read(&out).unwrap());
-    let environment: Environment = read_json(&out.join(ENVIRONMENT)).unwrap();
+    let environment: Environment = read_json(&out.join(ENVIRONMENT), "").unwrap();
     for file in [ROWS, ROUNDS, SAMPLES, ENVIRONMENT] {
         let whole = std::fs::read(out.join(file)).unwrap();
         let is_read = || -> Result<bool, RecordsError> {
             Ok(match file {
                 SAMPLES => Samples::read(&out)? == samples,
-                ENVIRONMENT => read_json::<Environment>(&out.join(file))? == environment,
+                ENVIRONMENT => read_json::<Environment>(&out.join(file), "")? == environment,
                 _ => row::read(&out)? == rows,
             })
         };

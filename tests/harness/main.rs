@@ -8,6 +8,8 @@ mod cli;
 mod experiments;
 #[cfg(unix)]
 mod faults;
+#[cfg(feature = "peers")]
+mod peers;
 mod reports;
 mod shards;
 mod targets;

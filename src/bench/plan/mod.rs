@@ -60,6 +60,10 @@ pub struct Plan {
     pub shard: Option<Shard>,
     /// Names of the scenes of all shards.
     pub all_scenes: Vec<String>,
+    /// The cells of all scenes and shards, of which each scene has those that pass the filter.
+    pub all_cells: Vec<Cell>,
+    /// The filter.
+    pub filter: Option<String>,
     /// The settings.
     pub settings: Settings,
 }
@@ -91,6 +95,8 @@ impl Plan {
             scenes: Vec::new(),
             shard: request.shard,
             all_scenes: Vec::new(),
+            all_cells: cells.clone(),
+            filter: request.filter.as_ref().map(ToString::to_string),
             settings: request.settings.clone(),
         };
         for scene in scenes {

@@ -25,6 +25,11 @@ pub fn new_folder(folder: &Path) -> Result<(), RecordsError> {
     })
 }
 
+/// How to come by the files of a run.
+pub const MEASURE: &str = "give a results folder written by `phr bench`, or run that again";
+/// What can be done about a value that this program cannot write.
+pub const TELL: &str = "report this with the command";
+
 /// Why records could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordsError {
@@ -39,24 +44,30 @@ pub enum RecordsError {
         remedy: &'static str,
     },
     /// The file is not CSV of this schema.
-    #[error("{}: {source}; give a results folder written by `phr bench`", path.display())]
+    #[error("{}: {source}; {remedy}", path.display())]
     Malformed {
         /// The file.
         path: PathBuf,
         /// The place and the reason.
         source: csv::Error,
+        /// The remedy.
+        remedy: &'static str,
     },
     /// The file has no rows.
-    #[error("{}: no rows; run `phr bench` again", path.display())]
+    #[error("{}: no rows; {remedy}", path.display())]
     Empty {
         /// The file.
         path: PathBuf,
+        /// The remedy.
+        remedy: &'static str,
     },
     /// A file that does not end with a line's end.
-    #[error("{}: ends within a line, it was cut; fetch it again or run `phr bench` again", path.display())]
+    #[error("{}: ends within a line, it was cut; fetch it again, or {remedy}", path.display())]
     Unended {
         /// The file.
         path: PathBuf,
+        /// The remedy.
+        remedy: &'static str,
     },
     /// Fewer or more lines than the run wrote.
     #[error(
@@ -92,7 +103,7 @@ pub enum RecordsError {
         value: f64,
     },
     /// Written with other columns.
-    #[error("{}: schema {found}, this program reads {expected}; run `phr bench` again", path.display())]
+    #[error("{}: schema {found}, this program reads {expected}; {remedy}", path.display())]
     Schema {
         /// The file.
         path: PathBuf,
@@ -100,24 +111,32 @@ pub enum RecordsError {
         found: u32,
         /// The schema of this program.
         expected: u32,
+        /// The remedy.
+        remedy: &'static str,
     },
     /// The file is not JSON of the expected content.
-    #[error("{}: {source}; remove the folder or run without --resume", path.display())]
+    #[error("{}: {source}; {remedy}", path.display())]
     Json {
         /// The file.
         path: PathBuf,
         /// The place and the reason.
         source: serde_json::Error,
+        /// The remedy.
+        remedy: &'static str,
     },
 }
 
-/// Reads a JSON file of a results folder.
+/// Reads a JSON file; `remedy` tells what to do without it.
 ///
 /// # Errors
 /// No such file, or no such content.
-pub fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, RecordsError> {
-    let bytes = read(path, "there is no run to resume; run without --resume")?;
-    serde_json::from_slice(&bytes).map_err(|source| RecordsError::Json { path: path.to_owned(), source })
+pub fn read_json<T: for<'a> Deserialize<'a>>(path: &Path, remedy: &'static str) -> Result<T, RecordsError> {
+    let bytes = read(path, remedy)?;
+    serde_json::from_slice(&bytes).map_err(|source| RecordsError::Json {
+        path: path.to_owned(),
+        source,
+        remedy,
+    })
 }
 
 /// Reads a text file, refusing one that ends within a line: its last row may be half a row.
@@ -131,7 +150,7 @@ pub fn read_lines(path: &Path, remedy: &'static str) -> Result<Vec<u8>, RecordsE
     match bytes.last() {
         None => Ok(bytes),
         Some(b'\n') if !is_quoted => Ok(bytes),
-        Some(_) => Err(RecordsError::Unended { path: path.to_owned() }),
+        Some(_) => Err(RecordsError::Unended { path: path.to_owned(), remedy }),
     }
 }
 
@@ -148,8 +167,11 @@ fn read(path: &Path, remedy: &'static str) -> Result<Vec<u8>, RecordsError> {
 /// # Errors
 /// An unwritable place.
 pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), RecordsError> {
-    let mut bytes = serde_json::to_vec_pretty(value)
-        .map_err(|source| RecordsError::Json { path: path.to_owned(), source })?;
+    let mut bytes = serde_json::to_vec_pretty(value).map_err(|source| RecordsError::Json {
+        path: path.to_owned(),
+        source,
+        remedy: TELL,
+    })?;
     bytes.push(b'\n');
     write_whole(path, &bytes)
 }
@@ -159,7 +181,7 @@ pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), RecordsErr
 /// # Errors
 /// An unwritable place.
 pub fn write_csv<T: Serialize>(path: &Path, rows: &[T]) -> Result<(), RecordsError> {
-    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source };
+    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source, remedy: TELL };
     let mut writer = csv::Writer::from_writer(Vec::new());
     rows.iter().try_for_each(|row| writer.serialize(row)).map_err(malformed)?;
     let bytes = writer.into_inner().map_err(|error| malformed(csv::Error::from(error.into_error())))?;
@@ -179,14 +201,14 @@ pub fn read_csv<T: for<'a> Deserialize<'a>>(
 ) -> Result<Vec<T>, RecordsError> {
     let path = if results.is_dir() { results.join(name) } else { results.to_owned() };
     let bytes = read_lines(&path, remedy)?;
-    let malformed = |source| RecordsError::Malformed { path: path.clone(), source };
+    let malformed = |source| RecordsError::Malformed { path: path.clone(), source, remedy };
     let rows: Vec<T> =
         csv::Reader::from_reader(&bytes[..]).deserialize().collect::<Result<_, _>>().map_err(malformed)?;
     if rows.is_empty() {
-        return Err(RecordsError::Empty { path });
+        return Err(RecordsError::Empty { path, remedy });
     }
     match rows.iter().map(schema).find(|&found| found != expected) {
-        Some(found) => Err(RecordsError::Schema { path, found, expected }),
+        Some(found) => Err(RecordsError::Schema { path, found, expected, remedy }),
         None => Ok(rows),
     }
 }
@@ -220,6 +242,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RecordsError> {
     write().map_err(|source| {
         // On a full disk what was written of it would only be in the way. That it cannot be removed is no news.
         let _ = std::fs::remove_file(&part);
-        RecordsError::Io { path: path.to_owned(), source, remedy: "give a writable folder with --out" }
+        let remedy = "free space or make it writable, or name another place, as by --out or -o";
+        RecordsError::Io { path: path.to_owned(), source, remedy }
     })
 }

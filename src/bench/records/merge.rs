@@ -3,8 +3,11 @@
 
 use super::environment::{ENVIRONMENT, Environment, Machine, State};
 use super::files::{RecordsError, new_folder, write_json};
-use super::row::{self, Row};
-use super::{phases, results_dir};
+use super::phases::{self, PHASES};
+use super::rounds::ROUNDS;
+use super::row::{self, ROWS, Row};
+use super::samples::SAMPLES;
+use super::{made_of_rows, results_dir};
 use std::path::{Path, PathBuf};
 
 /// The folder of shards in that of a run. Two levels above their rows, which no reader of subfolders takes for its own.
@@ -27,6 +30,12 @@ pub enum MergeError {
     /// A shard has not ended.
     #[error("{}: not finished; run its command again with --resume", .0.display())]
     Unfinished(PathBuf),
+    /// A shard that cannot be resumed.
+    #[error("{}: no {ENVIRONMENT} or no finished visit in it; run its command again with --replace", .0.display())]
+    Nothing(PathBuf),
+    /// A run that was not spread, in whose place the merged one would come.
+    #[error("{}: holds a run of its own beside the shards; move its files elsewhere", .0.display())]
+    Taken(PathBuf),
     /// Shards of different runs.
     #[error("{} has another {what} than {}; measure one of them again", .0.display(), .1.display(), what = .2)]
     Unlike(PathBuf, PathBuf, &'static str),
@@ -59,7 +68,8 @@ impl Part {
                 let rows = row::read(&folder)?;
                 Ok(Self { folder, environment, rows })
             }
-            _ => Err(MergeError::Unfinished(folder)),
+            Some(_) if folder.join(SAMPLES).is_file() => Err(MergeError::Unfinished(folder)),
+            _ => Err(MergeError::Nothing(folder)),
         }
     }
 
@@ -75,13 +85,16 @@ impl Part {
 }
 
 /// Merges the shards below the folder of a run into the folder itself; where their machines are unlike, into a folder of
-/// `machines` for each. Returns the folders written. The shards stay as they are.
+/// `machines` for each. What was merged before goes. Returns the folders written. The shards stay as they are.
 ///
 /// # Errors
 /// [`MergeError`]: a shard is missing, not finished, or of another run.
 pub fn merge(folder: &Path) -> Result<Vec<PathBuf>, MergeError> {
     let parts: Result<Vec<Part>, MergeError> = shards(folder).into_iter().map(Part::read).collect();
     let parts = parts?;
+    if folder.join(SAMPLES).is_file() {
+        return Err(MergeError::Taken(folder.to_owned()));
+    }
     let Some(first) = parts.first() else { return Err(MergeError::None(folder.to_owned())) };
     parts.iter().try_for_each(|part| same_run(first, part))?;
     let scenes = first.scenes();
@@ -109,6 +122,12 @@ pub fn merge(folder: &Path) -> Result<Vec<PathBuf>, MergeError> {
         1 => folder.to_owned(),
         _ => folder.join(MACHINES).join((index + 1).to_string()),
     };
+    made_of_rows::remove(folder, &[ROWS, ROUNDS, PHASES, ENVIRONMENT])?;
+    let older = folder.join(MACHINES);
+    if older.is_dir() {
+        let remedy = "remove it by hand";
+        std::fs::remove_dir_all(&older).map_err(|source| RecordsError::Io { path: older, source, remedy })?;
+    }
     let groups = machines.iter().enumerate();
     groups.map(|(index, group)| write(group, &scenes, &place(index)).map_err(MergeError::from)).collect()
 }
@@ -121,6 +140,14 @@ fn shards(folder: &Path) -> Vec<PathBuf> {
     shards
 }
 
+/// What shards of a run have alike in their plans, and its name in words.
+const PLAN: [(&str, &str); 4] = [
+    ("settings", "plan"),
+    ("all_scenes", "set of scenes"),
+    ("all_cells", "set of builders"),
+    ("filter", "filter"),
+];
+
 fn same_run(first: &Part, part: &Part) -> Result<(), MergeError> {
     let (a, b) = (&first.environment, &part.environment);
     let unlike = |what| Err(MergeError::Unlike(part.folder.clone(), first.folder.clone(), what));
@@ -130,10 +157,8 @@ fn same_run(first: &Part, part: &Part) -> Result<(), MergeError> {
     if a.library.embree != b.library.embree {
         return unlike("Embree");
     }
-    if a.plan.get("settings") != b.plan.get("settings") || first.scenes() != part.scenes() {
-        return unlike("plan");
-    }
-    Ok(())
+    let mut other = PLAN.into_iter().filter(|(key, _)| a.plan.get(key) != b.plan.get(key));
+    other.next().map_or(Ok(()), |(_, what)| unlike(what))
 }
 
 /// Whether times of both may be averaged.
@@ -168,7 +193,9 @@ fn write(parts: &[&Part], scenes: &[String], folder: &Path) -> Result<PathBuf, R
         plan.remove("shard");
     }
     environment.before = parts.iter().flat_map(|part| part.environment.before.clone()).collect();
-    environment.after = parts.last().and_then(|part| part.environment.after.clone());
+    environment.before.sort_by(|a, b| a.utc.cmp(&b.utc));
+    let after = parts.iter().filter_map(|part| part.environment.after.clone());
+    environment.after = after.max_by(|a, b| a.utc.cmp(&b.utc));
     environment.notes = parts.iter().flat_map(|part| part.environment.notes.clone()).collect();
     phases::write(folder, &phases)?;
     environment.written = Some(row::write_all(folder, &rows)?);

@@ -1,6 +1,6 @@
 //! `phases.csv`: what the parts of each build took. `results/README.md` describes the columns.
 
-use super::files::{RecordsError, read_csv_file, write_csv};
+use super::files::{MEASURE, RecordsError, read_csv_file, write_csv};
 use super::samples::{CellSamples, Samples};
 use super::statistics::{Summary, figures};
 use serde::{Deserialize, Serialize};
@@ -85,11 +85,7 @@ pub fn write(folder: &Path, rows: &[PhaseRow]) -> Result<(), RecordsError> {
 /// A malformed or empty file.
 pub fn read(path: &Path) -> Result<Vec<PhaseRow>, RecordsError> {
     let path = if path.is_dir() { path.join(PHASES) } else { path.with_file_name(PHASES) };
-    if path.is_file() {
-        read_csv_file(&path, "give a results folder written by `phr bench`")
-    } else {
-        Ok(Vec::new())
-    }
+    if path.is_file() { read_csv_file(&path, MEASURE) } else { Ok(Vec::new()) }
 }
 
 #[cfg(test)]

@@ -8,12 +8,13 @@
 
 use super::environment::moment::Moment;
 use super::environment::{ENVIRONMENT, Environment, Machine, Program, State};
-use super::files::{RecordsError, Written, new_folder, read_json, write_json};
+use super::files::{Written, new_folder, read_json, write_json};
+use super::made_of_rows;
 use super::phases::{self, PHASES};
 use super::rounds::ROUNDS;
 use super::row::{self, ROWS, Row, SCHEMA};
 use super::rows::{self, Header};
-use super::samples::{CellSamples, SAMPLES, Samples, SceneSamples};
+use super::samples::{CellSamples, NO_RESUME, SAMPLES, Samples, SceneSamples};
 use super::tree_facts::TreeFacts;
 use super::warnings::Warning;
 use crate::bench::cell::Cell;
@@ -24,21 +25,6 @@ use crate::bench::planned_scene::PlannedScene;
 use crate::random::SplitMix64;
 use crate::scene::Scene;
 use std::path::Path;
-
-/// Files that the command makes from the rows when a run ends.
-const MADE_OF_ROWS: [&str; 11] = [
-    "table1.md",
-    "figure6.svg",
-    "figure6.png",
-    "figure6-scenes.svg",
-    "figure6-scenes.png",
-    "growth.svg",
-    "growth.png",
-    "phases.svg",
-    "phases.png",
-    "threads.svg",
-    "threads.png",
-];
 
 /// Where and how a run is recorded.
 pub struct RecordOptions<'a> {
@@ -87,6 +73,8 @@ impl<'a> Recorder<'a> {
         if let Some(shard) = plan.shard {
             recorded_plan["shard"] = shard.to_string().into();
             recorded_plan["all_scenes"] = plan.all_scenes.clone().into();
+            recorded_plan["all_cells"] = serde_json::json!(plan.all_cells);
+            recorded_plan["filter"] = plan.filter.clone().into();
         }
         let machine = Machine::this(options.host);
         let mut environment = Environment {
@@ -106,7 +94,7 @@ impl<'a> Recorder<'a> {
         };
         let mut samples = Samples { schema: SCHEMA, run_id: environment.run_id.clone(), scenes: Vec::new() };
         if options.resume {
-            let old: Environment = read_json(&folder.join(ENVIRONMENT))?;
+            let old: Environment = read_json(&folder.join(ENVIRONMENT), NO_RESUME)?;
             same(&old, &environment, folder)?;
             samples = Samples::read(folder)?;
             if samples.run_id != old.run_id {
@@ -129,18 +117,7 @@ impl<'a> Recorder<'a> {
         };
         recorder.write_environment()?;
         if !options.resume {
-            // No file of an older run may be taken for part of this one.
-            for file in MADE_OF_ROWS.into_iter().chain([ROWS, ROUNDS, PHASES, SAMPLES]) {
-                let path = folder.join(file);
-                if path.exists() {
-                    let remedy = "give another folder with --out";
-                    std::fs::remove_file(&path).map_err(|source| RecordsError::Io {
-                        path,
-                        source,
-                        remedy,
-                    })?;
-                }
-            }
+            made_of_rows::remove(folder, &[ROWS, ROUNDS, PHASES, SAMPLES])?;
         }
         Ok(recorder)
     }

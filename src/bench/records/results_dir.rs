@@ -1,7 +1,7 @@
 //! A results folder after the run: its rows and those of its subfolders, whether the run was completed, and the
 //! reduced rows that a repository keeps.
 
-use super::environment::{ENVIRONMENT, Environment, State};
+use super::environment::{self, ENVIRONMENT, Environment, State};
 use super::files::{RecordsError, new_folder, read_json, write_json};
 use super::phases;
 use super::row::{self, ROWS, Row};
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// A file of another content.
 pub fn environment(folder: &Path) -> Result<Option<Environment>, RecordsError> {
     let path = folder.join(ENVIRONMENT);
-    if path.is_file() { read_json(&path).map(Some) } else { Ok(None) }
+    path.is_file().then(|| read_json(&path, environment::REMEDY)).transpose()
 }
 
 /// False if the environment is that of a stopped run. For a lone CSV only the warnings can tell.

@@ -2,7 +2,7 @@
 //! interleaved, so that two builders' times of one round are a pair: ratios are taken within it, and intervals drawn
 //! from whole rounds. Small enough to be committed, as `samples.json` is not.
 
-use super::files::{RecordsError, read_lines, write_whole};
+use super::files::{MEASURE, RecordsError, TELL, read_lines, write_whole};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -72,7 +72,7 @@ const FIGURES: [&str; 3] = ["build", "trace", "frame"];
 /// An unwritable place.
 pub fn write(folder: &Path, rows: &[(RowKey, &RowRounds)]) -> Result<usize, RecordsError> {
     let path = folder.join(ROUNDS);
-    let malformed = |source| RecordsError::Malformed { path: path.clone(), source };
+    let malformed = |source| RecordsError::Malformed { path: path.clone(), source, remedy: TELL };
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut lines = 0;
     for (key, times) in rows {
@@ -102,11 +102,11 @@ pub fn write(folder: &Path, rows: &[(RowKey, &RowRounds)]) -> Result<usize, Reco
 /// # Errors
 /// A file of another content.
 pub fn read(path: &Path) -> Result<(Vec<(RowKey, RowRounds)>, usize), RecordsError> {
-    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source };
+    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source, remedy: MEASURE };
     if !path.exists() {
         return Ok((Vec::new(), 0));
     }
-    let bytes = read_lines(path, "give a results folder written by `phr bench`")?;
+    let bytes = read_lines(path, MEASURE)?;
     let mut rows: Vec<(RowKey, RowRounds)> = Vec::new();
     let mut lines = 0;
     for line in csv::Reader::from_reader(&bytes[..]).deserialize() {

@@ -2,7 +2,7 @@
 //! a run that was stopped goes on from it.
 
 use super::build_times::BuildTimes;
-use super::files::{RecordsError, read_json, write_whole};
+use super::files::{RecordsError, TELL, read_json, write_whole};
 use super::tree_facts::TreeFacts;
 use crate::bench::cell::{Cell, Kernel};
 use crate::bench::cpu_time::CpuTime;
@@ -14,6 +14,8 @@ use std::path::Path;
 
 /// The file in a results folder.
 pub const SAMPLES: &str = "samples.json";
+/// What can be done where a run to be resumed has not left its files.
+pub const NO_RESUME: &str = "nothing can be resumed; run without --resume, or give another folder with --out";
 
 /// One timed trace of a batch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -179,12 +181,12 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// Reads the file in `folder`.
+    /// Reads the file in `folder`, to go on with its run.
     ///
     /// # Errors
     /// No such file, or no such content.
     pub fn read(folder: &Path) -> Result<Self, RecordsError> {
-        read_json(&folder.join(SAMPLES))
+        read_json(&folder.join(SAMPLES), NO_RESUME)
     }
 
     /// Writes the file in `folder`, whole or not at all.
@@ -193,8 +195,8 @@ impl Samples {
     /// An unwritable place.
     pub fn write(&self, folder: &Path) -> Result<(), RecordsError> {
         let path = folder.join(SAMPLES);
-        let bytes =
-            serde_json::to_vec(self).map_err(|source| RecordsError::Json { path: path.clone(), source })?;
+        let json = |source| RecordsError::Json { path: path.clone(), source, remedy: TELL };
+        let bytes = serde_json::to_vec(self).map_err(json)?;
         write_whole(&path, &bytes)
     }
 

@@ -2,9 +2,10 @@
 //! the ratio can tell?
 
 use crate::bench::cell::Kernel;
-use crate::bench::environment::{ENVIRONMENT, Environment};
+use crate::bench::environment::Environment;
 use crate::bench::files::RecordsError;
 use crate::bench::files::read_json;
+use crate::bench::results_dir;
 use crate::bench::rounds::{ByRound, paired};
 use crate::bench::row::{self, ALL, Row};
 use crate::bench::samples::{CellSamples, SAMPLES, Samples};
@@ -33,11 +34,12 @@ impl Recorded {
     /// # Errors
     /// No such rows; samples or environment that are there but cannot be read.
     pub fn read(path: &Path) -> Result<Self, RecordsError> {
-        let (samples, environment) = (path.join(SAMPLES), path.join(ENVIRONMENT));
+        let samples = path.join(SAMPLES);
+        let remedy = "fetch it again, or remove it: then single views have no times by round";
         Ok(Self {
             rows: row::read(path)?,
-            samples: samples.is_file().then(|| read_json(&samples)).transpose()?,
-            environment: environment.is_file().then(|| read_json(&environment)).transpose()?,
+            samples: samples.is_file().then(|| read_json(&samples, remedy)).transpose()?,
+            environment: results_dir::environment(path)?,
         })
     }
 

@@ -1,12 +1,12 @@
 //! Pictures and tables that lie in a results folder beside the rows: heat maps, experiments and other figures.
 
-use crate::bench::files::RecordsError;
 use crate::bench::phases::PHASES;
 use crate::bench::rounds::ROUNDS;
 use crate::bench::row::ROWS;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde::Serialize;
+use std::error::Error;
 use std::path::{Path, PathBuf};
 
 /// Lines of a table that the page shows; the file has all.
@@ -32,7 +32,7 @@ pub struct Attachment {
     table: Option<Vec<Vec<String>>>,
     /// Lines of the table that are not shown.
     more: usize,
-    /// The text of findings.
+    /// The text of findings, or why the file is not shown.
     text: Option<String>,
 }
 
@@ -43,16 +43,13 @@ pub struct Attachments {
     pub heat_maps: Vec<Attachment>,
     /// SVG and CSV files in the folder `experiments`, and in folders in it, one for an experiment, with its findings.
     pub experiments: Vec<Attachment>,
-    /// Other SVG files, but for Figure 6, which the page draws itself.
+    /// Other SVG files, but for Figure 6, which the page draws itself, and heat maps that cannot be read.
     pub figures: Vec<Attachment>,
 }
 
 impl Attachments {
-    /// Those of `folder`.
-    ///
-    /// # Errors
-    /// A file that cannot be read.
-    pub fn of(folder: &Path) -> Result<Self, RecordsError> {
+    /// Those of `folder`; one that cannot be read says so, and costs the run's page no other.
+    pub fn of(folder: &Path) -> Self {
         let is_heat = |file: &PathBuf| name(file).starts_with("heat");
         let heat_maps = files(folder, "png").into_iter().filter(is_heat);
         let below = HEAT_MAPS.iter().flat_map(|below| files(&folder.join(below), "png"));
@@ -65,52 +62,47 @@ impl Attachments {
             of_experiments.extend(found);
         }
         let figures = files(folder, "svg").into_iter().filter(|file| !name(file).starts_with("figure6"));
-        let read = |files: Vec<PathBuf>| -> Result<Vec<Attachment>, RecordsError> {
-            files.iter().map(|file| Attachment::of(folder, file)).collect()
-        };
-        Ok(Self {
-            heat_maps: read(all_maps.collect())?,
-            experiments: read(of_experiments)?,
-            figures: read(figures.collect())?,
-        })
+        let read = |file: PathBuf| Attachment::of(folder, &file);
+        let (heat_maps, unread): (Vec<_>, Vec<_>) = all_maps.map(read).partition(|map| map.image.is_some());
+        Self {
+            heat_maps,
+            experiments: of_experiments.into_iter().map(read).collect(),
+            figures: figures.map(read).chain(unread).collect(),
+        }
     }
 }
 
 impl Attachment {
-    fn of(folder: &Path, file: &Path) -> Result<Self, RecordsError> {
-        let malformed = |source| RecordsError::Malformed { path: file.to_owned(), source };
-        let unreadable = |source| RecordsError::Io {
-            path: file.to_owned(),
-            source,
-            remedy: "make it readable or remove it",
-        };
+    fn of(folder: &Path, file: &Path) -> Self {
         let shown = file.strip_prefix(folder).unwrap_or(file).display().to_string();
         let mut attachment = Self { title: title(folder, file), file: shown, ..Self::default() };
-        let kind = match file.extension().and_then(|ending| ending.to_str()) {
+        if let Err(error) = attachment.read(file) {
+            attachment.title += ", not shown";
+            attachment.text = Some(format!("{}: {error}; correct or remove it", attachment.file));
+        }
+        attachment
+    }
+
+    fn read(&mut self, file: &Path) -> Result<(), Box<dyn Error>> {
+        match file.extension().and_then(|ending| ending.to_str()) {
             Some("csv") => {
-                let mut reader = csv::ReaderBuilder::new()
-                    .has_headers(false)
-                    .flexible(true)
-                    .from_path(file)
-                    .map_err(malformed)?;
+                let mut reader =
+                    csv::ReaderBuilder::new().has_headers(false).flexible(true).from_path(file)?;
                 let lines: Result<Vec<Vec<String>>, csv::Error> =
                     reader.records().map(|line| Ok(line?.iter().map(Into::into).collect())).collect();
-                let mut lines = lines.map_err(malformed)?;
-                attachment.more = lines.len().saturating_sub(LINES + 1);
+                let mut lines = lines?;
+                self.more = lines.len().saturating_sub(LINES + 1);
                 lines.truncate(LINES + 1);
-                attachment.table = Some(lines);
-                return Ok(attachment);
+                self.table = Some(lines);
             }
-            Some("md") => {
-                attachment.text = Some(std::fs::read_to_string(file).map_err(unreadable)?);
-                return Ok(attachment);
+            Some("md") => self.text = Some(std::fs::read_to_string(file)?),
+            ending => {
+                let kind = if ending == Some("svg") { "svg+xml" } else { "png" };
+                let bytes = BASE64_STANDARD.encode(std::fs::read(file)?);
+                self.image = Some(format!("data:image/{kind};base64,{bytes}"));
             }
-            Some("svg") => "svg+xml",
-            _ => "png",
-        };
-        let bytes = std::fs::read(file).map_err(unreadable)?;
-        attachment.image = Some(format!("data:image/{kind};base64,{}", BASE64_STANDARD.encode(bytes)));
-        Ok(attachment)
+        }
+        Ok(())
     }
 }
 

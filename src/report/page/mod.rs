@@ -10,9 +10,11 @@ mod family;
 mod words;
 
 use crate::bench::environment::Environment;
-use crate::bench::files::RecordsError;
+use crate::bench::made_of_rows::TABLE;
+use crate::bench::merge::SHARDS;
 use crate::bench::results_dir::is_complete;
 use crate::bench::row::Row;
+use crate::bench::samples::SAMPLES;
 use crate::report::figures::Under;
 use crate::report::verdict::field::Field;
 use crate::report::verdict::{Part, Sentence, verdict};
@@ -25,18 +27,12 @@ use serde::Serialize;
 use std::path::Path;
 use words::Item;
 
-/// The page's file in a results folder.
-pub const PAGE: &str = "report.html";
-
 /// Why there is no page.
 #[derive(Debug, thiserror::Error)]
 pub enum PageError {
     /// There are no rows.
     #[error("no rows; run `phr bench` again")]
     Empty,
-    /// A file of the folder cannot be read.
-    #[error(transparent)]
-    Records(#[from] RecordsError),
     /// The figures cannot be written as JSON.
     #[error("report: {0}; report this with the results")]
     Json(#[from] serde_json::Error),
@@ -73,6 +69,8 @@ struct Context<'a> {
     warnings: Vec<Item>,
     errors: Vec<Item>,
     attachments: Attachments,
+    has_table: bool,
+    samples: Option<String>,
     data: String,
     style: &'static str,
     libraries: [&'static str; 2],
@@ -109,7 +107,9 @@ pub fn page(rows: &[Row], environment: Option<&Environment>, folder: &Path) -> R
         environment: environment.map(words::environment).unwrap_or_default(),
         warnings: words::warnings(rows),
         errors: words::errors(rows),
-        attachments: Attachments::of(folder)?,
+        attachments: Attachments::of(folder),
+        has_table: folder.join(TABLE).is_file(),
+        samples: samples(folder),
         // Within a script, only this could end it.
         data: serde_json::to_string(&data)?.replace('<', "\\u003c"),
         style: include_str!("page.css"),
@@ -119,6 +119,16 @@ pub fn page(rows: &[Row], environment: Option<&Environment>, folder: &Path) -> R
         version: env!("CARGO_PKG_VERSION"),
     };
     Ok(templates.get_template("page.html")?.render(Serde(&context))?)
+}
+
+/// The files with every sample of a run, its own or those of its shards; `None` where they were not kept.
+fn samples(folder: &Path) -> Option<String> {
+    let has_samples = |folder: &Path| folder.join(SAMPLES).is_file();
+    if has_samples(folder) {
+        return Some(SAMPLES.into());
+    }
+    let mut shards = std::fs::read_dir(folder.join(SHARDS)).into_iter().flatten().flatten();
+    shards.any(|shard| has_samples(&shard.path())).then(|| format!("{SHARDS}/*/{SAMPLES}"))
 }
 
 /// The parts of a sentence, each with its kind.

@@ -73,6 +73,30 @@ fn it_asks_for_nothing() {
 }
 
 #[test]
+fn files_are_named_where_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = || {
+        let page = page(&rows(), None, folder.path()).unwrap();
+        let parts = [
+            "or read table1.md",
+            "<code>samples.json</code>",
+            "<code>shards&#x2f;*&#x2f;samples.json</code>",
+        ];
+        parts.map(|part| page.contains(part))
+    };
+    assert_eq!(told(), [false, false, false]);
+    std::fs::create_dir_all(folder.path().join("shards/1-of-2")).unwrap();
+    for (file, expected) in [
+        ("shards/1-of-2/samples.json", [false, false, true]),
+        ("samples.json", [false, true, false]),
+        ("table1.md", [true, true, false]),
+    ] {
+        std::fs::write(folder.path().join(file), "").unwrap();
+        assert_eq!(told(), expected, "{file}");
+    }
+}
+
+#[test]
 fn the_verdict_and_what_lies_beside_the_rows_are_on_it() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| {
@@ -90,6 +114,7 @@ fn the_verdict_and_what_lies_beside_the_rows_are_on_it() {
     write("heatmaps/rooms.counts.png", "counts");
     write("growth.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"/>");
     write("figure6.svg", "drawn by the page");
+    std::fs::write(folder.path().join("experiments/latin.csv"), b"caf\xe9\n").unwrap();
     let mut rows = rows();
     rows[0].warnings = "HighSpread".into();
     rows.push(Row {
@@ -108,6 +133,8 @@ fn the_verdict_and_what_lies_beside_the_rows_are_on_it() {
         "cut sizes <small>experiments&#x2f;cut-sizes.csv</small>",
         "<td>199</td><td>398</td>",
         "100 more lines in the file.",
+        "latin, not shown <small>experiments&#x2f;latin.csv</small>",
+        "correct or remove it</pre>",
         "alt=\"growth\"",
         "alt=\"grid: fronts scenes\"",
         "<pre># grid\n\nThe front is &lt; 1.</pre>",

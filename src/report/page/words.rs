@@ -26,14 +26,21 @@ pub fn environment(environment: &Environment) -> Vec<Item> {
     if environment.state != State::Complete {
         items.push(item("State", "The run was stopped before all rounds of all scenes were done.".into()));
     }
+    let shards = environment.plan.get("shards").and_then(|shards| shards.as_array()).map_or(0, Vec::len);
+    let first = if shards > 1 {
+        format!("{shards} shards on machines of this kind, of which the first is told: ")
+    } else {
+        String::new()
+    };
     items.push(item(
         "Machine",
-        known(&[
-            (machine.cpu.as_str(), ""),
-            (&format!("{} processors", machine.processors), ""),
-            (&format!("{:.0} GiB of memory", machine.memory_mib as f64 / 1024.0), ""),
-            (&machine.cpu_features.join(" "), "instruction sets "),
-        ]),
+        first
+            + &known(&[
+                (machine.cpu.as_str(), ""),
+                (&format!("{} processors", machine.processors), ""),
+                (&format!("{:.0} GiB of memory", machine.memory_mib as f64 / 1024.0), ""),
+                (&machine.cpu_features.join(" "), "instruction sets "),
+            ]),
     ));
     items.push(item(
         "System",

@@ -1,5 +1,5 @@
 //! The figures drawn from the rows of a run. A figure is a function from rows to SVG, in a module of its own, with
-//! a line in [`figures`].
+//! a line in [`figures`] and a name in [`FIGURES`].
 //!
 //! [`figure6`], [`growth`], [`threads`] and [`phases`] choose the points, [`total_time`] draws advice; [`pareto`] finds the
 //! front, [`chart`] draws a panel with axes and [`labels`] and [`key`], [`svg`] writes the drawing and [`raster`] turns it into
@@ -20,6 +20,7 @@ pub mod ticks;
 pub mod total_time;
 
 use super::figures::Under;
+use crate::bench::made_of_rows::FIGURES;
 use crate::bench::phases::PhaseRow;
 use crate::bench::row::Row;
 
@@ -36,14 +37,15 @@ pub struct Drawing {
 /// trees under its own kernel.
 pub fn figures(rows: &[Row], phase_rows: &[PhaseRow], under: &Under) -> Vec<Drawing> {
     let own = if *under == Under::Own { None } else { figure6::averaged(rows, &Under::Own) };
-    let all = [
-        ("figure6", figure6::averaged(rows, under)),
-        ("figure6-own", own),
-        ("figure6-paper", figure6::beside_paper(rows, under)),
-        ("figure6-scenes", figure6::by_scene(rows, under)),
-        ("growth", growth::growth(rows)),
-        ("threads", threads::threads(rows)),
-        ("phases", phases::phases(rows, phase_rows)),
+    // In the order of their names.
+    let all: [Option<String>; FIGURES.len()] = [
+        figure6::averaged(rows, under),
+        own,
+        figure6::beside_paper(rows, under),
+        figure6::by_scene(rows, under),
+        growth::growth(rows),
+        threads::threads(rows),
+        phases::phases(rows, phase_rows),
     ];
-    all.into_iter().filter_map(|(name, svg)| Some(Drawing { name, svg: svg? })).collect()
+    FIGURES.into_iter().zip(all).filter_map(|(name, svg)| Some(Drawing { name, svg: svg? })).collect()
 }

@@ -74,5 +74,5 @@ fn trees() -> usize {
 }
 
 fn environment(folder: &Path) -> Environment {
-    read_json(&folder.join("out").join(ENVIRONMENT)).unwrap()
+    read_json(&folder.join("out").join(ENVIRONMENT), "").unwrap()
 }

@@ -79,6 +79,36 @@ fn bad_input_is_one_line_and_code_2() {
     assert_eq!(phr(&folder, &[]).status.code(), Some(2));
 }
 
+/// What is wrong with a file is told with what can be done about that very file.
+#[test]
+fn damaged_files_have_remedies_of_their_own() {
+    let (_keep, folder) = workplace();
+    for name in ["run", "tuned"] {
+        std::fs::create_dir(folder.join(name)).unwrap();
+    }
+    row::write(&folder.join("run").join(ROWS), &[Row { schema: row::SCHEMA, ..Row::default() }]).unwrap();
+    std::fs::write(folder.join("run").join(ENVIRONMENT), "x").unwrap();
+    std::fs::write(folder.join("tuned/tune.csv"), "a,b\n1,2\n").unwrap();
+    std::fs::write(folder.join("old.json"), "{}").unwrap();
+    let fit = "phr advise --fit RESULTS --model FILE";
+    let cases: [(&[&str], &str, &str); 7] = [
+        (&["report", "run"], ENVIRONMENT, "remove it: then the machine is not known"),
+        (&["table", "run"], ENVIRONMENT, "remove it: then the machine is not known"),
+        (&["bench", "sheet.ply", "--resume", "--out", "run"], ENVIRONMENT, "run without --resume"),
+        (&["tune", "--judge", "tuned"], "tune.csv", "run `phr tune`"),
+        (&["advise", "scalable-2k", "--instant", "--model", "none.json"], "none.json", fit),
+        (&["advise", "scalable-2k", "--instant", "--model", "old.json"], "old.json", fit),
+        (&["build", "sheet.ply", "--builder", "phr-hq", "--width", "5"], "--width 5", "give one of these"),
+    ];
+    for (arguments, file, remedy) in cases {
+        let output = phr(&folder, arguments);
+        let told = text(&output.stderr);
+        assert_eq!((output.status.code(), told.lines().count()), (Some(2), 1), "{arguments:?}: {told}");
+        assert!(told.contains(file) && told.contains(remedy), "{arguments:?}: {told}");
+        assert!(!told.contains("remove the folder"), "{told}");
+    }
+}
+
 #[test]
 fn listing_and_dry_runs_touch_nothing() {
     let (_keep, folder) = workplace();

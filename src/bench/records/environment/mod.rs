@@ -16,6 +16,9 @@ pub use library::Library;
 /// The file in a results folder.
 pub const ENVIRONMENT: &str = "environment.json";
 
+/// What a reader of results can do about such a file that is not whole.
+pub const REMEDY: &str = "fetch it again, or remove it: then the machine is not known";
+
 /// How far a run has come. A folder whose state is not [`State::Complete`] holds part of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

@@ -1,8 +1,8 @@
 //! Reading and writing `rows.csv`: as a whole or not at all, also where a file was cut at a row's end.
 
 use super::{ROWS, Row, SCHEMA};
-use crate::bench::environment::{ENVIRONMENT, State};
-use crate::bench::files::{RecordsError, Written, read_json, read_lines, write_whole};
+use crate::bench::environment::{self, ENVIRONMENT, State};
+use crate::bench::files::{MEASURE, RecordsError, TELL, Written, read_json, read_lines, write_whole};
 use crate::bench::rounds::{self, ROUNDS, RowKey, RowRounds};
 use std::collections::HashMap;
 use std::path::Path;
@@ -16,12 +16,14 @@ const MOST: f64 = 1e15;
 /// Missing, malformed, cut or empty files, those of another [`SCHEMA`], and figures that cannot be.
 pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
     let path = if path.is_dir() { path.join(ROWS) } else { path.to_owned() };
-    let bytes = read_lines(&path, "give a results folder written by `phr bench`")?;
+    let remedy = MEASURE;
+    let bytes = read_lines(&path, remedy)?;
     let mut rows = Vec::new();
     for row in csv::Reader::from_reader(&bytes[..]).deserialize() {
-        let row: Row = row.map_err(|source| RecordsError::Malformed { path: path.clone(), source })?;
+        let row: Row =
+            row.map_err(|source| RecordsError::Malformed { path: path.clone(), source, remedy })?;
         if row.schema != SCHEMA {
-            return Err(RecordsError::Schema { path, found: row.schema, expected: SCHEMA });
+            return Err(RecordsError::Schema { path, found: row.schema, expected: SCHEMA, remedy });
         }
         let unusable = |value: f64| !(0.0..=MOST).contains(&value);
         if let Some((column, Some(value))) =
@@ -37,7 +39,7 @@ pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
         row.by_round = by_round.remove(&row.key()).unwrap_or_default();
     }
     check_whole(&path, Written { rows: rows.len(), rounds: lines }, by_round.keys().next())?;
-    if rows.is_empty() { Err(RecordsError::Empty { path }) } else { Ok(rows) }
+    if rows.is_empty() { Err(RecordsError::Empty { path, remedy }) } else { Ok(rows) }
 }
 
 /// How a run ended, of an environment of any age.
@@ -53,7 +55,8 @@ struct Ended {
 fn check_whole(path: &Path, found: Written, left_over: Option<&RowKey>) -> Result<(), RecordsError> {
     let environment_path = path.with_file_name(ENVIRONMENT);
     let is_results = path.file_name().is_some_and(|name| name == ROWS) && environment_path.is_file();
-    let environment: Option<Ended> = if is_results { Some(read_json(&environment_path)?) } else { None };
+    let environment: Option<Ended> =
+        is_results.then(|| read_json(&environment_path, environment::REMEDY)).transpose()?;
     if environment.as_ref().is_some_and(|environment| environment.state == State::Running) {
         return Ok(());
     }
@@ -95,7 +98,7 @@ pub fn write_all(folder: &Path, rows: &[Row]) -> Result<Written, RecordsError> {
 /// An unwritable place.
 pub fn write(path: &Path, rows: &[Row]) -> Result<(), RecordsError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source };
+    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source, remedy: TELL };
     for row in rows {
         writer.serialize(row).map_err(malformed)?;
     }

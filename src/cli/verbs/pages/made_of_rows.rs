@@ -2,13 +2,12 @@
 
 use super::report::write_page;
 use crate::bench::files::write_whole;
+use crate::bench::made_of_rows::{PAGE, TABLE};
 use crate::bench::phases;
 use crate::bench::row::Row;
 use crate::cli::failure::Failure;
-use crate::cli::run_summary::TABLE;
 use crate::cli::verbs::plot::draw;
 use crate::report::figures::Under;
-use crate::report::page::PAGE;
 use crate::report::{plot, table};
 use std::path::{Path, PathBuf};
 

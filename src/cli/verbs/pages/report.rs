@@ -1,10 +1,11 @@
 //! `phr report`: a run as one HTML file.
 
-use crate::bench::files::{RecordsError, write_whole};
+use crate::bench::files::write_whole;
+use crate::bench::made_of_rows::PAGE;
 use crate::bench::{results_dir, row};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
-use crate::report::page::{PAGE, page};
+use crate::report::page::page;
 use std::path::{Path, PathBuf};
 
 /// Write a page about a results folder: verdict, plots, table, pictures and surroundings in one HTML file
@@ -40,10 +41,5 @@ pub fn write_page(results: &Path, file: &Path) -> Result<(), Failure> {
     let folder = if place.is_dir() { place.as_path() } else { place.parent().unwrap_or(&place) };
     let environment = results_dir::environment(folder)?;
     let page = page(&rows, environment.as_ref(), folder)?;
-    Ok(write_whole(file, page.as_bytes()).map_err(|error| match error {
-        RecordsError::Io { path, source, .. } => {
-            RecordsError::Io { path, source, remedy: "give a writable place with -o" }
-        }
-        other => other,
-    })?)
+    Ok(write_whole(file, page.as_bytes())?)
 }

@@ -1,13 +1,17 @@
 //! `phr merge`: the shards of a run as one.
 
-use crate::bench::{merge, row};
+use crate::bench::files::write_whole;
+use crate::bench::made_of_rows::PAGE;
+use crate::bench::merge::{self, MACHINES};
+use crate::bench::{results_dir, row};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use crate::cli::verbs::pages::made_of_rows;
-use crate::report::page::PAGE;
+use crate::report::machines::{COMPARED, compared};
 use std::path::PathBuf;
 
-/// Merge the shards of a run (`phr bench --shard K/N`) into rows, table, plots and page; those of unlike machines apart
+/// Merge the shards of a run (`phr bench --shard K/N`) into rows, table, plots and page; those of unlike machines apart,
+/// with a table that compares each machine's trees
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// The run's results folder, which has the folder shards
@@ -16,17 +20,20 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let folders = merge::merge(&arguments.results)?;
-    for folder in &folders {
-        let rows = row::read(folder)?;
-        made_of_rows(&rows, true, folder)?;
+    let mut machines = Vec::new();
+    for folder in merge::merge(&arguments.results)? {
+        let rows = row::read(&folder)?;
+        made_of_rows(&rows, true, &folder)?;
         say(&folder.join(PAGE).display().to_string())?;
+        let machine = results_dir::environment(&folder)?.map(|environment| environment.machine);
+        let words = machine.map(|machine| format!("{}, {} processors", machine.cpu, machine.processors));
+        machines.push((words.unwrap_or_default(), rows));
     }
-    if let [first, second, ..] = &folders[..] {
-        let (first, second) = (first.display(), second.display());
-        say(&format!(
-            "The machines are unlike, so that times are not averaged; compare them: phr compare {first} {second}"
-        ))?;
+    if machines.len() > 1 {
+        let file = arguments.results.join(MACHINES).join(COMPARED);
+        let text = compared(&machines);
+        write_whole(&file, text.as_bytes())?;
+        say(&format!("{}\n\n{text}", file.display()))?;
     }
     Ok(())
 }

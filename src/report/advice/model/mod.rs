@@ -96,11 +96,12 @@ impl Model {
     /// # Errors
     /// A file of another content.
     pub fn read(path: &Path) -> Result<Self, RecordsError> {
-        let model: Self = read_json(path)?;
+        let remedy = "make one with `phr advise --fit RESULTS --model FILE`";
+        let model: Self = read_json(path, remedy)?;
         if model.schema == SCHEMA {
             return Ok(model);
         }
-        Err(RecordsError::Schema { path: path.into(), found: model.schema, expected: SCHEMA })
+        Err(RecordsError::Schema { path: path.into(), found: model.schema, expected: SCHEMA, remedy })
     }
 
     /// The facts that it needs.
