@@ -105,7 +105,7 @@ pub fn page(rows: &[Row], environment: Option<&Environment>, folder: &Path) -> R
         kernels: &data.kernels,
         regimes: &data.regimes,
         places: data.places.iter().map(|place| place.name.as_str()).collect(),
-        families: families(),
+        families: families(field.trees.iter().map(|tree| tree.0)),
         environment: environment.map(words::environment).unwrap_or_default(),
         warnings: words::warnings(rows),
         errors: words::errors(rows),

@@ -1,6 +1,7 @@
 //! What can be told of the page without a browser.
 
 use super::*;
+use crate::bench::row::{FIRST, NO_KERNEL};
 use serde_json::Value;
 
 fn row(scene: &str, builder: &str, width: u32, build: f64, trace: f64) -> Row {
@@ -49,7 +50,7 @@ fn the_data_are_the_rows() {
     assert_eq!(entry["speeds"][0], 25.0);
     assert!(data["places"][2]["entries"][0].is_null(), "lbvh was not measured there");
     // In the mean it is a mean over fewer scenes, and on no front.
-    assert_eq!(data["places"][0]["entries"][0]["scenes"], 1);
+    assert_eq!(data["places"][0]["entries"][0]["scenes"], serde_json::json!([[1]]));
     assert_eq!(data["places"][0]["fronts"][0][0], serde_json::json!([[1, 2], [1], [2]]));
     assert_eq!(data["places"][1]["fronts"][0][0], serde_json::json!([[0, 1, 2], [0, 1], [2]]));
     assert!(data["curves"][0][0][0].is_null());
@@ -57,6 +58,26 @@ fn the_data_are_the_rows() {
     assert_eq!(curve.len(), data["budgets"].as_array().unwrap().len());
     let (first, last) = (curve[0].as_f64().unwrap(), curve.last().unwrap().as_f64().unwrap());
     assert!(first > 1.45 && first < 1.5 && last > 0.5 && last < 0.51, "{first} to {last}");
+}
+
+#[test]
+fn a_mean_over_fewer_scenes_is_one_under_its_kernel_and_regime() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut rows, others) = (rows(), rows());
+    for row in others.into_iter().filter(|row| (&*row.scene, &*row.builder) != ("yard", "phr-hq")) {
+        let untraced = Row { trace_ms_median: None, mrays_s: None, rays: None, ..row.clone() };
+        rows.push(Row { kernel: "phr".into(), ..row });
+        rows.push(Row { kernel: NO_KERNEL.into(), regime: FIRST.into(), ..untraced });
+    }
+    let data = data(&page(&rows, None, folder.path()).unwrap());
+    assert_eq!((&data["kernels"][1]["name"], &data["regimes"][1]["name"]), (&"phr".into(), &"first".into()));
+    let mean = &data["places"][0];
+    assert_eq!(mean["entries"][1]["scenes"], serde_json::json!([[null, null], [null, null]]));
+    assert_eq!(mean["entries"][2]["scenes"], serde_json::json!([[null, 1], [1, 1]]));
+    let is_on_front = |kernel: usize, regime: usize| {
+        mean["fronts"][kernel][regime][0].as_array().unwrap().contains(&2.into())
+    };
+    assert!(is_on_front(0, 0) && !is_on_front(0, 1) && !is_on_front(1, 0) && !is_on_front(1, 1));
 }
 
 #[test]
