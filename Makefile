@@ -104,10 +104,10 @@ bench: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr bench --set builtin --rounds 3 --views 1 --size 160 --replace $(ARGS)
 
-# The page of the folder RESULTS again.
+# The page of the folder RESULTS again; ARGS="--experiments results/experiments" adds those.
 report: packages
 	$(CARGO) build --release --bin phr
-	./target/release/phr report $(RESULTS)
+	./target/release/phr report $(RESULTS) $(ARGS)
 
 bench-full: packages
 	$(CARGO) build --release --bin phr

@@ -22,7 +22,7 @@ use family::{Family, families};
 use minijinja::value::Serde;
 use minijinja::{Environment as Templates, UndefinedBehavior};
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use words::Item;
 
 /// The page's file in a results folder.
@@ -81,11 +81,16 @@ struct Context<'a> {
     version: &'static str,
 }
 
-/// The page of the run of `rows`, whose `folder` may hold pictures.
+/// The page of the run of `rows`, whose `folder` may hold pictures, as may folders of `experiments`.
 ///
 /// # Errors
 /// Those of [`PageError`].
-pub fn page(rows: &[Row], environment: Option<&Environment>, folder: &Path) -> Result<String, PageError> {
+pub fn page(
+    rows: &[Row],
+    environment: Option<&Environment>,
+    folder: &Path,
+    experiments: &[PathBuf],
+) -> Result<String, PageError> {
     let (Some(field), Some(row)) = (Field::of(rows), rows.first()) else { return Err(PageError::Empty) };
     let under = Under::best(rows);
     let data = Data::of(rows, &field);
@@ -109,7 +114,7 @@ pub fn page(rows: &[Row], environment: Option<&Environment>, folder: &Path) -> R
         environment: environment.map(words::environment).unwrap_or_default(),
         warnings: words::warnings(rows),
         errors: words::errors(rows),
-        attachments: Attachments::of(folder)?,
+        attachments: Attachments::of(folder, experiments)?,
         // Within a script, only this could end it.
         data: serde_json::to_string(&data)?.replace('<', "\\u003c"),
         style: include_str!("page.css"),

@@ -33,7 +33,7 @@ fn data(page: &str) -> Value {
 #[test]
 fn the_data_are_the_rows() {
     let folder = tempfile::tempdir().unwrap();
-    let page = page(&rows(), None, folder.path()).unwrap();
+    let page = page(&rows(), None, folder.path(), &[]).unwrap();
     let data = data(&page);
     assert_eq!(data["places"][1]["name"], "</script><b>");
     assert!(
@@ -69,7 +69,7 @@ fn a_mean_over_fewer_scenes_is_one_under_its_kernel_and_regime() {
         rows.push(Row { kernel: "phr".into(), ..row });
         rows.push(Row { kernel: NO_KERNEL.into(), regime: FIRST.into(), ..untraced });
     }
-    let data = data(&page(&rows, None, folder.path()).unwrap());
+    let data = data(&page(&rows, None, folder.path(), &[]).unwrap());
     assert_eq!((&data["kernels"][1]["name"], &data["regimes"][1]["name"]), (&"phr".into(), &"first".into()));
     let mean = &data["places"][0];
     assert_eq!(mean["entries"][1]["scenes"], serde_json::json!([[null, null], [null, null]]));
@@ -83,7 +83,7 @@ fn a_mean_over_fewer_scenes_is_one_under_its_kernel_and_regime() {
 #[test]
 fn it_asks_for_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let page = page(&rows(), None, folder.path()).unwrap();
+    let page = page(&rows(), None, folder.path(), &[]).unwrap();
     assert!(page.contains("Content-Security-Policy") && page.contains("default-src 'none'"));
     for asks in ["src=\"http", "href=\"http", "src=\"//", "@import", "url(http"] {
         assert!(!page.contains(asks), "{asks}");
@@ -118,7 +118,7 @@ fn the_verdict_and_what_lies_beside_the_rows_are_on_it() {
         error: "out of memory".into(),
         ..row("yard", "lbvh", 4, 1.0, 1.0)
     });
-    let page = page(&rows, None, folder.path()).unwrap();
+    let page = page(&rows, None, folder.path(), &[]).unwrap();
     for part in [
         "<b>phr-hq &#x2f; 8</b> traces fastest: in 0.50",
         "No environment.json lies beside the rows",
@@ -137,5 +137,12 @@ fn the_verdict_and_what_lies_beside_the_rows_are_on_it() {
     }
     assert!(!page.contains("rows.csv</small>") && !page.contains("rooms.counts"));
     assert!(!page.contains("<td>200</td><td>400</td>") && !page.contains("alt=\"figure6\""));
-    assert!(matches!(super::page(&[], None, folder.path()), Err(PageError::Empty)));
+    // Of another folder, heat maps and experiments alone.
+    let experiments = [folder.path().join("experiments")];
+    let elsewhere = tempfile::tempdir().unwrap();
+    let page = super::page(&rows, None, elsewhere.path(), &experiments).unwrap();
+    assert!(page.contains("alt=\"grid: fronts scenes\"") && page.contains("<small>grid&#x2f;findings.md</small>"));
+    let page = super::page(&rows, None, elsewhere.path(), &[folder.path().into()]).unwrap();
+    assert!(page.contains("alt=\"rooms\"") && page.contains("<small>heatmaps&#x2f;rooms.png</small>"));
+    assert!(matches!(super::page(&[], None, folder.path(), &[]), Err(PageError::Empty)));
 }
