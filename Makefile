@@ -209,7 +209,7 @@ embree-ndebug: packages
 	done
 	for library in with without; do ./target/release/phr reduce results/ndebug-full/$$library results/ndebug/$$library; done
 
-# The page's tests are left out, and say so, where the browser cannot be had.
+# The page's tests are left out, and say so, where the browser cannot be had; with PHR_BROWSER=1 they fail.
 test: packages
 	@sh .ci/packages chromium chromium-driver || echo "no Chromium: the page of a run is not tested"
 	$(CARGO) fmt --all --check
