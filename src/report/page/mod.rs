@@ -46,7 +46,11 @@ pub enum PageError {
 }
 
 const LIBRARIES: [&str; 2] = [include_str!("vendor/d3.min.js"), include_str!("vendor/plot.min.js")];
-const LICENCES: [&str; 2] = [include_str!("vendor/d3.LICENSE"), include_str!("vendor/plot.LICENSE")];
+const LICENCES: [&str; 3] = [
+    include_str!("vendor/d3.LICENSE"),
+    include_str!("vendor/plot.LICENSE"),
+    include_str!("vendor/bundled.LICENSE"),
+];
 const SCRIPTS: [&str; 5] = [
     include_str!("figures.js"),
     include_str!("front.js"),
@@ -76,7 +80,7 @@ struct Context<'a> {
     data: String,
     style: &'static str,
     libraries: [&'static str; 2],
-    licences: [&'static str; 2],
+    licences: [&'static str; 3],
     scripts: [&'static str; 5],
     version: &'static str,
 }

@@ -89,8 +89,25 @@ fn it_asks_for_nothing() {
         assert!(!page.contains(asks), "{asks}");
     }
     for licence in LICENCES {
-        assert!(licence.starts_with("Copyright") && page.contains(licence.lines().next().unwrap()));
+        let mut holders = licence.lines().filter(|line| line.starts_with("Copyright")).peekable();
+        assert!(holders.peek().is_some() && holders.all(|holder| page.contains(holder)), "{licence}");
     }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn libraries_are_as_published() {
+    let vendor = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/report/page/vendor");
+    let table = include_str!("vendor/README.md").lines().filter(|line| line.starts_with("| `"));
+    let mut compared = 0;
+    for line in table {
+        let quoted: Vec<&str> = line.split('`').skip(1).step_by(2).collect();
+        let sum = std::process::Command::new("sha256sum").arg(vendor.join(quoted[0])).output().unwrap();
+        let sum = String::from_utf8(sum.stdout).unwrap();
+        assert_eq!(sum.split(' ').next(), quoted.last().copied(), "{line}");
+        compared += 1;
+    }
+    assert_eq!(compared, LIBRARIES.len());
 }
 
 #[test]
