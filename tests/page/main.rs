@@ -58,7 +58,10 @@ fn it_loads_without_an_error_or_a_request() {
     }
     for (name, in_dark) in [("light", false), ("dark", true), ("automatic", true)] {
         browser.click("#theme");
-        assert_eq!((browser.texts("#theme").concat(), is_dark(&browser)), (format!("theme: {name}"), in_dark));
+        assert_eq!(
+            (browser.texts("#theme").concat(), is_dark(&browser)),
+            (format!("theme: {name}"), in_dark)
+        );
     }
     // What the browser shows before the page is its own.
     let asked = browser.requests();
@@ -241,7 +244,10 @@ fn a_tooltip_has_the_figures_of_the_rows() {
     let all: Vec<(String, f64)> = all.map(|total| (tree_name(total.tree), total.at(rays))).collect();
     let of_tree = all.iter().find(|(name, _)| *name == told[0]).unwrap();
     let least = all.iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
-    assert_eq!((value, &told[2]), (&*format!("{:.2}", of_tree.1), &format!("least: {}, {:.2}", least.0, least.1)));
+    assert_eq!(
+        (value, &told[2]),
+        (&*format!("{:.2}", of_tree.1), &format!("least: {}, {:.2}", least.0, least.1))
+    );
 
     browser.click("#place option[value='3']");
     let told = told_at("#front", "[aria-label=dot] path:last-child");

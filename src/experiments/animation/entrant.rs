@@ -52,15 +52,15 @@ impl Entrant {
     }
 }
 
-/// The contestants of our builders in `cells`, and Embree's where this program has it; static parts are merged where the scene has
-/// one.
+/// The contestants of our builders in `cells`, and Embree's where this program has it; static parts are merged where the
+/// scene has one.
 ///
 /// # Errors
 /// No such builder of ours.
 pub fn entrants(cells: &[Cell], has_static_part: bool) -> Result<Vec<Entrant>, String> {
     let mut entrants = Vec::new();
-    for Cell { builder, recipe: made_by, .. } in cells {
-        let recipe = Recipe::parse(made_by.as_ref().unwrap_or(builder)).map_err(|error| error.to_string())?;
+    for cell in cells {
+        let recipe = Recipe::parse(cell.made_by()).map_err(|error| error.to_string())?;
         let mut updates = vec![Update::Rebuild, Update::Refit];
         if recipe.phr().is_some() {
             updates.push(Update::Refine);
@@ -68,7 +68,7 @@ pub fn entrants(cells: &[Cell], has_static_part: bool) -> Result<Vec<Entrant>, S
                 updates.extend([Update::Merge, Update::MergeSah]);
             }
         }
-        let of = |update| Entrant { builder: builder.clone(), update, recipe: made_by.clone() };
+        let of = |update| Entrant { builder: cell.builder.clone(), update, recipe: cell.recipe.clone() };
         entrants.extend(updates.into_iter().map(of));
     }
     if cfg!(feature = "embree") {

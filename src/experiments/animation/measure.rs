@@ -154,8 +154,7 @@ fn contestant(
 
 impl Measured {
     fn new(about: &FrameRow, entrant: &Entrant) -> Self {
-        let row =
-            FrameRow { builder: entrant.builder.clone(), update: entrant.update, ..about.clone() };
+        let row = FrameRow { builder: entrant.builder.clone(), update: entrant.update, ..about.clone() };
         Self {
             entrant: entrant.clone(),
             row,

@@ -40,7 +40,8 @@ pub fn families<'a>(builders: impl Iterator<Item = &'a str>) -> Vec<Family> {
 
 /// The family of a builder.
 pub fn family_of(builder: &str) -> Family {
-    let found = FAMILIES.iter().find(|(name, _)| builder.starts_with(name)).unwrap_or(&FAMILIES[FAMILIES.len() - 1]);
+    let found =
+        FAMILIES.iter().find(|(name, _)| builder.starts_with(name)).unwrap_or(&FAMILIES[FAMILIES.len() - 1]);
     family(found.0, found.1)
 }
 

@@ -158,7 +158,9 @@ fn the_verdict_and_what_lies_beside_the_rows_are_on_it() {
     let experiments = [folder.path().join("experiments")];
     let elsewhere = tempfile::tempdir().unwrap();
     let page = super::page(&rows, None, elsewhere.path(), &experiments).unwrap();
-    assert!(page.contains("alt=\"grid: fronts scenes\"") && page.contains("<small>grid&#x2f;findings.md</small>"));
+    assert!(
+        page.contains("alt=\"grid: fronts scenes\"") && page.contains("<small>grid&#x2f;findings.md</small>")
+    );
     let page = super::page(&rows, None, elsewhere.path(), &[folder.path().into()]).unwrap();
     assert!(page.contains("alt=\"rooms\"") && page.contains("<small>heatmaps&#x2f;rooms.png</small>"));
     assert!(matches!(super::page(&[], None, folder.path(), &[]), Err(PageError::Empty)));

@@ -150,9 +150,7 @@ mod tests {
             rows
         };
         for rows in [rows(), with(&names[0]), with(&names[1])] {
-            for text in
-                [scene(&rows, "a") + &scene(&rows, &rows[3].scene), means(&rows) + &legend(&rows)]
-            {
+            for text in [scene(&rows, "a") + &scene(&rows, &rows[3].scene), means(&rows) + &legend(&rows)] {
                 let longest = text.lines().map(|line| line.chars().count()).max().unwrap();
                 assert!((80..=COLUMNS).contains(&longest), "{longest} columns\n{text}");
                 assert!(text.replace('\n', "").contains(&rows[2].builder), "{text}");

@@ -158,7 +158,9 @@ fn lowest_cost(field: &Field<'_>, under: &Under) -> Sentence {
     let Some((tree, cost)) = field.least(Figure::Cost, under) else {
         return Sentence::default().words("No SAH cost is known.");
     };
-    Sentence::default().name(tree).words(format!(" has the lowest SAH cost, {cost:.2} of that of {}.", based(field)))
+    Sentence::default()
+        .name(tree)
+        .words(format!(" has the lowest SAH cost, {cost:.2} of that of {}.", based(field)))
 }
 
 fn least_total(stretches: &[Stretch<'_>]) -> Sentence {

@@ -172,7 +172,8 @@ fn every_verb_with_builders_takes_a_configuration() {
     let config = r#"{"name": "mine", "base": "phr-fast", "width": 8, "fields": {"delta": 7}}"#;
     std::fs::write(folder.join("mine.json"), config).unwrap();
     let this = env!("CARGO_BIN_EXE_phr");
-    let animate = ["animate", "wrung", "--width", "8", "--triangles", "2000", "--frames", "2", "--rounds", "1"];
+    let animate =
+        ["animate", "wrung", "--width", "8", "--triangles", "2000", "--frames", "2", "--rounds", "1"];
     let cases: &[&[&str]] = &[
         &["bench", "sheet.ply", "--rounds", "1", "--size", "16", "--out", "out"],
         &["build", "sheet.ply"],
