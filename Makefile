@@ -104,10 +104,10 @@ bench: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr bench --set builtin --rounds 3 --views 1 --size 160 --replace $(ARGS)
 
-# The page of the folder RESULTS again.
+# The page of the folder RESULTS again; ARGS="--experiments results/experiments" adds those.
 report: packages
 	$(CARGO) build --release --bin phr
-	./target/release/phr report $(RESULTS)
+	./target/release/phr report $(RESULTS) $(ARGS)
 
 bench-full: packages
 	$(CARGO) build --release --bin phr
@@ -212,7 +212,7 @@ embree-ndebug: packages
 	done
 	for library in with without; do ./target/release/phr reduce results/ndebug-full/$$library results/ndebug/$$library; done
 
-# The page's tests are left out, and say so, where the browser cannot be had.
+# The page's tests are left out, and say so, where the browser cannot be had; with PHR_BROWSER=1 they fail.
 test: packages
 	@sh .ci/packages chromium chromium-driver || echo "no Chromium: the page of a run is not tested"
 	$(CARGO) fmt --all --check

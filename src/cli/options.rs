@@ -7,7 +7,8 @@ use crate::bench::contender;
 use crate::bench::pools::Pools;
 use crate::bench::settings::MOST_THREADS;
 use crate::scene::{Scene, View};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::slice::from_ref;
 
 /// Processors of this machine: the default of `--threads`.
 pub fn all_threads() -> usize {
@@ -30,14 +31,26 @@ pub fn pools(threads: usize) -> Result<Pools, Failure> {
     Ok(pool.into())
 }
 
-/// The cell that `--builder` and `--width` ask for; without a width, the builder's smallest.
+/// The cells that `--builder`, `--config` and `--width` ask for, builder by builder in the order of the command line: of the
+/// `widths` that it has, or without any its smallest.
 ///
 /// # Errors
-/// No such builder, or none of that width.
-pub fn cell(builder: &str, width: Option<u32>) -> Result<Cell, Failure> {
+/// No such builder, none of the widths, a file that cannot be used.
+pub fn cells(builders: &[String], configs: &[PathBuf], widths: &[u32]) -> Result<Vec<Cell>, Failure> {
+    // All together, since no two may have one name.
+    Chosen::new(builders, &[], configs)?;
     let none: [&Path; 0] = [];
-    let cells = Chosen::new(&[builder.to_owned()], &[], &none)?.single_cells(width)?;
-    cells.into_iter().next().ok_or_else(|| Failure::Bad(format!("{builder}: builds no tree of this width")))
+    let named = builders.iter().map(|name| Chosen::new(from_ref(name), &[], &none));
+    let in_files = configs.iter().map(|file| Chosen::new(&[], &[], from_ref(file)));
+    let mut cells = Vec::new();
+    for chosen in named.chain(in_files) {
+        let (chosen, before) = (chosen?, cells.len());
+        cells.extend(chosen.cells(false)?.into_iter().filter(|cell| widths.contains(&cell.width)));
+        if cells.len() == before {
+            cells.extend(chosen.single_cells(widths.first().copied())?);
+        }
+    }
+    Ok(cells)
 }
 
 /// Refuses a place for a file that cannot be written, before any work is done.

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Warnings shown; the table has all.
 const SHOWN: usize = 3;
 
-/// Some lines on the run whose `rows` are in `folder`, with the `plots` drawn from them; none is longer than a terminal.
+/// Some lines on the run whose `rows` are in `folder`, with the `plots` drawn from them; none but a path is longer than a terminal.
 pub fn run_summary(rows: &[Row], folder: &Path, plots: &[PathBuf]) -> String {
     [heading(rows, folder), answer(rows), advice(rows), places(rows, folder, plots)].concat()
 }
@@ -23,13 +23,14 @@ pub fn run_summary(rows: &[Row], folder: &Path, plots: &[PathBuf]) -> String {
 fn heading(rows: &[Row], folder: &Path) -> String {
     let counted = |count: usize, noun: &str| format!("{count} {noun}{}", if count == 1 { "" } else { "s" });
     let threads = rows.iter().map(|row| row.threads).max().unwrap_or(0);
-    format!(
-        "\n## {}: {}, {}, {}\n\n",
+    let heading = filled(&format!(
+        "## {}: {}, {}, {}",
         folder.display(),
         counted(scenes(rows).len(), "scene"),
         counted(trees(rows).len(), "tree"),
         counted(threads as usize, "thread"),
-    )
+    ));
+    format!("\n{heading}\n")
 }
 
 /// The verdict, and the trees that no other beats in both build and trace time.

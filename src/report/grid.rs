@@ -1,5 +1,12 @@
 //! A table of text, as Markdown that is legible on a terminal too.
 
+/// Cells are cut to no less than this.
+const LEAST: usize = 16;
+
+fn length(text: &str) -> usize {
+    text.chars().count()
+}
+
 /// Rows of cells under a header. The first column is flush left, the others flush right.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Grid {
@@ -28,25 +35,59 @@ impl Grid {
         self.rows.is_empty()
     }
 
-    /// The table as Markdown, columns padded; those without any entry are left out.
-    pub fn markdown(&self) -> String {
-        let used: Vec<usize> = (0..self.header.len())
-            .filter(|&column| self.rows.iter().any(|row| !row[column].is_empty()))
-            .collect();
-        let length = |text: &str| text.chars().count();
+    /// The columns with any entry, each with its width.
+    fn used(&self) -> Vec<(usize, usize)> {
+        let used =
+            (0..self.header.len()).filter(|&column| self.rows.iter().any(|row| !row[column].is_empty()));
         let width = |column: usize| {
             let cells = self.rows.iter().map(|row| length(&row[column]));
             cells.chain([length(&self.header[column]), 3]).max().unwrap_or(3)
         };
+        used.map(|column| (column, width(column))).collect()
+    }
+
+    /// The table as Markdown in lines of at most `columns`: the widest cells are cut, and told whole below.
+    pub fn within(mut self, columns: usize) -> String {
+        let mut whole: Vec<String> = Vec::new();
+        while let Some((column, most)) = self.too_wide(columns) {
+            for cell in self.rows.iter_mut().map(|row| &mut row[column]).filter(|cell| length(cell) > most) {
+                let place = whole.iter().position(|known| known == cell).unwrap_or(whole.len());
+                let mark = format!("…{}", place + 1);
+                let shown = cell.chars().take(most - length(&mark)).chain(mark.chars()).collect();
+                let name = std::mem::replace(cell, shown);
+                if place == whole.len() {
+                    whole.push(name);
+                }
+            }
+        }
+        let told = whole.iter().enumerate().map(|(place, name)| format!("…{}: {name}", place + 1));
+        let told: String = told.map(|line| textwrap::fill(&line, columns) + "\n").collect();
+        self.markdown() + if told.is_empty() { "" } else { "\n" } + &told
+    }
+
+    /// The column of the widest cell in a table of lines longer than `columns`, and how wide its cells may be; none where
+    /// they are no wider than figures.
+    fn too_wide(&self, columns: usize) -> Option<(usize, usize)> {
+        let used = self.used();
+        let line = 1 + used.iter().map(|(_, width)| width + 3).sum::<usize>();
+        let widest = |column: usize| self.rows.iter().map(|row| length(&row[column])).max();
+        let cells = used.iter().filter_map(|&(column, _)| Some((column, widest(column)?)));
+        let (column, width) = cells.max_by_key(|(_, width)| *width)?;
+        let most = width.saturating_sub(line.saturating_sub(columns)).max(LEAST);
+        (most < width).then_some((column, most))
+    }
+
+    /// The table as Markdown, columns padded; those without any entry are left out.
+    pub fn markdown(&self) -> String {
+        let used = self.used();
         let line = |cells: &[String]| {
-            let padded = used.iter().map(|&column| {
-                let (text, width) = (&cells[column], width(column));
+            let padded = used.iter().map(|&(column, width)| {
+                let text = &cells[column];
                 if column == 0 { format!("{text:<width$}") } else { format!("{text:>width$}") }
             });
             format!("| {} |\n", padded.collect::<Vec<_>>().join(" | "))
         };
-        let rule = used.iter().map(|&column| {
-            let dashes = width(column);
+        let rule = used.iter().map(|&(column, dashes)| {
             if column == 0 {
                 format!(":{}", "-".repeat(dashes + 1))
             } else {
@@ -87,6 +128,22 @@ mod tests {
 | phr-hq  |    1 |
 ";
         assert_eq!(grid.markdown(), expected);
+    }
+
+    #[test]
+    fn long_names_are_cut_and_told_below() {
+        let mut grid = Grid::new(["builder", "ms", "in"]);
+        let [long, longer] = [30, 50].map(|length| "phr-hq[delta=7+".repeat(4)[..length].to_owned());
+        for (name, scene) in [(&long, "yard"), (&longer, &*long), (&long, "yard")] {
+            grid.push(vec![name.clone(), "1".into(), scene.into()]);
+        }
+        for columns in [46, 60, 90] {
+            let text = grid.clone().within(columns);
+            assert!(text.lines().all(|line| length(line) <= columns), "{text}");
+            assert_eq!(text.replace('\n', "").matches(&longer).count(), 1, "{text}");
+        }
+        assert!(grid.clone().within(60).contains("…1: "), "{}", grid.clone().within(60));
+        assert_eq!(grid.clone().within(120), grid.markdown());
     }
 
     #[test]

@@ -162,7 +162,7 @@ fn what_cannot_be_done_is_refused_in_one_line() {
         (&["animate", "wrung", "--width", "5"], &["--width", "4 or 8"]),
         (&["animate", "wrung", "--triangles", "10"], &["--triangles 10", "1000"]),
         (&["animate", "wrung", "--kernel", "gpu"], &["--kernel gpu", "phr"]),
-        (&["animate", "wrung", "--builder", "bvh"], &["no builder of ours is called bvh"]),
+        (&["animate", "wrung", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["animate", "wrung", "--rounds", "0"], &["--rounds 0"]),
         (&["animate", "--redraw", "--out", "empty"], &["animation.csv", "phr animate"]),
     ];

@@ -16,16 +16,16 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Starts Chromium; `None` where it is not installed, which is said.
+    /// Starts Chromium; `None` where it is not installed, which is said, or with `PHR_BROWSER` in the environment a failure.
     pub fn start() -> Option<Self> {
         let started =
             Command::new("chromedriver").arg("--port=0").stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
         let is_there =
             Command::new("chromium").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
         let (Ok(mut driver), Ok(_)) = (started, is_there) else {
-            eprintln!(
-                "skipped: no chromium and chromedriver here; apt-get install chromium chromium-driver (`make test` does)"
-            );
+            let reason = "no chromium and chromedriver here; apt-get install chromium chromium-driver (`make test` does)";
+            assert!(std::env::var_os("PHR_BROWSER").is_none(), "{reason}, or unset PHR_BROWSER");
+            eprintln!("skipped: {reason}");
             return None;
         };
         let lines = BufReader::new(driver.stdout.take().unwrap()).lines();

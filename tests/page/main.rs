@@ -1,5 +1,5 @@
 //! The page of a run, in a browser: it loads without an error and asks for nothing, sorts, filters, tells of a point under
-//! the pointer, and its numbers are those of the rows. Skipped where Chromium is not installed.
+//! the pointer, and its numbers are those of the rows. Skipped where Chromium is not installed, unless `PHR_BROWSER` is set.
 
 #![cfg(feature = "harness")]
 
@@ -9,10 +9,14 @@ mod by_hand;
 mod run;
 
 use browser::{Browser, ENTER};
-use phr::bench::row::{ALL, Row};
-use phr::report::figures::{Figure, Under};
+use phr::bench::row::{ALL, FIRST, REBUILD, Row};
+use phr::report::figures::interval::Interval;
+use phr::report::figures::{Figure, SceneFigures, Under, tree_name};
 use phr::report::grid::short;
 use phr::report::means::Ratios;
+use phr::report::verdict::field::Field;
+use phr::report::verdict::totals::{budgets, totals};
+use phr::report::verdict::{rays_in_words, verdict};
 use serde_json::Value;
 use std::path::Path;
 
@@ -30,6 +34,12 @@ fn head(browser: &Browser, column: &str) -> String {
         .to_string()
 }
 
+/// A ratio with the interval that it has.
+fn with_interval(value: f64, interval: Interval) -> String {
+    let [low, high] = [interval.low, interval.high].map(|end| format!("{end:.4e}"));
+    if low == high { format!("{value:.2}") } else { format!("{value:.2} {}", interval.shown(2)) }
+}
+
 #[test]
 fn it_loads_without_an_error_or_a_request() {
     let Some(browser) = Browser::start() else { return };
@@ -37,15 +47,21 @@ fn it_loads_without_an_error_or_a_request() {
     run::attach(folder.path());
     let page = run::report(folder.path());
     browser.requests();
-    for (width, scheme) in [(1400, "light"), (390, "dark")] {
+    for (width, scheme) in [1400, 390].into_iter().flat_map(|width| [(width, "light"), (width, "dark")]) {
         browser.screen(width, 900, scheme);
         browser.open(&page);
         assert_eq!(browser.console(), Vec::<String>::new());
         let wide = browser.script("return document.documentElement.scrollWidth").as_u64().unwrap();
         assert_eq!(wide, u64::from(width), "nothing is cut off");
         assert_eq!(browser.texts("figure#front svg, figure#totals svg").len(), 2, "both plots are drawn");
-        let dark = browser.script("return getComputedStyle(document.body).backgroundColor").to_string();
-        assert_eq!(dark.contains("22, 22, 21"), scheme == "dark", "{dark}");
+        assert_eq!(is_dark(&browser), scheme == "dark", "{width} {scheme}");
+    }
+    for (name, in_dark) in [("light", false), ("dark", true), ("automatic", true)] {
+        browser.click("#theme");
+        assert_eq!(
+            (browser.texts("#theme").concat(), is_dark(&browser)),
+            (format!("theme: {name}"), in_dark)
+        );
     }
     // What the browser shows before the page is its own.
     let asked = browser.requests();
@@ -69,9 +85,15 @@ fn it_loads_without_an_error_or_a_request() {
     {
         assert!(all.contains(text), "no {text}");
     }
-    let pictures = "return [...document.images].map((image) => { image.loading = 'eager'; return image.src.slice(0, 15) })";
-    let pictures: Vec<String> = serde_json::from_value(browser.script(pictures)).unwrap();
-    assert_eq!(pictures.iter().filter(|start| start.starts_with("data:image/")).count(), 2, "{pictures:?}");
+    let widths = "return Promise.all([...document.querySelectorAll('img[src^=\"data:\"]')].map(async (image) => { \
+                  image.loading = 'eager'; await image.decode(); return image.naturalWidth; }))";
+    let widths: Vec<u32> = serde_json::from_value(browser.script(widths)).unwrap();
+    assert!(widths.len() == 2 && widths.iter().all(|&width| width > 0), "{widths:?}");
+}
+
+fn is_dark(browser: &Browser) -> bool {
+    let paper = browser.script("return getComputedStyle(document.body).backgroundColor").to_string();
+    paper.contains("22, 22, 21")
 }
 
 #[test]
@@ -117,13 +139,26 @@ fn its_numbers_are_those_of_the_rows() {
 
     // Means, as the tables of the command have them.
     let under = Under::best(&rows);
+    let mut compared = 0;
     for line in rows_of(&browser) {
         let tree = run::tree(line[0].split(" 2 of 3").next().unwrap());
         for (cell, figure) in line[1..].iter().zip([Figure::Build, Figure::Cost, Figure::Trace]) {
             let mean = Ratios::of(&rows, tree, figure, &under);
-            let mean = format!("{:.2}", mean.geometric().unwrap());
-            assert_eq!(cell.split(' ').next().unwrap(), mean, "{tree:?} {figure:?}");
+            let shown = with_interval(mean.geometric().unwrap(), mean.interval(mean.over()).unwrap());
+            assert_eq!(*cell, shown, "{tree:?} {figure:?}");
+            compared += usize::from(shown.contains('['));
         }
+    }
+    assert!(compared >= 6, "intervals are shown");
+    let sentences = verdict(&Field::of(&rows).unwrap(), &under).map(|sentence| sentence.text());
+    assert_eq!(browser.texts(".verdict p"), sentences);
+    // 12.125 of 20.7 ms; 11.5 of 12.3456 ms.
+    for (sentence, part) in sentences.iter().zip([
+        "phr-hq traces fastest: in 0.59 [",
+        "embree-sah / 8 builds fastest: in 0.93 [",
+        "embree-sah / 8 takes least time up to ",
+    ]) {
+        assert!(sentence.contains(part), "{sentence}");
     }
     // Every figure of a scene.
     browser.click("#place option[value='3']");
@@ -140,12 +175,30 @@ fn its_numbers_are_those_of_the_rows() {
             figures.map(|value| short(value.unwrap())),
             "{line:?}"
         );
+        let of_yard = SceneFigures::of(&rows, "yard");
+        for (at, figure) in [(2, Figure::Build), (4, Figure::Cost), (7, Figure::Trace)] {
+            let ratio = of_yard.ratio((&row.builder, row.width), figure, &under).unwrap();
+            assert_eq!(line[at], with_interval(ratio.value, ratio.interval()), "{figure:?} {line:?}");
+        }
+        assert_eq!(cell(8), short(row.peak_bytes.unwrap() as f64 / row.triangles as f64));
+    }
+    // Builds of other regimes.
+    for (choice, regime) in [("1", FIRST), ("2", REBUILD)] {
+        browser.click(&format!("#regime option[value='{choice}']"));
+        let shown = rows_of(&browser);
+        let of_regime = rows.iter().filter(|row| row.scene == "yard" && row.regime == regime);
+        let pairs = of_regime.map(|row| {
+            let line = shown.iter().find(|line| run::tree(&line[0]) == (&row.builder, row.width)).unwrap();
+            (line[1].clone(), short(row.build_ms_median.unwrap()))
+        });
+        let (shown, wanted): (Vec<String>, Vec<String>) = pairs.unzip();
+        assert_eq!((shown.len(), shown), (3, wanted));
     }
     // And the data behind them, to the last digit.
     let data: Value = serde_json::from_str(&browser.texts("#data")[0]).unwrap();
     let names: Vec<&str> =
         data["trees"].as_array().unwrap().iter().map(|tree| tree["name"].as_str().unwrap()).collect();
-    let mut compared = 0;
+    compared = 0;
     for row in rows.iter().filter(|row| row.is_total() && row.is_compared() && row.is_good()) {
         let place = data["places"]
             .as_array()
@@ -169,23 +222,48 @@ fn its_numbers_are_those_of_the_rows() {
 }
 
 #[test]
-fn a_tooltip_shows() {
+fn a_tooltip_has_the_figures_of_the_rows() {
     let Some(browser) = Browser::start() else { return };
-    let folder = run::folder(&run::small());
+    let rows = run::small();
+    let (folder, under) = (run::folder(&rows), Under::best(&rows));
     browser.open(&run::report(folder.path()));
-    for (figure, words) in [("#front", ["build", "trace"]), ("#totals", ["rays", "least:"])] {
+    // Lines begin with a space of no width.
+    let told_at = |figure: &str, mark: &str| -> Vec<String> {
         let tip = || browser.texts(&format!("{figure} [aria-label=tip]")).concat();
         assert_eq!(tip(), "");
         browser.script(&format!("document.querySelector('{figure}').scrollIntoView({{ block: 'center' }})"));
-        let mark = if figure == "#front" {
-            "#front [aria-label=dot] path"
-        } else {
-            "#totals [aria-label=text] text"
-        };
-        browser.point_at(mark);
-        let told = tip();
-        assert!(words.iter().all(|word| told.contains(word)), "{figure}: {told:?}");
-    }
+        browser.point_at(&format!("{figure} {mark}"));
+        tip().split('\u{200b}').map(|line| line.trim().to_owned()).filter(|line| !line.is_empty()).collect()
+    };
+
+    let told = told_at("#totals", "[aria-label=text] text");
+    let (count, value) = told[1].split_once(": ").unwrap();
+    let rays = budgets(4).into_iter().find(|&rays| rays_in_words(rays) == count).unwrap();
+    let field = Field::of(&rows).unwrap();
+    let all = totals(&field, Figure::Build, &under).into_iter();
+    let all: Vec<(String, f64)> = all.map(|total| (tree_name(total.tree), total.at(rays))).collect();
+    let of_tree = all.iter().find(|(name, _)| *name == told[0]).unwrap();
+    let least = all.iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    assert_eq!(
+        (value, &told[2]),
+        (&*format!("{:.2}", of_tree.1), &format!("least: {}, {:.2}", least.0, least.1))
+    );
+
+    browser.click("#place option[value='3']");
+    let told = told_at("#front", "[aria-label=dot] path:last-child");
+    let yard = SceneFigures::of(&rows, "yard");
+    let ratio = |figure| yard.ratio(("phr-hq", 4), figure, &under).unwrap();
+    let timed = |figure| with_interval(ratio(figure).value, ratio(figure).interval());
+    let row = yard.trace(("phr-hq", 4), "embree-grafted").value().unwrap();
+    let [build, speed] = [row.build_ms_median, row.mrays_s].map(|value| short(value.unwrap()));
+    let wanted = [
+        "phr-hq".to_owned(),
+        format!("build {}", timed(Figure::Build)),
+        format!("trace {}", timed(Figure::Trace)),
+        format!("SAH cost {:.2}", ratio(Figure::Cost).value),
+        format!("{build} ms, {speed} million rays/s"),
+    ];
+    assert_eq!(told, wanted);
 }
 
 #[test]

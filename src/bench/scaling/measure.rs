@@ -3,6 +3,7 @@
 
 use super::row::{ALL, SCHEMA, ScalingRow};
 use super::simulate::{schedule, span, work};
+use crate::bench::cell::Cell;
 use crate::bench::environment::moment::utc_now;
 use crate::bench::environment::{Machine, Program};
 use crate::bench::statistics::{figures, median};
@@ -15,8 +16,8 @@ use std::time::Instant;
 /// What is measured.
 #[derive(Clone, Debug)]
 pub struct ScalingSettings {
-    /// Builders of ours, by name and width.
-    pub builders: Vec<(String, u32)>,
+    /// Builders of ours with the width of their trees.
+    pub cells: Vec<Cell>,
     /// Numbers of workers.
     pub workers: Vec<usize>,
     /// Builds of each number of workers.
@@ -57,15 +58,15 @@ pub fn measure(scene: &Scene, settings: &ScalingSettings) -> Result<Vec<ScalingR
         ..ScalingRow::default()
     };
     let mut rows = Vec::new();
-    for (builder, width) in &settings.builders {
-        let rounds = match width {
-            8 => rounds::<8>(scene, builder, settings)?,
-            _ => rounds::<4>(scene, builder, settings)?,
+    for cell in &settings.cells {
+        let rounds = match cell.width {
+            8 => rounds::<8>(scene, cell.made_by(), settings)?,
+            _ => rounds::<4>(scene, cell.made_by(), settings)?,
         };
         for (rounds, &workers) in rounds.iter().zip(&settings.workers) {
             let about = ScalingRow {
-                builder: builder.clone(),
-                width: *width,
+                builder: cell.builder.clone(),
+                width: cell.width,
                 workers: workers as u32,
                 ..about.clone()
             };
@@ -178,10 +179,7 @@ mod tests {
         let scene = scalable(20_000, 1);
         let names = ["lbvh", "phr-fast", "phr-best", "aac", "hunt-50"];
         let settings = ScalingSettings {
-            builders: names
-                .iter()
-                .flat_map(|name| [((*name).to_owned(), 4), ((*name).to_owned(), 8)])
-                .collect(),
+            cells: names.iter().flat_map(|name| [4, 8].map(|width| Cell::new(name, width, &[]))).collect(),
             workers: vec![1, 2, 64],
             rounds: 1,
             most: 2,
@@ -203,8 +201,8 @@ mod tests {
     #[test]
     fn others_builders_are_refused() {
         let scene = generator("rooms").unwrap().generate();
-        let builders = vec![("embree-sah".to_owned(), 4)];
-        let settings = ScalingSettings { builders, workers: vec![1], rounds: 1, most: 1 };
+        let cells = vec![Cell::new("embree-sah", 4, &[])];
+        let settings = ScalingSettings { cells, workers: vec![1], rounds: 1, most: 1 };
         assert!(measure(&scene, &settings).unwrap_err().contains("embree-sah"));
     }
 }

@@ -87,7 +87,8 @@ impl Child {
     /// # Errors
     /// Its builder's, or its end.
     pub fn build(&mut self, cell: &Cell) -> Result<f64, ChildError> {
-        let asked = writeln!(self.input, "{} {}", cell.builder, cell.width).and_then(|()| self.input.flush());
+        let asked =
+            writeln!(self.input, "{} {}", cell.made_by(), cell.width).and_then(|()| self.input.flush());
         asked.map_err(|_| self.silent())?;
         let line = self.line()?;
         match line.strip_prefix(ERROR) {

@@ -3,7 +3,7 @@
 use crate::bench::files::{new_folder, write_whole};
 use crate::bench::settings::Settings;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, kernel, pools, width};
+use crate::cli::options::{all_threads, cells, kernel, pools, width};
 use crate::cli::output::say;
 use crate::cli::verbs::plot::{check, draw};
 use crate::experiments::animation::{
@@ -30,6 +30,9 @@ pub struct Arguments {
     /// Builder of ours (repeatable) [default: lbvh, phr-fast, phr-speed]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
+    /// The builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    #[arg(long = "config", value_name = "FILE")]
+    configs: Vec<PathBuf>,
     /// Frames of each scene
     #[arg(long, default_value_t = 100, value_name = "N")]
     frames: u32,
@@ -105,18 +108,18 @@ fn measured(arguments: &Arguments) -> Result<Vec<FrameRow>, Failure> {
     let trace = trace(arguments)?;
     let kernel = kernel(arguments.kernel.as_deref())?;
     let pools = pools(trace.threads)?;
-    let own = || BUILDERS.map(String::from).into();
-    let builders: Vec<String> =
-        if arguments.builders.is_empty() { own() } else { arguments.builders.clone() };
+    let is_default = arguments.builders.is_empty() && arguments.configs.is_empty();
+    let builders = if is_default { BUILDERS.map(String::from).into() } else { arguments.builders.clone() };
+    let cells = cells(&builders, &arguments.configs, &[arguments.width])?;
     // Refused before anything is measured or written.
-    entrants(&builders, true).map_err(Failure::Bad)?;
+    entrants(&cells, true).map_err(Failure::Bad)?;
     new_folder(&arguments.out)?;
     let mut rows = Vec::new();
     for animated in scenes {
         let triangles = arguments.triangles.unwrap_or(animated.triangles);
         let animation = pools.all.install(|| animated.generate(triangles));
         let settings = AnimationSettings {
-            entrants: entrants(&builders, animation.has_static_part()).map_err(Failure::Bad)?,
+            entrants: entrants(&cells, animation.has_static_part()).map_err(Failure::Bad)?,
             frames: arguments.frames,
             rounds: arguments.rounds,
             width: arguments.width,

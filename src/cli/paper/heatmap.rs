@@ -4,7 +4,7 @@ use crate::bench::cell::Cell;
 use crate::bench::files::write_whole;
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
-use crate::cli::options::{self, all_threads, check_place, pools};
+use crate::cli::options::{self, all_threads, check_place, pools, width};
 use crate::cli::output::say;
 use crate::experiments::heatmap;
 use std::path::PathBuf;
@@ -24,9 +24,12 @@ pub struct Arguments {
     /// Builder (repeatable) [default: those of the paper's figure]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
-    /// Children per node: 4 or 8
-    #[arg(long, default_value_t = 4, value_name = "N")]
-    width: u32,
+    /// The builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    #[arg(long = "config", value_name = "FILE")]
+    configs: Vec<PathBuf>,
+    /// Children per node: 4 or 8 [default: the builder's least]
+    #[arg(long, value_name = "N", value_parser = width)]
+    width: Option<u32>,
     /// View, from 0
     #[arg(long, default_value_t = 0, value_name = "K")]
     view: usize,
@@ -43,7 +46,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Measure nothing: draw again from the files beside the picture
-    #[arg(long, conflicts_with_all = ["scene", "builders"])]
+    #[arg(long, conflicts_with_all = ["scene", "builders", "configs"])]
     redraw: bool,
 }
 
@@ -91,9 +94,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// The builders asked for, or those of Figure 1 that this program has.
 fn cells(arguments: &Arguments) -> Result<Vec<Cell>, Failure> {
-    let cell = |name: &str| options::cell(name, Some(arguments.width));
-    if arguments.builders.is_empty() {
-        return Ok(FIGURE_1.iter().filter_map(|name| cell(name).ok()).collect());
+    let widths = arguments.width.as_slice();
+    if arguments.builders.is_empty() && arguments.configs.is_empty() {
+        let known = FIGURE_1.iter().filter_map(|name| options::cells(&[(*name).into()], &[], widths).ok());
+        return Ok(known.flatten().collect());
     }
-    arguments.builders.iter().map(|name| cell(name)).collect()
+    options::cells(&arguments.builders, &arguments.configs, widths)
 }

@@ -4,7 +4,7 @@ use crate::bench::contender;
 use crate::bench::run::Progress;
 use crate::bench::turns::Turns;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, cell, percent};
+use crate::cli::options::{all_threads, cells, percent};
 use crate::cli::output::say;
 use crate::cli::progress::Bar;
 use crate::report::compare::by_turns::ByTurns;
@@ -32,6 +32,9 @@ pub struct Arguments {
     /// With --against: only this builder (repeatable) [default: ours in the tables]
     #[arg(long = "builder", value_name = "NAME", requires = "against")]
     builders: Vec<String>,
+    /// With --against: the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    #[arg(long = "config", value_name = "FILE", requires = "against")]
+    configs: Vec<PathBuf>,
     /// With --against: threads [default: all processors]
     #[arg(long, value_name = "N", requires = "against")]
     threads: Option<usize>,
@@ -76,8 +79,8 @@ fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
     let ours = contender::cells(true)
         .into_iter()
         .filter(|cell| crate::builders::NAMES.contains(&cell.builder.as_str()) && cell.width == 4);
-    let named = arguments.builders.iter().map(|name| cell(name, None));
-    let cells: Vec<_> = if named.len() == 0 { ours.collect() } else { named.collect::<Result<_, _>>()? };
+    let named = cells(&arguments.builders, &arguments.configs, &[])?;
+    let cells = if named.is_empty() { ours.collect() } else { named };
     let this = std::env::current_exe()?;
     let turns = Turns {
         programs: [before, &this],

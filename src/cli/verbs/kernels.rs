@@ -26,6 +26,9 @@ pub struct Arguments {
     /// embree-sah, embree-fast-spatial, phr-speed, phr-quality, phr-best]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
+    /// The builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    #[arg(long = "config", value_name = "FILE")]
+    configs: Vec<PathBuf>,
     /// Children per node (repeatable) [default: 4 and 8]
     #[arg(long = "width", value_name = "N")]
     widths: Vec<u32>,
@@ -81,19 +84,9 @@ fn settings(arguments: &Arguments) -> Result<KernelSettings, Failure> {
     let or =
         |given: &[u32], default: &[u32]| if given.is_empty() { default.to_vec() } else { given.to_vec() };
     let widths = or(&arguments.widths, &[4, 8]);
-    let builders = if arguments.builders.is_empty() {
-        BUILDERS.map(String::from).into()
-    } else {
-        arguments.builders.clone()
-    };
-    let mut cells = Vec::new();
-    for builder in &builders {
-        let of_builder = cells.len();
-        cells.extend(widths.iter().filter_map(|&width| options::cell(builder, Some(width)).ok()));
-        if cells.len() == of_builder {
-            options::cell(builder, widths.first().copied())?;
-        }
-    }
+    let is_default = arguments.builders.is_empty() && arguments.configs.is_empty();
+    let builders = if is_default { BUILDERS.map(String::from).into() } else { arguments.builders.clone() };
+    let cells = options::cells(&builders, &arguments.configs, &widths)?;
     if arguments.rounds == 0 || arguments.threads.contains(&0) || arguments.size == 0 || arguments.views == 0
     {
         return Err(Failure::Bad(

@@ -20,6 +20,9 @@ pub struct Arguments {
     /// Builder of ours (repeatable) [default: those of the tables]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
+    /// The builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    #[arg(long = "config", value_name = "FILE")]
+    configs: Vec<PathBuf>,
     /// Children per node (repeatable) [default: 4 and 8]
     #[arg(long = "width", value_name = "N")]
     widths: Vec<u32>,
@@ -55,12 +58,11 @@ fn settings(arguments: &Arguments) -> Result<ScalingSettings, Failure> {
         return Err(Failure::Bad("--rounds, --workers: nothing could run; give 1 or more".into()));
     }
     let names = || builders::NAMES.iter().map(|&name| name.to_owned()).collect();
-    let names: Vec<String> = if arguments.builders.is_empty() { names() } else { arguments.builders.clone() };
+    let is_default = arguments.builders.is_empty() && arguments.configs.is_empty();
+    let names: Vec<String> = if is_default { names() } else { arguments.builders.clone() };
     let widths = if arguments.widths.is_empty() { vec![4, 8] } else { arguments.widths.clone() };
-    let both = names.iter().flat_map(|name| widths.iter().map(move |&width| (name, width)));
-    let cells = both.map(|(name, width)| options::cell(name, Some(width)).map(|cell| (cell.builder, width)));
     Ok(ScalingSettings {
-        builders: cells.collect::<Result<_, _>>()?,
+        cells: options::cells(&names, &arguments.configs, &widths)?,
         workers: arguments.workers.clone(),
         rounds: arguments.rounds,
         most: options::all_threads(),

@@ -97,7 +97,7 @@ fn key(entrants: &[&Entrant], wide: f64) -> Vec<(f64, f64)> {
 
 /// The panels of a scene.
 fn panels(scene: &str, tracks: &[Track<'_>], is_last: bool) -> [Panel; 3] {
-    let sah = Entrant { builder: "embree-sah".into(), update: Update::Rebuild };
+    let sah = Entrant { builder: "embree-sah".into(), ..Entrant::default() };
     let base = rebuilt(tracks, &sah).unwrap_or(&tracks[0]);
     let so_far = base.cumulated(None);
     let relative = |track: &Track<'_>| -> Vec<f64> {

@@ -1,5 +1,6 @@
 //! What takes part: a builder, and how its tree follows the scene.
 
+use crate::bench::cell::Cell;
 use crate::builders::Recipe;
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +41,8 @@ pub struct Entrant {
     pub builder: String,
     /// How its tree follows.
     pub update: Update,
+    /// What the builder is, as in [`Cell`]; records have the name alone.
+    pub recipe: Option<String>,
 }
 
 impl Entrant {
@@ -49,15 +52,15 @@ impl Entrant {
     }
 }
 
-/// The contestants of our `builders`, and Embree's where this program has it; static parts are merged where the scene has
-/// one.
+/// The contestants of our builders in `cells`, and Embree's where this program has it; static parts are merged where the
+/// scene has one.
 ///
 /// # Errors
 /// No such builder of ours.
-pub fn entrants(builders: &[String], has_static_part: bool) -> Result<Vec<Entrant>, String> {
+pub fn entrants(cells: &[Cell], has_static_part: bool) -> Result<Vec<Entrant>, String> {
     let mut entrants = Vec::new();
-    for builder in builders {
-        let recipe = Recipe::parse(builder).map_err(|error| error.to_string())?;
+    for cell in cells {
+        let recipe = Recipe::parse(cell.made_by()).map_err(|error| error.to_string())?;
         let mut updates = vec![Update::Rebuild, Update::Refit];
         if recipe.phr().is_some() {
             updates.push(Update::Refine);
@@ -65,11 +68,11 @@ pub fn entrants(builders: &[String], has_static_part: bool) -> Result<Vec<Entran
                 updates.extend([Update::Merge, Update::MergeSah]);
             }
         }
-        let builder = recipe.name();
-        entrants.extend(updates.into_iter().map(|update| Entrant { builder: builder.clone(), update }));
+        let of = |update| Entrant { builder: cell.builder.clone(), update, recipe: cell.recipe.clone() };
+        entrants.extend(updates.into_iter().map(of));
     }
     if cfg!(feature = "embree") {
-        let of = |builder: &str, update| Entrant { builder: builder.into(), update };
+        let of = |builder: &str, update| Entrant { builder: builder.into(), update, recipe: None };
         entrants.extend([
             of("embree-morton", Update::Rebuild),
             of("embree-sah", Update::Rebuild),
@@ -86,13 +89,14 @@ mod tests {
     #[test]
     fn builders_take_part_in_all_they_can() {
         let updates = |builder: &str, has_static_part| {
-            let all = entrants(&[builder.to_owned()], has_static_part).unwrap();
+            let all = entrants(&[Cell::new(builder, 4, &[])], has_static_part).unwrap();
             let own = all.into_iter().filter(|entrant| entrant.builder == builder);
             own.map(|entrant| entrant.update.name()).collect::<Vec<_>>()
         };
         assert_eq!(updates("lbvh", true), ["rebuild", "refit"]);
         assert_eq!(updates("phr-fast", false), ["rebuild", "refit", "refine"]);
         assert_eq!(updates("phr-hq[delta=8]", true), ["rebuild", "refit", "refine", "merge", "merge-sah"]);
-        assert!(entrants(&["bvh".into()], true).unwrap_err().contains("no builder of ours is called bvh"));
+        let others = [Cell::new("embree-sah", 4, &[])];
+        assert!(entrants(&others, true).unwrap_err().contains("no builder of ours is called embree-sah"));
     }
 }

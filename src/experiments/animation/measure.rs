@@ -41,6 +41,7 @@ pub struct AnimationSettings {
 
 /// A contestant and its figures in the frame at hand.
 struct Measured {
+    entrant: Entrant,
     row: FrameRow,
     contestant: Option<Box<dyn Contestant>>,
     checks: Option<KernelChecks>,
@@ -118,8 +119,7 @@ fn follow(
             let one = &mut all[one];
             // The first frame is a build in every round.
             if frame == 0 && one.row.error.is_empty() {
-                let entrant = one.row.entrant();
-                match contestant(&entrant, settings.width, &scene.mesh, (fixed, threads)) {
+                match contestant(&one.entrant, settings.width, &scene.mesh, (fixed, threads)) {
                     Ok(contestant) => one.contestant = Some(contestant),
                     Err(error) => one.row.error = error,
                 }
@@ -154,9 +154,9 @@ fn contestant(
 
 impl Measured {
     fn new(about: &FrameRow, entrant: &Entrant) -> Self {
-        let Entrant { builder, update } = entrant.clone();
-        let row = FrameRow { builder, update, ..about.clone() };
+        let row = FrameRow { builder: entrant.builder.clone(), update: entrant.update, ..about.clone() };
         Self {
+            entrant: entrant.clone(),
             row,
             contestant: None,
             checks: None,

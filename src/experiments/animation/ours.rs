@@ -32,7 +32,8 @@ impl<const N: usize> Ours<N> {
     /// # Errors
     /// No such builder, or none that can follow so.
     pub fn new(entrant: &Entrant, fixed: usize) -> Result<Self, String> {
-        let recipe = Recipe::parse(&entrant.builder).map_err(|error| error.to_string())?;
+        let made_by = entrant.recipe.as_ref().unwrap_or(&entrant.builder);
+        let recipe = Recipe::parse(made_by).map_err(|error| error.to_string())?;
         let config = || recipe.phr().ok_or_else(|| format!("{} has no cuts to be refined", entrant.builder));
         let merge = |config: PhrConfig, tree| {
             let builder = Box::new(MergedPhr::new(config).map_err(|error| error.to_string())?);

@@ -67,7 +67,7 @@ pub struct FrameRow {
 impl FrameRow {
     /// Whose row it is.
     pub fn entrant(&self) -> Entrant {
-        Entrant { builder: self.builder.clone(), update: self.update }
+        Entrant { builder: self.builder.clone(), update: self.update, recipe: None }
     }
 }
 

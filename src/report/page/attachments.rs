@@ -1,4 +1,5 @@
-//! Pictures and tables that lie in a results folder beside the rows: heat maps, experiments and other figures.
+//! Pictures and tables that lie in a results folder beside the rows, or in other folders: heat maps, experiments and other
+//! figures.
 
 use crate::bench::phases::PHASES;
 use crate::bench::rounds::ROUNDS;
@@ -7,6 +8,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde::Serialize;
 use std::error::Error;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Lines of a table that the page shows; the file has all.
@@ -41,34 +43,40 @@ pub struct Attachment {
 pub struct Attachments {
     /// PNG files whose name begins with `heat`, or in a folder `heatmaps`.
     pub heat_maps: Vec<Attachment>,
-    /// SVG and CSV files in the folder `experiments`, and in folders in it, one for an experiment, with its findings.
+    /// SVG and CSV files and findings in the folder `experiments`, and in folders in it, one for an experiment.
     pub experiments: Vec<Attachment>,
     /// Other SVG files, but for Figure 6, which the page draws itself, and heat maps that cannot be read.
     pub figures: Vec<Attachment>,
 }
 
 impl Attachments {
-    /// Those of `folder`; one that cannot be read says so, and costs the run's page no other.
-    pub fn of(folder: &Path) -> Self {
+    /// Those of `folder`, and heat maps and experiments of the folders `others`; one that cannot be read says so, and costs the
+    /// page no other.
+    pub fn of(folder: &Path, others: &[PathBuf]) -> Self {
+        let mut figures = files(folder, "svg");
+        figures.retain(|file| !name(file).starts_with("figure6"));
+        let figures = figures.iter().map(|file| Attachment::of(folder, file)).collect();
+        let mut found = Self { figures, ..Self::default() };
+        found.add(folder, &folder.join(EXPERIMENTS));
+        others.iter().for_each(|other| found.add(other, other));
+        found
+    }
+
+    /// Adds the heat maps of a folder and what lies in one of experiments.
+    fn add(&mut self, folder: &Path, experiments: &Path) {
         let is_heat = |file: &PathBuf| name(file).starts_with("heat");
         let heat_maps = files(folder, "png").into_iter().filter(is_heat);
         let below = HEAT_MAPS.iter().flat_map(|below| files(&folder.join(below), "png"));
         let all_maps = heat_maps.chain(below).filter(|file| !name(file).ends_with(COUNTS));
-        let experiments = folder.join(EXPERIMENTS);
-        let mut of_experiments = in_order(&experiments, &["svg", "csv"]);
-        for folder in folders(&experiments) {
-            let mut found = in_order(&folder, &["md", "svg", "csv"]);
-            found.retain(|file| !RECORDS.contains(&name(file).as_str()));
-            of_experiments.extend(found);
-        }
-        let figures = files(folder, "svg").into_iter().filter(|file| !name(file).starts_with("figure6"));
         let read = |file: PathBuf| Attachment::of(folder, &file);
         let (heat_maps, unread): (Vec<_>, Vec<_>) = all_maps.map(read).partition(|map| map.image.is_some());
-        Self {
-            heat_maps,
-            experiments: of_experiments.into_iter().map(read).collect(),
-            figures: figures.map(read).chain(unread).collect(),
-        }
+        self.heat_maps.extend(heat_maps);
+        self.figures.extend(unread);
+        let below = folders(experiments).into_iter().filter(|folder| !HEAT_MAPS.contains(&&*name(folder)));
+        let all = std::iter::once(experiments.to_owned()).chain(below);
+        let mut of_experiments: Vec<PathBuf> = all.flat_map(|folder| in_order(&folder)).collect();
+        of_experiments.retain(|file| !RECORDS.contains(&name(file).as_str()) && !is_heat(file));
+        self.experiments.extend(of_experiments.into_iter().map(read));
     }
 }
 
@@ -110,18 +118,20 @@ fn name(file: &Path) -> String {
     file.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// What a file of a results folder is called: `grid: effects` of `experiments/grid/effects.svg`.
+/// What a file of a results folder is called: `grid: effects` of `experiments/grid/effects.svg` or `grid/effects.svg`.
 fn title(folder: &Path, file: &Path) -> String {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-    let below = file.strip_prefix(folder.join(EXPERIMENTS)).ok().and_then(Path::parent);
-    let experiment =
-        below.map(|below| below.to_string_lossy()).filter(|name| !name.is_empty() && *name != stem);
+    let below = file.strip_prefix(folder).ok().and_then(Path::parent).and_then(Path::file_name);
+    let is_experiment = |name: &OsStr| name != EXPERIMENTS && !HEAT_MAPS.iter().any(|maps| name == *maps);
+    let experiment = below.filter(|name| is_experiment(name)).map(|name| name.to_string_lossy());
+    let experiment = experiment.filter(|name| *name != stem);
     let title = experiment.map_or_else(|| stem.to_string(), |name| format!("{name}: {stem}"));
     title.replace(['-', '_'], " ")
 }
 
-/// The files of a folder with these endings: texts first, then by name, a picture before its figures.
-fn in_order(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
+/// Findings, pictures and tables of a folder: texts first, then by name, a picture before its figures.
+fn in_order(folder: &Path) -> Vec<PathBuf> {
+    let endings = ["md", "svg", "csv"];
     let mut found: Vec<PathBuf> = endings.iter().flat_map(|ending| files(folder, ending)).collect();
     let is_text = |file: &PathBuf| file.extension().is_some_and(|ending| ending == "md");
     found.sort_by(|a, b| {

@@ -85,8 +85,8 @@ struct Entry {
     rays: Option<u64>,
     /// Bytes at the peak of the build, per triangle.
     peak: Option<f64>,
-    /// Scenes behind a mean, where they are not all.
-    scenes: Option<usize>,
+    /// Scenes behind a mean, where they are not all, by kernel and regime; nothing in a scene.
+    scenes: Vec<Vec<Option<usize>>>,
     /// Why figures are missing.
     error: Option<String>,
 }
@@ -180,17 +180,25 @@ impl Shape<'_> {
             self.regimes.iter().map(|&regime| timed(regime, &Under::Own)).collect();
         let traces: Vec<Option<(usize, Timed)>> =
             self.unders.iter().map(|under| timed(Figure::Trace, under)).collect();
-        let least = builds[..1].iter().chain(&traces[..1]).flatten().map(|timed| timed.0).min();
+        let behind = |build: &Option<(usize, Timed)>, trace: &Option<(usize, Timed)>| {
+            let least = [build, trace].into_iter().flatten().map(|timed| timed.0).min();
+            least.filter(|&least| least < self.field.scenes.len())
+        };
+        let scenes: Vec<Vec<_>> =
+            traces.iter().map(|trace| builds.iter().map(|build| behind(build, trace)).collect()).collect();
+        let as_builds =
+            |cost: &(usize, Timed)| builds.iter().flatten().next().is_none_or(|build| build.0 == cost.0);
+        let cost = timed(Figure::Cost, &Under::Own).filter(as_builds).map(|timed| timed.1);
         let figures =
             |all: Vec<Option<(usize, Timed)>>| all.into_iter().map(|timed| Some(timed?.1)).collect();
         Some(Entry {
+            cost,
             builds: figures(builds),
-            cost: timed(Figure::Cost, &Under::Own).map(|timed| timed.1),
             traces: figures(traces),
             speeds: vec![None; self.unders.len()],
             rays: None,
             peak: None,
-            scenes: least.filter(|&least| least < self.field.scenes.len()),
+            scenes,
             error: None,
         })
     }
@@ -227,7 +235,7 @@ impl Shape<'_> {
             speeds: self.unders.iter().map(|under| traced(under)?.mrays_s).collect(),
             rays: self.unders.iter().find_map(|under| traced(under)?.rays),
             peak,
-            scenes: None,
+            scenes: Vec::new(),
             error: rows().find(|row| !row.error.is_empty()).map(|row| row.error.clone()),
         })
     }
@@ -235,7 +243,9 @@ impl Shape<'_> {
     /// The fronts of a place, without trees of which it has a mean over fewer scenes.
     fn fronts(&self, entries: &[Option<Entry>]) -> Vec<Vec<[Vec<usize>; 3]>> {
         let at = |kernel: usize, regime: usize, tree: usize| {
-            let entry = entries[tree].as_ref().filter(|entry| entry.scenes.is_none())?;
+            let entry = entries[tree].as_ref()?;
+            let is_whole = entry.scenes.get(kernel).is_none_or(|scenes| scenes[regime].is_none());
+            is_whole.then_some(())?;
             Some((entry.builds[regime]?[1]?, entry.traces[kernel]?[1]?))
         };
         let front_of = |kernel, regime, width: Option<u32>| {

@@ -13,6 +13,12 @@ function shownEntries(place = data.places[chosen.place]) {
     .filter(({ tree, entry }) => entry && isShown(tree));
 }
 
+/** The scenes behind a mean, as "1 of 2", where they are not all. */
+function fewer({ place, entry }) {
+  const count = entry.scenes[chosen.kernel]?.[chosen.regime];
+  return count ? `${count} of ${place.scenes}` : null;
+}
+
 /** Three digits, or all digits before the point, as in the tables of the command. */
 function short(value) {
   const size = Math.abs(value);

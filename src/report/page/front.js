@@ -22,12 +22,13 @@ function drawFront() {
   const byIndex = new Map(points.map((point) => [point.index, point]));
   const [both, four, eight] = place.fronts[kernel][regime].map((front) => front.map((index) => byIndex.get(index)).filter(Boolean));
   const front = chosen.width === 4 ? four : chosen.width === 8 ? eight : both;
+  const name = (point) => point.tree.name + (fewer(point) ? ` (${fewer(point)})` : "");
   const order = (point) => (front.includes(point) ? 0 : four.includes(point) || eight.includes(point) ? 1 : 2);
   const labels = placeLabels(
     d3.sort(points, order).map((point) => ({
       point,
       at: [x(point.build), y(point.trace)],
-      label: isNarrow && order(point) > 0 ? "" : point.tree.name + (point.entry.scenes ? ` (${point.entry.scenes} of ${place.scenes})` : ""),
+      label: isNarrow && order(point) > 0 ? "" : name(point),
       must: front.includes(point),
     })),
     (point) => (point.must ? BELOW : BESIDE),
@@ -42,7 +43,7 @@ function drawFront() {
       `build ${build.toFixed(2)} ${interval(entry.builds[regime])}`,
       `trace ${trace.toFixed(2)} ${interval(entry.traces[kernel])}`,
       entry.cost && entry.cost[1] !== null ? `SAH cost ${entry.cost[1].toFixed(2)}` : null,
-      entry.builds[regime][0] === null ? null : `${short(entry.builds[regime][0])} ms, ${short(entry.speeds[kernel] ?? NaN)} million rays/s`,
+      entry.builds[regime][0] === null ? null : `${short(entry.builds[regime][0])} ms` + (entry.speeds[kernel] === null ? "" : `, ${short(entry.speeds[kernel])} million rays/s`),
     ].filter(Boolean).join("\n");
   const cross = { stroke, strokeWidth: 1.5 };
   const plot = Plot.plot({
@@ -62,7 +63,7 @@ function drawFront() {
       Plot.ruleX(points, Plot.pointer({ px: "build", py: "trace", x: "build", y1: (point) => point.entry.traces[kernel][2], y2: (point) => point.entry.traces[kernel][3], ...cross, maxRadius: 60 })),
       Plot.dot(points, { ...at, r: isNarrow ? 4.2 : 5, symbol: (point) => SYMBOLS[point.tree.shape], stroke, fill: (point) => (point.tree.width === 4 ? colour(point.tree) : "var(--paper)"), strokeWidth: 1.5 }),
       ...labels.map(({ point, dx, dy, anchor }) =>
-        Plot.text([point], { ...at, text: () => point.tree.name + (point.entry.scenes ? ` (${point.entry.scenes} of ${place.scenes})` : ""), dx, dy, textAnchor: anchor, fill: order(point) === 0 ? "var(--ink)" : "var(--soft)", fontWeight: order(point) === 0 ? 600 : 400, stroke: "var(--paper)", strokeWidth: 4, paintOrder: "stroke" })),
+        Plot.text([point], { ...at, text: () => name(point), dx, dy, textAnchor: anchor, fill: order(point) === 0 ? "var(--ink)" : "var(--soft)", fontWeight: order(point) === 0 ? 600 : 400, stroke: "var(--paper)", strokeWidth: 4, paintOrder: "stroke" })),
       Plot.tip(points, Plot.pointer({ ...at, title: tip, fill: "var(--raised)", stroke: "var(--faint)", maxRadius: 60, textPadding: 9 })),
     ],
   });

@@ -24,7 +24,7 @@ use family::{Family, families};
 use minijinja::value::Serde;
 use minijinja::{Environment as Templates, UndefinedBehavior};
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use words::Item;
 
 /// Why there is no page.
@@ -42,7 +42,11 @@ pub enum PageError {
 }
 
 const LIBRARIES: [&str; 2] = [include_str!("vendor/d3.min.js"), include_str!("vendor/plot.min.js")];
-const LICENCES: [&str; 2] = [include_str!("vendor/d3.LICENSE"), include_str!("vendor/plot.LICENSE")];
+const LICENCES: [&str; 3] = [
+    include_str!("vendor/d3.LICENSE"),
+    include_str!("vendor/plot.LICENSE"),
+    include_str!("vendor/bundled.LICENSE"),
+];
 const SCRIPTS: [&str; 5] = [
     include_str!("figures.js"),
     include_str!("front.js"),
@@ -74,16 +78,21 @@ struct Context<'a> {
     data: String,
     style: &'static str,
     libraries: [&'static str; 2],
-    licences: [&'static str; 2],
+    licences: [&'static str; 3],
     scripts: [&'static str; 5],
     version: &'static str,
 }
 
-/// The page of the run of `rows`, whose `folder` may hold pictures.
+/// The page of the run of `rows`, whose `folder` may hold pictures, as may folders of `experiments`.
 ///
 /// # Errors
 /// Those of [`PageError`].
-pub fn page(rows: &[Row], environment: Option<&Environment>, folder: &Path) -> Result<String, PageError> {
+pub fn page(
+    rows: &[Row],
+    environment: Option<&Environment>,
+    folder: &Path,
+    experiments: &[PathBuf],
+) -> Result<String, PageError> {
     let (Some(field), Some(row)) = (Field::of(rows), rows.first()) else { return Err(PageError::Empty) };
     let under = Under::best(rows);
     let data = Data::of(rows, &field);
@@ -103,11 +112,11 @@ pub fn page(rows: &[Row], environment: Option<&Environment>, folder: &Path) -> R
         kernels: &data.kernels,
         regimes: &data.regimes,
         places: data.places.iter().map(|place| place.name.as_str()).collect(),
-        families: families(),
+        families: families(field.trees.iter().map(|tree| tree.0)),
         environment: environment.map(words::environment).unwrap_or_default(),
         warnings: words::warnings(rows),
         errors: words::errors(rows),
-        attachments: Attachments::of(folder),
+        attachments: Attachments::of(folder, experiments),
         has_table: folder.join(TABLE).is_file(),
         samples: samples(folder),
         // Within a script, only this could end it.

@@ -50,7 +50,8 @@ function drawTable() {
     const order = sorted.descending ? d3.descending : d3.ascending;
     rows.sort((a, b) => (of(a) === null) - (of(b) === null) || order(of(a), of(b)));
   }
-  const best = used.map((column) => (column.isRatio ? d3.min(rows, column.value) : null));
+  // A mean over fewer scenes is another mean.
+  const best = used.map((column) => (column.isRatio ? d3.min(rows.filter((row) => !fewer(row)), column.value) : null));
   const groups = d3.rollups(used, (all) => all.length, (column) => column.group);
   const heads = used.map((column, index) => {
     const order = index === by ? (sorted.descending ? "descending" : "ascending") : "none";
@@ -58,13 +59,13 @@ function drawTable() {
   });
   const cell = (row, column, index) => {
     if (column.isTree) {
-      const few = row.entry.scenes ? ` <small>${row.entry.scenes} of ${row.place.scenes} scenes</small>` : "";
+      const few = fewer(row) ? ` <small>${fewer(row)} scenes</small>` : "";
       const failed = row.entry.error ? ` <small class="failed" title="${escaped(row.entry.error)}">failed</small>` : "";
       return `<td class="text">${mark(row.tree)}${escaped(row.tree.name).replace(" / ", "&nbsp;/&nbsp;")}${few}${failed}</td>`;
     }
     if (column.isText) return `<td class="text">${escaped(column.text(row))}</td>`;
     const more = column.more?.(row);
-    const isBest = column.isRatio && !chosen.every && column.value(row) === best[index] && rows.length > 1;
+    const isBest = column.isRatio && !chosen.every && !fewer(row) && column.value(row) === best[index] && rows.length > 1;
     return `<td${isBest ? ' class="best"' : ""}>${column.text(row)}${more === undefined ? "" : ` <small>${more}</small>`}</td>`;
   };
   const table = find("table");
@@ -76,7 +77,7 @@ function drawTable() {
   find("more").hidden = left <= 0;
   find("more").textContent = `Show ${Math.min(PAGE, left)} more`;
   find("table-about").textContent =
-    `relative: to ${data.base}; in brackets 95 % intervals, over scenes and rounds for means, over rounds for a scene. Builds: ${data.regimes[chosen.regime].about}. Traces, medians of all recorded rays: ${data.kernels[chosen.kernel].about}. memory: bytes at the peak of the build. The least of a column is bold.`;
+    `relative: to ${data.base}; in brackets 95 % intervals, over scenes and rounds for means, over rounds for a scene. Builds: ${data.regimes[chosen.regime].about}. Traces, medians of all recorded rays: ${data.kernels[chosen.kernel].about}. memory: bytes at the peak of the build.${chosen.every ? "" : " The least of what is relative is bold."}`;
 }
 
 find("table").tHead.addEventListener("click", (event) => {

@@ -1,6 +1,7 @@
 //! What can be told of the page without a browser.
 
 use super::*;
+use crate::bench::row::{FIRST, NO_KERNEL};
 use serde_json::Value;
 
 fn row(scene: &str, builder: &str, width: u32, build: f64, trace: f64) -> Row {
@@ -32,7 +33,7 @@ fn data(page: &str) -> Value {
 #[test]
 fn the_data_are_the_rows() {
     let folder = tempfile::tempdir().unwrap();
-    let page = page(&rows(), None, folder.path()).unwrap();
+    let page = page(&rows(), None, folder.path(), &[]).unwrap();
     let data = data(&page);
     assert_eq!(data["places"][1]["name"], "</script><b>");
     assert!(
@@ -49,7 +50,7 @@ fn the_data_are_the_rows() {
     assert_eq!(entry["speeds"][0], 25.0);
     assert!(data["places"][2]["entries"][0].is_null(), "lbvh was not measured there");
     // In the mean it is a mean over fewer scenes, and on no front.
-    assert_eq!(data["places"][0]["entries"][0]["scenes"], 1);
+    assert_eq!(data["places"][0]["entries"][0]["scenes"], serde_json::json!([[1]]));
     assert_eq!(data["places"][0]["fronts"][0][0], serde_json::json!([[1, 2], [1], [2]]));
     assert_eq!(data["places"][1]["fronts"][0][0], serde_json::json!([[0, 1, 2], [0, 1], [2]]));
     assert!(data["curves"][0][0][0].is_null());
@@ -60,23 +61,60 @@ fn the_data_are_the_rows() {
 }
 
 #[test]
+fn a_mean_over_fewer_scenes_is_one_under_its_kernel_and_regime() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut rows, others) = (rows(), rows());
+    for row in others.into_iter().filter(|row| (&*row.scene, &*row.builder) != ("yard", "phr-hq")) {
+        let untraced = Row { trace_ms_median: None, mrays_s: None, rays: None, ..row.clone() };
+        rows.push(Row { kernel: "phr".into(), ..row });
+        rows.push(Row { kernel: NO_KERNEL.into(), regime: FIRST.into(), ..untraced });
+    }
+    let data = data(&page(&rows, None, folder.path(), &[]).unwrap());
+    assert_eq!((&data["kernels"][1]["name"], &data["regimes"][1]["name"]), (&"phr".into(), &"first".into()));
+    let mean = &data["places"][0];
+    assert_eq!(mean["entries"][1]["scenes"], serde_json::json!([[null, null], [null, null]]));
+    assert_eq!(mean["entries"][2]["scenes"], serde_json::json!([[null, 1], [1, 1]]));
+    let is_on_front = |kernel: usize, regime: usize| {
+        mean["fronts"][kernel][regime][0].as_array().unwrap().contains(&2.into())
+    };
+    assert!(is_on_front(0, 0) && !is_on_front(0, 1) && !is_on_front(1, 0) && !is_on_front(1, 1));
+}
+
+#[test]
 fn it_asks_for_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let page = page(&rows(), None, folder.path()).unwrap();
+    let page = page(&rows(), None, folder.path(), &[]).unwrap();
     assert!(page.contains("Content-Security-Policy") && page.contains("default-src 'none'"));
     for asks in ["src=\"http", "href=\"http", "src=\"//", "@import", "url(http"] {
         assert!(!page.contains(asks), "{asks}");
     }
     for licence in LICENCES {
-        assert!(licence.starts_with("Copyright") && page.contains(licence.lines().next().unwrap()));
+        let mut holders = licence.lines().filter(|line| line.starts_with("Copyright")).peekable();
+        assert!(holders.peek().is_some() && holders.all(|holder| page.contains(holder)), "{licence}");
     }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn libraries_are_as_published() {
+    let vendor = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/report/page/vendor");
+    let table = include_str!("vendor/README.md").lines().filter(|line| line.starts_with("| `"));
+    let mut compared = 0;
+    for line in table {
+        let quoted: Vec<&str> = line.split('`').skip(1).step_by(2).collect();
+        let sum = std::process::Command::new("sha256sum").arg(vendor.join(quoted[0])).output().unwrap();
+        let sum = String::from_utf8(sum.stdout).unwrap();
+        assert_eq!(sum.split(' ').next(), quoted.last().copied(), "{line}");
+        compared += 1;
+    }
+    assert_eq!(compared, LIBRARIES.len());
 }
 
 #[test]
 fn files_are_named_where_they_are() {
     let folder = tempfile::tempdir().unwrap();
     let told = || {
-        let page = page(&rows(), None, folder.path()).unwrap();
+        let page = page(&rows(), None, folder.path(), &[]).unwrap();
         let parts = [
             "or read table1.md",
             "<code>samples.json</code>",
@@ -122,7 +160,7 @@ fn the_verdict_and_what_lies_beside_the_rows_are_on_it() {
         error: "out of memory".into(),
         ..row("yard", "lbvh", 4, 1.0, 1.0)
     });
-    let page = page(&rows, None, folder.path()).unwrap();
+    let page = page(&rows, None, folder.path(), &[]).unwrap();
     for part in [
         "<b>phr-hq &#x2f; 8</b> traces fastest: in 0.50",
         "No environment.json lies beside the rows",
@@ -143,5 +181,14 @@ fn the_verdict_and_what_lies_beside_the_rows_are_on_it() {
     }
     assert!(!page.contains("rows.csv</small>") && !page.contains("rooms.counts"));
     assert!(!page.contains("<td>200</td><td>400</td>") && !page.contains("alt=\"figure6\""));
-    assert!(matches!(super::page(&[], None, folder.path()), Err(PageError::Empty)));
+    // Of another folder, heat maps and experiments alone.
+    let experiments = [folder.path().join("experiments")];
+    let elsewhere = tempfile::tempdir().unwrap();
+    let page = super::page(&rows, None, elsewhere.path(), &experiments).unwrap();
+    assert!(
+        page.contains("alt=\"grid: fronts scenes\"") && page.contains("<small>grid&#x2f;findings.md</small>")
+    );
+    let page = super::page(&rows, None, elsewhere.path(), &[folder.path().into()]).unwrap();
+    assert!(page.contains("alt=\"rooms\"") && page.contains("<small>heatmaps&#x2f;rooms.png</small>"));
+    assert!(matches!(super::page(&[], None, folder.path(), &[]), Err(PageError::Empty)));
 }

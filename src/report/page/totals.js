@@ -22,7 +22,13 @@ function drawTotals() {
   const points = curves.flatMap((one) => one.values.map((value, step) => ({ ...one, count: data.budgets[step], value, step })));
   const least = data.budgets.map((count, step) => d3.least(points.filter((point) => point.step === step), (point) => point.value));
   const winners = new Set(least.map((point) => point.index));
-  const stretches = d3.groups(least, (point) => point.index).map(([, all]) => all[all.length >> 1]);
+  // A tree may win twice, with others between.
+  const runs = [];
+  for (const point of least) {
+    if (runs.at(-1)?.[0].index === point.index) runs.at(-1).push(point);
+    else runs.push([point]);
+  }
+  const stretches = runs.map((run) => ({ ...run[run.length >> 1], steps: run.length }));
 
   const width = Math.max(figure.clientWidth, 280);
   const isNarrow = width < 600;
@@ -36,9 +42,8 @@ function drawTotals() {
   const ticks = data.budgets.filter((count) => Number.isInteger(Math.log10(count)) && (!isNarrow || Math.log10(count) % 3 === 0));
   const format = (count) => (count >= 1e9 ? `${count / 1e9} G` : count >= 1e6 ? `${count / 1e6} M` : `${count / 1e3} k`);
   // Below the least there is nothing. Who wins longest has the first choice.
-  const steps = d3.rollup(least, (all) => all.length, (point) => point.index);
   const labels = placeLabels(
-    d3.sort(stretches, (point) => -steps.get(point.index)).map((point) => ({ point, at: [x(point.count), y(point.value)], label: point.tree.name, must: true })),
+    d3.sort(stretches, (point) => -point.steps).map((point) => ({ point, at: [x(point.count), y(point.value)], label: point.tree.name, must: true })),
     () => BELOW_RIGHT,
     { width, height, ...margins },
   );

@@ -123,7 +123,7 @@ fn load(environment: &Environment) -> Option<Item> {
     let least = moments.iter().map(|moment| moment.spin.efficiency).reduce(f64::min)?;
     let threads = moments[0].spin.threads;
     let others = others.map_or_else(String::new, |share| {
-        format!("other programs used at most {:.0} % of it, ", 100.0 * share)
+        format!("other programs used at most {:.0} % of the processors, ", 100.0 * share)
     });
     let from = moments.first().map_or("", |moment| &moment.utc);
     let until = environment.after.as_ref().map_or_else(String::new, |moment| format!(" to {}", moment.utc));

@@ -38,6 +38,9 @@ pub fn style(builder: &str) -> (Shape, &'static str) {
         name if name.starts_with("phr") => (Shape::Up, "#d55e00"),
         name if name.starts_with("hunt") => (Shape::Square, "#009e73"),
         name if name.starts_with("aac") => (Shape::Diamond, "#cc79a7"),
+        name if name.starts_with("ploc") => (Shape::Square, "#b8860b"),
+        name if name.starts_with("obvhs") => (Shape::Diamond, "#6a4fa3"),
+        name if name.starts_with("svenstaro") => (Shape::Circle, "#6a4fa3"),
         _ => (Shape::Down, "#000000"),
     }
 }

@@ -23,7 +23,7 @@ pub fn scene(rows: &[Row], scene: &str) -> String {
         grid.push(line(&of_scene, tree, &under));
     }
     let triangles = grouped(of_scene.triangles());
-    format!("## {scene}: {triangles} triangles\n\n{}", grid.markdown())
+    filled(&format!("## {scene}: {triangles} triangles")) + "\n" + &grid.within(COLUMNS)
 }
 
 fn line(of_scene: &SceneFigures<'_>, tree: Tree<'_>, under: &Under) -> Vec<String> {
@@ -72,22 +72,12 @@ pub fn means(rows: &[Row]) -> String {
             of(Figure::Cost).geometric().map_or_else(String::new, |cost| format!("{cost:.2}")),
             shown(&traces),
             worst.map_or_else(String::new, |worst| format!("{:.2}", worst.value)),
-            worst.map_or_else(String::new, |worst| cut(&worst.scene)),
+            worst.map_or_else(String::new, |worst| worst.scene.clone()),
         ]);
     }
     let fewer = if are_whole { "" } else { "* mean over fewer scenes\n" };
     let (count, base) = (field.scenes.len(), BASELINE.0);
-    format!("## Means over {count} scenes, relative to {base}\n\n{}{fewer}\n", grid.markdown())
-}
-
-/// The name of a scene, shortened where it would make a line too long.
-fn cut(scene: &str) -> String {
-    const MOST: usize = 14;
-    if scene.chars().count() <= MOST {
-        scene.into()
-    } else {
-        scene.chars().take(MOST - 1).chain(['…']).collect()
-    }
+    format!("## Means over {count} scenes, relative to {base}\n\n{}{fewer}\n", grid.within(COLUMNS))
 }
 
 /// What the columns mean, in lines that fit.
@@ -145,10 +135,27 @@ mod tests {
 
     #[test]
     fn no_line_is_too_long() {
-        let rows = rows();
-        let text = scene(&rows, "a") + &means(&rows) + &legend(&rows);
-        let longest = text.lines().map(|line| line.chars().count()).max().unwrap();
-        assert!((80..=COLUMNS).contains(&longest), "{longest} columns\n{text}");
+        let names = ["tuned-".repeat(10), format!("phr-hq[{}max_cut=4096]", "alpha=0.5+".repeat(20))];
+        let long_scene = "a scene with a name that goes on ".repeat(5);
+        let with = |name: &str| {
+            let mut rows = rows();
+            for row in &mut rows {
+                if row.builder.starts_with("phr") {
+                    row.builder = name.into();
+                }
+                if row.scene != "a" {
+                    row.scene.clone_from(&long_scene);
+                }
+            }
+            rows
+        };
+        for rows in [rows(), with(&names[0]), with(&names[1])] {
+            for text in [scene(&rows, "a") + &scene(&rows, &rows[3].scene), means(&rows) + &legend(&rows)] {
+                let longest = text.lines().map(|line| line.chars().count()).max().unwrap();
+                assert!((80..=COLUMNS).contains(&longest), "{longest} columns\n{text}");
+                assert!(text.replace('\n', "").contains(&rows[2].builder), "{text}");
+            }
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ pub struct Field<'a> {
     pub scenes: Vec<SceneFigures<'a>>,
     /// The trees, in the table's order.
     pub trees: Vec<Tree<'a>>,
-    /// What the others are relative to: Embree SAH at width 4, or the first tree where that is not among them.
+    /// What the others are relative to: Embree SAH at width 4, or the first tree with a build time where that has none.
     pub base: Tree<'a>,
 }
 
@@ -18,8 +18,12 @@ impl<'a> Field<'a> {
     /// The field of `rows`; `None` where they are none.
     pub fn of(rows: &'a [Row]) -> Option<Self> {
         let trees = trees(rows);
-        let base = trees.iter().copied().find(|&tree| tree == BASELINE).or(trees.first().copied())?;
-        Some(Self { scenes: SceneFigures::all(rows), trees, base })
+        let scenes = SceneFigures::all(rows);
+        let is_built = |tree| scenes.iter().any(|scene| scene.build(tree).value().is_some());
+        let mut built = trees.iter().copied().filter(|&tree| is_built(tree));
+        let base = if is_built(BASELINE) { Some(BASELINE) } else { built.next() };
+        let base = base.or(trees.first().copied())?;
+        Some(Self { scenes, trees, base })
     }
 
     /// The ratios of a tree to the base.
@@ -56,5 +60,22 @@ impl<'a> Field<'a> {
     pub fn least(&self, figure: Figure, under: &Under) -> Option<(Tree<'a>, f64)> {
         let mean = |&tree: &Tree<'a>| Some((tree, self.whole_ratios(tree, figure, under)?.geometric()?));
         self.trees.iter().filter_map(mean).min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_base_is_a_tree_that_was_built() {
+        let failed = Row {
+            build_ms_median: None,
+            error: "out of memory".into(),
+            ..Row::by_hand("embree-sah", 4, "phr", 1.0, 1.0)
+        };
+        let rows = [failed, Row::by_hand("phr-hq", 4, "phr", 1.0, 1.0)];
+        assert_eq!(Field::of(&rows).unwrap().base, ("phr-hq", 4));
+        assert_eq!(Field::of(&rows[..1]).unwrap().base, BASELINE);
     }
 }

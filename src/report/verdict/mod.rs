@@ -83,7 +83,7 @@ pub fn verdict(field: &Field<'_>, under: &Under) -> [Sentence; 3] {
         return [
             none.clone().words(format!("No build time of {} was measured.", based(field))),
             none.clone().words("So nothing can be compared."),
-            none.words("The errors below say why."),
+            none.words("The errors of the rows say why."),
         ];
     };
     match field.least(Figure::Trace, under) {
@@ -158,7 +158,9 @@ fn lowest_cost(field: &Field<'_>, under: &Under) -> Sentence {
     let Some((tree, cost)) = field.least(Figure::Cost, under) else {
         return Sentence::default().words("No SAH cost is known.");
     };
-    Sentence::default().name(tree).words(format!(" has the lowest SAH cost, {cost:.2} of its."))
+    Sentence::default()
+        .name(tree)
+        .words(format!(" has the lowest SAH cost, {cost:.2} of that of {}.", based(field)))
 }
 
 fn least_total(stretches: &[Stretch<'_>]) -> Sentence {
@@ -267,6 +269,9 @@ mod tests {
         let found = sentences(&[untraced("lbvh", 5.0), untraced("phr-hq", 10.0)]);
         assert!(found[0].starts_with("In a on 2 threads, lbvh builds fastest: in 1.00 of"), "{found:?}");
         assert!(found[2].contains("--build-only"), "{found:?}");
+        let cost = |builder, sah| Row { sah: Some(sah), ..untraced(builder, sah) };
+        let found = sentences(&[cost("lbvh", 5.0), cost("phr-hq", 2.0)]);
+        assert_eq!(found[1], "phr-hq has the lowest SAH cost, 0.40 of that of lbvh, 4-wide.");
         let failed = Row { build_ms_median: None, error: "out of memory".into(), ..untraced("lbvh", 5.0) };
         assert_eq!(sentences(&[failed])[0], "No build time of lbvh, 4-wide was measured.");
     }

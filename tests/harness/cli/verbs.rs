@@ -195,3 +195,46 @@ fn two_programs_are_measured_by_turns() {
     }
     assert_eq!(phr(&folder, &["compare", "one"]).status.code(), Some(2));
 }
+
+#[test]
+fn every_verb_with_builders_takes_a_configuration() {
+    let (_place, folder) = workplace();
+    let config = r#"{"name": "mine", "base": "phr-fast", "width": 8, "fields": {"delta": 7}}"#;
+    std::fs::write(folder.join("mine.json"), config).unwrap();
+    let this = env!("CARGO_BIN_EXE_phr");
+    let animate =
+        ["animate", "wrung", "--width", "8", "--triangles", "2000", "--frames", "2", "--rounds", "1"];
+    let cases: &[&[&str]] = &[
+        &["bench", "sheet.ply", "--rounds", "1", "--size", "16", "--out", "out"],
+        &["build", "sheet.ply"],
+        &["render", "sheet.ply", "-o", "x.png", "--size", "16", "--samples", "1"],
+        &["verify", "sheet.ply", "--size", "16"],
+        &["advise", "sheet.ply", "--seconds", "1", "--out", "advice"],
+        &["heatmap", "sheet.ply", "--size", "16", "-o", "map.png"],
+        &["scaling", "sheet.ply", "--rounds", "1", "--workers", "2"],
+        &["kernels", "sheet.ply", "--rounds", "1", "--size", "16"],
+        &animate,
+        &["compare", "--against", this, "sheet.ply", "--seconds", "1"],
+    ];
+    for arguments in cases {
+        let output = phr(&folder, &[arguments, &["--config", "mine.json"][..]].concat());
+        let told = text(&output.stdout);
+        // What a comparison decides depends on the machine.
+        let fits = |code| code == 0 || arguments[0] == "compare" && matches!(code, 1 | 3);
+        assert!(output.status.code().is_some_and(fits), "{arguments:?}: {}", text(&output.stderr));
+        assert!(told.contains("mine") && !told.contains("phr-hq"), "{arguments:?}: {told}");
+    }
+    let help = text(&phr(&folder, &["--help"]).stdout);
+    let verbs = help.lines().filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
+    let with_builders = verbs.filter(|verb| {
+        verb.starts_with(|first: char| first.is_ascii_lowercase())
+            && text(&phr(&folder, &[*verb, "--help"]).stdout).contains("--builder <NAME>")
+    });
+    let with_builders: Vec<&str> = with_builders.collect();
+    assert!(with_builders.contains(&"bench"), "{help}");
+    for verb in with_builders {
+        assert!(cases.iter().any(|arguments| arguments[0] == verb), "phr {verb} --config");
+    }
+    let twice = phr(&folder, &["scaling", "sheet.ply", "--config", "mine.json", "--config", "mine.json"]);
+    assert_eq!((twice.status.code(), text(&twice.stderr).lines().count()), (Some(2), 1));
+}

@@ -2,8 +2,9 @@
 
 use crate::bench::memory::answer;
 use crate::cli::failure::Failure;
-use crate::cli::options::{cell, pools};
+use crate::cli::options::{cells, pools};
 use crate::cli::output::say;
+use std::slice::from_ref;
 
 /// Build the mesh that comes on standard input once and print the resident bytes; run by bench and build
 #[derive(Debug, clap::Args)]
@@ -22,8 +23,10 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let cell = cell(&arguments.builder, Some(arguments.width))?;
     let pools = pools(arguments.threads)?;
-    let memory = answer(std::io::stdin().lock(), &cell, &pools.all).map_err(Failure::Wrong)?;
-    say(&serde_json::json!(memory).to_string())
+    for cell in cells(from_ref(&arguments.builder), &[], &[arguments.width])? {
+        let memory = answer(std::io::stdin().lock(), &cell, &pools.all).map_err(Failure::Wrong)?;
+        say(&serde_json::json!(memory).to_string())?;
+    }
+    Ok(())
 }

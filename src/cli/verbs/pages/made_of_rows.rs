@@ -18,6 +18,6 @@ use std::path::{Path, PathBuf};
 pub fn made_of_rows(rows: &[Row], is_complete: bool, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     write_whole(&folder.join(TABLE), table::document(rows, is_complete).as_bytes())?;
     let plots = draw(&plot::figures(rows, &phases::read(folder)?, &Under::best(rows)), folder)?;
-    write_page(folder, &folder.join(PAGE))?;
+    write_page(folder, &[], &folder.join(PAGE))?;
     Ok(plots)
 }
