@@ -23,6 +23,6 @@ pub use contender::pools;
 pub use plan::{chosen, planned_scene, settings, shard};
 pub use quick::tune;
 pub use records::{
-    build_times, environment, environment::moment, files, made_of_rows, merge, phases, recorder, results_dir,
-    rounds, row, rows, samples, statistics, tree_facts, visit_times, warnings,
+    build_times, environment, environment::moment, files, merge, phases, recorder, results_dir, rounds, row,
+    rows, samples, statistics, tree_facts, visit_times, warnings,
 };

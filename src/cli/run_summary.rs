@@ -1,6 +1,6 @@
 //! The end of `phr bench`: the verdict, where the results are, and advice on the warnings.
 
-use crate::bench::made_of_rows::{PAGE, TABLE};
+use crate::bench::results_dir::{PAGE, TABLE};
 use crate::bench::row::{ROWS, Row};
 use crate::bench::samples::SAMPLES;
 use crate::bench::warnings::Warning;

@@ -5,7 +5,7 @@
 //! * [`table`] is the document of a run: [`table1`](table::table1) in the paper's arrangement, means, [`details`](table::details) of every scene;
 //! * [`verdict`] answers in three sentences which tree to take;
 //! * [`summary`], [`evidence`], [`targets`], [`ablation`], [`kernels`] and [`scaling`] are tables of their own, [`compare`] judges one
-//!   run against another, [`by_turns`](compare::by_turns) one program; [`machines`] has unlike ones side by side;
+//!   run against another, [`by_turns`](compare::by_turns) one program; [`machines`](compare::machines) has unlike ones side by side;
 //! * [`advice`] tells which builder for a scene and a number of rays, and with which parameters;
 //! * [`readme`] keeps the tables within Markdown pages up to date; [`plot`] draws, and [`page`] makes a page of it all.
 
@@ -16,7 +16,6 @@ pub mod evidence;
 pub mod figures;
 pub mod grid;
 pub mod kernels;
-pub mod machines;
 pub mod means;
 pub mod page;
 pub mod paper;

@@ -173,7 +173,7 @@ fn advice_in_files_is_judged_by_a_run() {
     let why = "phr: run: the run has no scene cellar, for which there is advice; add it to the run, or remove the advice\n";
     assert_eq!(text(&output.stderr), why);
 
-    known("yard", &[("lbvh", 10.0, 100.0), ("not-in-the-run", 1.0, 200.0)]);
+    known("yard", &[("lbvh", 10.0, 100.0), ("not-in-the-run", 1.0, 50.0)]);
     std::fs::remove_dir_all(folder.path().join("advice").join("cellar")).unwrap();
     let output = phr(folder.path(), &arguments);
     let told = text(&output.stderr);

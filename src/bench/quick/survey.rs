@@ -129,11 +129,11 @@ mod tests {
                 ..of("twice", 0.0, 0.0)
             },
             Surveyed {
-                visits: vec![QuickVisit { build_ms: 100.0, ns_per_ray: 110.0 }; 3],
+                visits: vec![QuickVisit { build_ms: 100.0, ns_per_ray: 118.0 }; 3],
                 ..of("three times", 0.0, 0.0)
             },
             Surveyed {
-                visits: vec![QuickVisit { build_ms: 100.0, ns_per_ray: 110.0 }; 4],
+                visits: vec![QuickVisit { build_ms: 100.0, ns_per_ray: 118.0 }; 4],
                 ..of("four times", 0.0, 0.0)
             },
             Surveyed { visits: Vec::new(), note: "no time".into(), ..of("late", 0.0, 0.0) },

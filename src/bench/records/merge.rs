@@ -4,10 +4,10 @@
 use super::environment::{ENVIRONMENT, Environment, Machine, State};
 use super::files::{RecordsError, new_folder, write_json};
 use super::phases::{self, PHASES};
+use super::results_dir;
 use super::rounds::ROUNDS;
 use super::row::{self, ROWS, Row};
 use super::samples::SAMPLES;
-use super::{made_of_rows, results_dir};
 use std::path::{Path, PathBuf};
 
 /// The folder of shards in that of a run. Two levels above their rows, which no reader of subfolders takes for its own.
@@ -122,7 +122,7 @@ pub fn merge(folder: &Path) -> Result<Vec<PathBuf>, MergeError> {
         1 => folder.to_owned(),
         _ => folder.join(MACHINES).join((index + 1).to_string()),
     };
-    made_of_rows::remove(folder, &[ROWS, ROUNDS, PHASES, ENVIRONMENT])?;
+    results_dir::remove_made_of_rows(folder, &[ROWS, ROUNDS, PHASES, ENVIRONMENT])?;
     let older = folder.join(MACHINES);
     if older.is_dir() {
         let remedy = "remove it by hand";

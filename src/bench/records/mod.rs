@@ -6,7 +6,6 @@
 pub mod build_times;
 pub mod environment;
 pub mod files;
-pub mod made_of_rows;
 pub mod merge;
 pub mod phases;
 pub mod recorder;

@@ -9,8 +9,8 @@
 use super::environment::moment::Moment;
 use super::environment::{ENVIRONMENT, Environment, Machine, Program, State};
 use super::files::{Written, new_folder, read_json, write_json};
-use super::made_of_rows;
 use super::phases::{self, PHASES};
+use super::results_dir::remove_made_of_rows;
 use super::rounds::ROUNDS;
 use super::row::{self, ROWS, Row, SCHEMA};
 use super::rows::{self, Header};
@@ -117,7 +117,7 @@ impl<'a> Recorder<'a> {
         };
         recorder.write_environment()?;
         if !options.resume {
-            made_of_rows::remove(folder, &[ROWS, ROUNDS, PHASES, SAMPLES])?;
+            remove_made_of_rows(folder, &[ROWS, ROUNDS, PHASES, SAMPLES])?;
         }
         Ok(recorder)
     }

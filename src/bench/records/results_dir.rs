@@ -9,6 +9,14 @@ use crate::bench::error::ReduceError;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
+/// The table.
+pub const TABLE: &str = "table1.md";
+/// The page.
+pub const PAGE: &str = "report.html";
+/// The figures by name, each an SVG and a PNG.
+pub const FIGURES: [&str; 7] =
+    ["figure6", "figure6-own", "figure6-paper", "figure6-scenes", "growth", "threads", "phases"];
+
 /// The environment of the results in `folder`; `None` where there is none, as beside a lone CSV.
 ///
 /// # Errors
@@ -95,6 +103,21 @@ fn is_inside(to: &Path, from: &Path) -> bool {
     });
     let from = std::path::absolute(from).ok().and_then(|from| from.canonicalize().ok());
     existing.zip(from).is_some_and(|(existing, from)| existing.starts_with(from))
+}
+
+/// Removes `records`, files of an older run, from `folder`, and what was made of its rows when it ended: no file of it may be
+/// taken for part of a new one.
+///
+/// # Errors
+/// A file that cannot be removed.
+pub fn remove_made_of_rows(folder: &Path, records: &[&str]) -> Result<(), RecordsError> {
+    let figures = FIGURES.iter().flat_map(|name| ["svg", "png"].map(|ending| format!("{name}.{ending}")));
+    let made = records.iter().chain(&[TABLE, PAGE]).map(ToString::to_string).chain(figures);
+    for path in made.map(|file| folder.join(file)).filter(|path| path.exists()) {
+        let remedy = "remove it, or give another folder with --out";
+        std::fs::remove_file(&path).map_err(|source| RecordsError::Io { path, source, remedy })?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

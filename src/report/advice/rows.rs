@@ -141,13 +141,13 @@ mod tests {
             let at = header.iter().position(|name| name == column).unwrap();
             rows[row][at].to_owned()
         };
-        assert_eq!(rows.len(), 5);
+        assert_eq!(rows.len(), 6);
         assert_eq!(cell(0, "builder"), "lbvh");
         assert!((cell(0, "total_ms").parse::<f64>().unwrap() - 10_010.0).abs() < 1e-6);
         assert_eq!(
             (cell(1, "best_from_rays"), cell(3, "best_from_rays")),
             ("500000.0".into(), String::new())
         );
-        assert_eq!((cell(4, "build_ms"), cell(4, "note")), (String::new(), "no time".into()));
+        assert_eq!((cell(5, "build_ms"), cell(5, "note")), (String::new(), "no time".into()));
     }
 }

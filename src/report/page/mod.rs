@@ -10,8 +10,8 @@ mod family;
 mod words;
 
 use crate::bench::environment::Environment;
-use crate::bench::made_of_rows::TABLE;
 use crate::bench::merge::SHARDS;
+use crate::bench::results_dir::TABLE;
 use crate::bench::results_dir::is_complete;
 use crate::bench::row::Row;
 use crate::bench::samples::SAMPLES;

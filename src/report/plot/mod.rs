@@ -20,8 +20,8 @@ pub mod ticks;
 pub mod total_time;
 
 use super::figures::Under;
-use crate::bench::made_of_rows::FIGURES;
 use crate::bench::phases::PhaseRow;
+use crate::bench::results_dir::FIGURES;
 use crate::bench::row::Row;
 
 /// A drawn figure.

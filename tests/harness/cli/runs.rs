@@ -2,8 +2,8 @@
 
 use super::*;
 use phr::bench::environment::State;
-use phr::bench::made_of_rows;
 use phr::bench::phases::PHASES;
+use phr::bench::results_dir;
 use phr::bench::rounds::ROUNDS;
 use phr::bench::row::{self, ALL, FIRST, FRESH, REBUILD, ROWS, Row};
 use phr::bench::samples::SAMPLES;
@@ -88,7 +88,7 @@ fn a_run_writes_verified_rows_and_its_table() {
     assert_eq!(text(&table.stdout).trim_end(), written.trim_end());
     assert!(written.contains("| phr-fast / 4") && written.contains("sheet: 1 152 triangles"), "{written}");
 
-    made_of_rows::remove(&out, &[ENVIRONMENT, ROUNDS, ROWS, SAMPLES, PHASES]).unwrap();
+    results_dir::remove_made_of_rows(&out, &[ENVIRONMENT, ROUNDS, ROWS, SAMPLES, PHASES]).unwrap();
     assert_eq!(std::fs::read_dir(&out).unwrap().count(), 0, "an older run leaves nothing behind");
 }
 

@@ -2,8 +2,8 @@
 
 use super::report::write_page;
 use crate::bench::files::write_whole;
-use crate::bench::made_of_rows::{PAGE, TABLE};
 use crate::bench::phases;
+use crate::bench::results_dir::{PAGE, TABLE};
 use crate::bench::row::Row;
 use crate::cli::failure::Failure;
 use crate::cli::verbs::plot::draw;

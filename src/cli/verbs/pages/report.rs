@@ -1,7 +1,7 @@
 //! `phr report`: a run as one HTML file.
 
 use crate::bench::files::write_whole;
-use crate::bench::made_of_rows::PAGE;
+use crate::bench::results_dir::PAGE;
 use crate::bench::{results_dir, row};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;

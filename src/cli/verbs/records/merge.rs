@@ -1,13 +1,13 @@
 //! `phr merge`: the shards of a run as one.
 
 use crate::bench::files::write_whole;
-use crate::bench::made_of_rows::PAGE;
 use crate::bench::merge::{self, MACHINES};
+use crate::bench::results_dir::PAGE;
 use crate::bench::{results_dir, row};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use crate::cli::verbs::pages::made_of_rows;
-use crate::report::machines::{COMPARED, compared};
+use crate::report::compare::machines::{COMPARED, compared};
 use std::path::PathBuf;
 
 /// Merge the shards of a run (`phr bench --shard K/N`) into rows, table, plots and page; those of unlike machines apart,

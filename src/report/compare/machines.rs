@@ -1,10 +1,10 @@
 //! A run on unlike machines: each tree relative to Embree SAH on the same machine, the machines side by side. No figure is a
 //! mean over machines; as no scene is divided, they differ in scenes too.
 
-use super::figures::{BASELINE, Figure, SceneFigures, Tree, Under, tree_name, trees};
-use super::grid::Grid;
-use super::means::Ratios;
 use crate::bench::row::Row;
+use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, tree_name, trees};
+use crate::report::grid::Grid;
+use crate::report::means::Ratios;
 
 /// The file in the folder of machines.
 pub const COMPARED: &str = "compared.md";
