@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 /// Numbers of rays over which a tree may win.
 pub const BUDGETS: [f64; 11] = [1e5, 3e5, 1e6, 3e6, 1e7, 3e7, 1e8, 3e8, 1e9, 3e9, 1e10];
 /// A tree whose best visits are nowhere within these factors of the best tree is not measured again: after one visit, which
-/// others may have disturbed, after two, three and more, so that the time goes to trees that are hard to tell apart.
-const HOPELESS: [f64; 4] = [1.6, 1.2, 1.12, 1.08];
+/// others may have disturbed, and after more.
+const HOPELESS: [f64; 2] = [1.6, 1.2];
 /// The note of such a tree.
 pub const DROPPED: &str = "dropped";
 /// Rounds before trees without a prospect have their turn.
@@ -128,20 +128,12 @@ mod tests {
                 visits: vec![QuickVisit { build_ms: 100.0, ns_per_ray: 150.0 }; 2],
                 ..of("twice", 0.0, 0.0)
             },
-            Surveyed {
-                visits: vec![QuickVisit { build_ms: 100.0, ns_per_ray: 118.0 }; 3],
-                ..of("three times", 0.0, 0.0)
-            },
-            Surveyed {
-                visits: vec![QuickVisit { build_ms: 100.0, ns_per_ray: 118.0 }; 4],
-                ..of("four times", 0.0, 0.0)
-            },
             Surveyed { visits: Vec::new(), note: "no time".into(), ..of("late", 0.0, 0.0) },
         ];
         drop_hopeless(&mut found);
         assert_eq!(
             found.map(|surveyed| surveyed.note),
-            ["", "", "", DROPPED, "", DROPPED, "", DROPPED, "no time"]
+            ["", "", "", DROPPED, "", DROPPED, "no time"]
         );
     }
 }
