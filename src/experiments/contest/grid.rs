@@ -146,7 +146,7 @@ impl Measured<'_> {
                     let mean = mean.map_or_else(String::new, |mean| mean.shown());
                     let ((alpha, delta), figure) = (point, name_of(figure));
                     format!(
-                        "{says} is not: ({alpha}, {delta}) builds no slower, and has {mean} of its {figure}."
+                        "{says} is not on it: ({alpha}, {delta}) builds no slower, and has {mean} of its {figure}."
                     )
                 }
             }
@@ -245,9 +245,9 @@ mod tests {
         assert!(line("steps").ends_with("of its steps. PHR-HQ is on it."), "{text}");
         assert!(
             line("steps")
-                .contains("PHR-Fast is not: (0.45, 7) builds no slower, and has 0.83 [0.83, 0.83] of")
+                .contains("PHR-Fast is not on it: (0.45, 7) builds no slower, and has 0.83 [0.83, 0.83] of")
         );
-        assert!(line("trace").contains("PHR-HQ is not: (0.5, 7) builds no slower, and has 0.67"), "{text}");
+        assert!(line("trace").contains("PHR-HQ is not on it: (0.5, 7) builds no slower, and has 0.67"), "{text}");
         assert!(
             text.contains("relative to PHR-HQ: build 0.60 to 1.00, SAH cost 1.00 to 1.00, steps"),
             "{text}"

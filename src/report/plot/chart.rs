@@ -206,7 +206,7 @@ impl Panel {
         // Hollow ones first and larger: of two at one place both are seen.
         for is_hollow in [true, false] {
             for point in self.points.iter().filter(|point| point.is_hollow == is_hollow) {
-                let radius = if is_hollow { 1.3 * radius } else { radius };
+                let radius = if is_hollow { 1.55 * radius } else { radius };
                 svg.point(place(point.at), point.shape, radius, point.colour, is_hollow);
             }
         }
@@ -282,7 +282,7 @@ mod tests {
         panel.draw(&mut svg, Rect { x: 0.0, y: 0.0, width: 100.0, height: 100.0 });
         let svg = svg.finish();
         let circles: Vec<&str> = svg.lines().filter(|line| line.starts_with("<circle")).collect();
-        assert!(circles[0].contains("r=\"4.68\"") && circles[0].contains("fill-opacity"), "{circles:?}");
+        assert!(circles[0].contains("r=\"5.58\"") && circles[0].contains("fill-opacity"), "{circles:?}");
         assert!(circles[1].contains("r=\"3.60\"") && !circles[1].contains("fill-opacity"), "{circles:?}");
     }
 }
