@@ -49,7 +49,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["scene", "builders", "configs"])]
     redraw: bool,
     /// Measure and draw nothing; fail if the picture is not that of the files beside it
-    #[arg(long, conflicts_with_all = ["scene", "builders", "redraw"])]
+    #[arg(long, conflicts_with_all = ["scene", "builders", "configs", "redraw"])]
     check: bool,
 }
 

@@ -247,7 +247,10 @@ mod tests {
             line("steps")
                 .contains("PHR-Fast is not on it: (0.45, 7) builds no slower, and has 0.83 [0.83, 0.83] of")
         );
-        assert!(line("trace").contains("PHR-HQ is not on it: (0.5, 7) builds no slower, and has 0.67"), "{text}");
+        assert!(
+            line("trace").contains("PHR-HQ is not on it: (0.5, 7) builds no slower, and has 0.67"),
+            "{text}"
+        );
         assert!(
             text.contains("relative to PHR-HQ: build 0.60 to 1.00, SAH cost 1.00 to 1.00, steps"),
             "{text}"
