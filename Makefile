@@ -15,8 +15,7 @@
 #                   the tasks of our builders on the files SCENES and the built-in scenes, timed one by one and scheduled on
 #                   up to 64 workers, into results/scaling: ten minutes
 # make bench-animation
-#                   trees that follow scenes that move, 100 frames each, 4-wide into results/animation and 8-wide into
-#                   results/animation-8: one to two hours on two cores
+#                   trees that follow scenes that move, 100 frames each, 4-wide, into results/animation: an hour on two cores
 # make bench-advice
 #                   what `phr advise` names for each of the files SCENES and the built-in scenes after half a minute, helped
 #                   by a model that has not seen the scene; judged by a longer run, into results/advice: 40 minutes on two cores
@@ -152,7 +151,6 @@ bench-scaling: packages
 bench-animation: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr animate --width 4 --out results/animation $(ARGS)
-	./target/release/phr animate --width 8 --out results/animation-8 $(ARGS)
 
 bench-advice: packages
 	$(CARGO) build --release --bin phr

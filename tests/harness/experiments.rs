@@ -2,6 +2,7 @@
 //! what is refused.
 use phr::bench::row::{self, ROWS};
 use phr::experiments::animation::records;
+use phr::report::readme::findings::FINDINGS;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -34,7 +35,12 @@ fn a_heat_map_is_drawn_again_from_the_files_beside_it() {
     std::fs::remove_file(folder.join("map.png")).unwrap();
     told(folder, &["heatmap", "--redraw", "-o", "map.png"]);
     assert_eq!(bytes(folder, "map.png"), first);
+    let check = ["heatmap", "--check", "-o", "map.png"];
+    told(folder, &check);
     std::fs::write(folder.join("map.csv"), csv.replace("lbvh", "aac")).unwrap();
+    let output = phr(folder, &check);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && error.contains("map.png: not the picture"), "{error}");
     told(folder, &["heatmap", "--redraw", "-o", "map.png"]);
     assert_ne!(bytes(folder, "map.png"), first);
 }
@@ -48,8 +54,20 @@ fn an_experiment_is_a_verified_run_with_findings_and_figures() {
     let lines = |start: &str| text.lines().filter(|line| line.starts_with(start)).count();
     // Means, and the claim of the paper; two rounds tell of no noise.
     assert!(lines("| phr-hq[spatial_threshold=off] ") >= 4, "{text}");
-    assert_eq!(lines("| traces are 2 to 20 % slower without spatial splits "), 2, "{text}");
+    assert_eq!(
+        lines("| traces are 2 to 20 % slower without spatial splits "),
+        4,
+        "by time and by steps: {text}"
+    );
     assert!(text.contains(" [?]") && text.contains(" is undecided "), "{text}");
+    // Steps have no noise, and few rounds are warned of.
+    let by = |what: &str| {
+        text.lines()
+            .filter(|line| line.split('|').nth(2).is_some_and(|it| it.trim() == what))
+            .collect::<Vec<_>>()
+    };
+    assert!(by("steps").len() >= 2 && by("steps").iter().all(|line| !line.contains("[?]")), "{text}");
+    assert!(text.contains("\nWarnings, by rows: ") && text.contains("TooFewSamples"), "{text}");
     let results = folder.join("results/experiments/spatial-splits");
     let rows = row::read(&results).unwrap();
     let mut builders: Vec<&str> = rows.iter().map(|row| row.builder.as_str()).collect();
@@ -65,9 +83,14 @@ fn an_experiment_is_a_verified_run_with_findings_and_figures() {
     let drawn = bytes(&results, "effects.svg");
     std::fs::write(results.join("effects.svg"), "other").unwrap();
     assert_eq!(phr(folder, &["experiment", "spatial-splits", "--check"]).status.code(), Some(1));
+    std::fs::write(results.join("effects.svg"), &drawn).unwrap();
+    let findings = bytes(&results, FINDINGS);
+    std::fs::write(results.join(FINDINGS), "other").unwrap();
+    assert_eq!(phr(folder, &["experiment", "spatial-splits", "--check"]).status.code(), Some(1));
     let again = told(folder, &["experiment", "spatial-splits", "--redraw"]);
     assert!(text.ends_with(&again), "after the tables of the run the same:\n{text}\n{again}");
     assert_eq!(bytes(&results, "effects.svg"), drawn);
+    assert_eq!(bytes(&results, FINDINGS), findings);
 }
 
 #[test]
@@ -78,6 +101,9 @@ fn the_grid_has_its_front_and_each_scenes_best_point() {
         ["experiment", "grid", "scalable-2k", "scalable-3k", "--rounds", "1", "--size", "8", "--views", "1"];
     let text = told(folder, &run);
     assert!(text.contains("The front in the mean over scenes") && text.contains("| scalable-3k "), "{text}");
+    for figure in ["SAH cost", "steps", "trace"] {
+        assert!(text.contains(&format!("\n* by {figure}: (")), "{text}");
+    }
     let results = folder.join("results/experiments/grid");
     let svg = String::from_utf8(bytes(&results, "fronts.svg")).unwrap();
     assert!(svg.contains(">0.65, 10<") && svg.contains("alpha 0.45, delta 5 to 10"), "{svg}");
@@ -105,6 +131,8 @@ fn cuts_and_splits_are_drawn_from_their_csv() {
         told(folder, &["experiment", name, "--redraw", "--out", out]);
         assert_eq!(bytes(folder, file), drawn);
     }
+    std::fs::write(folder.join("cuts").join(FINDINGS), "other").unwrap();
+    assert_eq!(phr(folder, &["experiment", "cut-size", "--check", "--out", "cuts"]).status.code(), Some(1));
 }
 
 #[test]
@@ -136,6 +164,9 @@ fn trees_follow_a_moving_scene_and_every_frame_is_verified() {
     let drawn = bytes(&results, "animation.svg");
     std::fs::write(results.join("animation.svg"), "other").unwrap();
     assert_eq!(phr(folder, &["animate", "--check"]).status.code(), Some(1));
+    std::fs::write(results.join("animation.svg"), &drawn).unwrap();
+    std::fs::write(results.join(FINDINGS), "other").unwrap();
+    assert_eq!(phr(folder, &["animate", "--check"]).status.code(), Some(1));
     assert_eq!(told(folder, &["animate", "--redraw"]), text);
     assert_eq!(bytes(&results, "animation.svg"), drawn);
 }
@@ -157,6 +188,7 @@ fn what_cannot_be_done_is_refused_in_one_line() {
         (&["heatmap", "scalable-2k", "-o", "map.png", "--size", "0"], &["--size"]),
         (&["heatmap", "scalable-2k", "-o", "map.png", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["heatmap", "--redraw", "-o", "map.png"], &["map.csv", "--redraw"]),
+        (&["heatmap", "scalable-2k", "--check", "-o", "map.png"], &["--check"]),
         (&["animate", "rooms"], &["no moving scene is called rooms", "wrung", "parade"]),
         (&["animate", "wrung", "--frames", "0"], &["--frames 0"]),
         (&["animate", "wrung", "--width", "5"], &["--width", "4 or 8"]),

@@ -7,6 +7,8 @@ use crate::geometry::Aabb;
 
 /// A split of a cut, as it was made.
 pub(crate) struct SeenSplit<'a> {
+    /// The auxiliary tree, whose nodes are split.
+    pub tree: &'a BinaryTree,
     /// Binary splits above.
     pub depth: u32,
     /// The axis of the order or of the plane; 0 where the cut was halved for want of a gain.

@@ -73,6 +73,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         let refined = [0, 1].map(|i| self.refine(&cut, clips[i], references, &mut sides[i], arena));
         if P::SEES {
             self.policy.see(&SeenSplit {
+                tree: self.tree,
                 depth: cut.depth,
                 axis: spatial.map_or(object.axis, |split| split.axis),
                 plane: spatial.map(|split| split.plane),

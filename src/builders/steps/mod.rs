@@ -1,6 +1,7 @@
 //! The steps of a build, each on its own, for `benches/steps.rs`: no stable interface. [`watch`] shows the splits of a
-//! whole build.
+//! whole build, [`split_boxes`] is one of them.
 
+pub mod split_boxes;
 pub mod watch;
 
 use super::builder::Phase;

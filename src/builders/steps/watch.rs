@@ -1,7 +1,7 @@
 //! The splits of a build over cuts, as the builder makes them: sizes of cuts by depth (Figure 4 of the paper), and single
-//! splits as boxes (Figures 3 and 5). Cuts that an extension splits down to their leaves in one go are not seen.
+//! splits of PHR as boxes (Figures 3 and 5). Cuts that an extension splits down to their leaves in one go are not seen.
 
-use crate::builders::binary::node::Node;
+use super::split_boxes::SplitBoxes;
 use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::phr::Extensions;
@@ -14,7 +14,7 @@ use crate::builders::wide::build::build;
 use crate::builders::wide::memory::Memory;
 use crate::builders::{binary::subtrees::Subtrees, hunt, phr};
 use crate::bvh::Bvh4;
-use crate::geometry::{Aabb, Mesh};
+use crate::geometry::Mesh;
 use crate::simd::Isa;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -31,25 +31,6 @@ pub struct CutsAtDepth {
     pub cuts: u64,
     /// Their nodes, all together.
     pub nodes: u64,
-}
-
-/// A split as boxes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SplitBoxes {
-    /// Binary splits above.
-    pub depth: u32,
-    /// The axis of the order or of the plane.
-    pub axis: usize,
-    /// Where the plane of a spatial split is.
-    pub plane: Option<f32>,
-    /// The nodes of the cut.
-    pub cut: Vec<Aabb>,
-    /// Those of its sides, clipped, before they are refined.
-    pub sides: [Vec<Aabb>; 2],
-    /// What is left of space to either side; infinite where nothing was cut off.
-    pub clips: [Aabb; 2],
-    /// The sides, refined.
-    pub refined: [Vec<Aabb>; 2],
 }
 
 /// Builds over `mesh` on the current rayon pool, every split shown to `watcher`; the nodes are those of the builder's tree.
@@ -130,35 +111,11 @@ pub fn best_split(
     Ok(best.into_inner().expect("no watcher panics").map(|(_, boxes)| boxes))
 }
 
-impl SplitBoxes {
-    fn of(split: &SeenSplit<'_>) -> Self {
-        let boxes = |nodes: &[Node]| nodes.iter().map(Node::bounds).collect();
-        Self {
-            depth: split.depth,
-            axis: split.axis,
-            plane: split.plane,
-            cut: boxes(split.cut),
-            sides: split.sides.map(boxes),
-            clips: split.clips,
-            refined: split.refined.map(boxes),
-        }
-    }
-
-    /// The union of the cut's boxes.
-    pub fn bounds(&self) -> Aabb {
-        self.cut.iter().copied().collect()
-    }
-
-    fn place(&self) -> (u32, [f32; 3], [f32; 3]) {
-        let bounds = self.bounds();
-        (self.depth, bounds.min.to_array(), bounds.max.to_array())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::builders::naive::wide::Wide;
+    use crate::builders::phr::cut::SPACE;
     use crate::builders::testing::soup;
     use crate::builders::{NAMES, by_name, cuts_of};
 
@@ -206,6 +163,28 @@ mod tests {
         };
         let split = find(1);
         assert_eq!(split, find(4));
-        assert!(split.cut.len() == 9 && split.sides.iter().all(|side| !side.is_empty()));
+        assert!(split.cut.len() == 9 && split.sides.iter().all(|side| side.nodes().count() > 0));
+    }
+
+    /// Every node of a refined side is a node that stays or a child of one that was opened, whatever their boxes.
+    #[test]
+    fn nodes_that_were_opened_are_told_with_their_children() {
+        let mesh = soup(3000, 0.3, 2);
+        let config = cuts_of("phr-fast").unwrap();
+        let opened = AtomicU64::new(0);
+        watched(&mesh, &config, &|split| {
+            let boxes = SplitBoxes::of(split);
+            for (side, (nodes, refined)) in boxes.sides.iter().zip(split.sides.iter().zip(split.refined)) {
+                assert_eq!((side.nodes().count(), side.refined().count()), (nodes.len(), refined.len()));
+                for node in &side.opened {
+                    assert_eq!(node.children.len() + node.discarded.len(), 2);
+                    opened.fetch_add(1, Ordering::Relaxed);
+                }
+                let cut_off = side.opened.iter().any(|node| !node.discarded.is_empty());
+                assert!(!cut_off || side.clip != SPACE, "nothing is discarded before a plane has cut space");
+            }
+        })
+        .unwrap();
+        assert!(opened.into_inner() > 100);
     }
 }

@@ -1,17 +1,15 @@
 //! `phr animate`: trees that follow a moving scene.
 
-use crate::bench::files::{new_folder, write_whole};
+use super::told;
+use crate::bench::files::new_folder;
 use crate::bench::settings::Settings;
 use crate::cli::failure::Failure;
 use crate::cli::options::{all_threads, cells, kernel, pools, width};
-use crate::cli::output::say;
-use crate::cli::verbs::plot::{check, draw};
 use crate::experiments::animation::{
     self, ANIMATION, AnimationSettings, FrameRow, entrants, measure, records,
 };
 use crate::geometry::Mesh;
 use crate::report::plot::Drawing;
-use crate::report::readme::findings::FINDINGS;
 use crate::scene::{Animated, animated, animated_by_name};
 use indicatif::ProgressBar;
 use std::io::IsTerminal;
@@ -66,7 +64,7 @@ pub struct Arguments {
     /// Measure nothing: draw and tell again from the CSV in the folder
     #[arg(long)]
     redraw: bool,
-    /// Measure and draw nothing; fail if the SVG file in the folder is not that of the CSV
+    /// Measure and draw nothing; fail if figure or findings in the folder are not those of the CSV
     #[arg(long)]
     check: bool,
 }
@@ -82,18 +80,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         true => records::read(&arguments.out)?,
         false => measured(arguments)?,
     };
-    let svg = animation::draw(&rows).unwrap_or_default();
-    let drawings = [Drawing { name: "animation", svg }];
-    if arguments.check {
-        return check(&drawings, &arguments.out);
-    }
-    let text = animation::findings(&rows);
-    write_whole(&arguments.out.join(FINDINGS), text.as_bytes())?;
-    say(&text)?;
-    if !drawings[0].svg.is_empty() {
-        let files = draw(&drawings, &arguments.out)?;
-        say(&files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join("\n"))?;
-    }
+    let drawings: Vec<Drawing> =
+        animation::draw(&rows).map(|svg| Drawing { name: "animation", svg }).into_iter().collect();
+    let act = if arguments.check { told::compare } else { told::write };
+    act(&animation::findings(&rows), &drawings, &arguments.out)?;
     match rows.iter().filter(|row| !row.verified).count() {
         0 => Ok(()),
         failed => Err(Failure::Wrong(format!(

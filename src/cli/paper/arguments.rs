@@ -57,7 +57,7 @@ pub struct Arguments {
     /// Measure nothing: draw and tell again from the CSV in the folder
     #[arg(long)]
     pub redraw: bool,
-    /// Measure and draw nothing; fail if the SVG files in the folder are not those of the CSV
+    /// Measure and draw nothing; fail if figures or findings in the folder are not those of the CSV
     #[arg(long)]
     pub check: bool,
 }

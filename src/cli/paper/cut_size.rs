@@ -1,16 +1,13 @@
 //! `phr experiment cut-size`: Figure 4 of the paper.
 
 use super::arguments::Arguments;
-use crate::bench::files::new_folder;
-use crate::bench::files::{read_csv_file, write_csv, write_whole};
+use super::told;
+use crate::bench::files::{new_folder, read_csv_file, write_csv};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
 use crate::cli::options::{all_threads, pools};
-use crate::cli::output::say;
-use crate::cli::verbs::plot::{check, draw};
 use crate::experiments::cut_size::{self, BUILDERS, CUT_SIZES, CutSizeRow};
 use crate::report::plot::Drawing;
-use crate::report::readme::findings::FINDINGS;
 use crate::scene;
 
 /// Name of the experiment.
@@ -30,14 +27,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let svg = cut_size::draw(&rows).unwrap_or_default();
     let drawings = [Drawing { name: NAME, svg }];
-    if arguments.check {
-        return check(&drawings, &folder);
-    }
-    let text = cut_size::findings(&rows);
-    write_whole(&folder.join(FINDINGS), text.as_bytes())?;
-    say(&text)?;
-    let files = draw(&drawings, &folder)?;
-    say(&files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join("\n"))
+    let act = if arguments.check { told::compare } else { told::write };
+    act(&cut_size::findings(&rows), &drawings, &folder)
 }
 
 fn measure(arguments: &Arguments) -> Result<Vec<CutSizeRow>, Failure> {

@@ -1,9 +1,9 @@
 //! `phr experiment`: the paper's experiments, and the figures that look into a build.
 
 use super::arguments::Arguments;
-use super::{cut_size, split};
+use super::{cut_size, split, told};
 use crate::bench::chosen::Chosen;
-use crate::bench::files::{new_folder, write_whole};
+use crate::bench::files::new_folder;
 use crate::bench::plan::{Plan, Request, Set};
 use crate::bench::recorder::RecordOptions;
 use crate::bench::row;
@@ -13,9 +13,7 @@ use crate::cli::measuring::{make, verdict};
 use crate::cli::options::{all_threads, command_line};
 use crate::cli::output::say;
 use crate::cli::progress::Bar;
-use crate::cli::verbs::plot::{check, draw};
 use crate::experiments::contest::{self, EXPERIMENTS, Experiment};
-use crate::report::readme::findings::FINDINGS;
 use std::path::Path;
 
 /// Runs the verb.
@@ -81,7 +79,7 @@ fn request(experiment: &Experiment, arguments: &Arguments) -> Result<Request, Fa
     })
 }
 
-/// Draws what the rows say and tells it, or checks what was drawn.
+/// Draws what the rows say and tells it, or checks what was drawn and told.
 fn tell(
     experiment: &Experiment,
     arguments: &Arguments,
@@ -98,12 +96,7 @@ fn tell(
             experiment.name
         )));
     }
-    if arguments.check {
-        return check(&drawings, folder);
-    }
     let text = contest::findings(experiment, rows, arguments.width);
-    write_whole(&folder.join(FINDINGS), text.as_bytes())?;
-    say(&text)?;
-    let files = draw(&drawings, folder)?;
-    say(&files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join("\n"))
+    let act = if arguments.check { told::compare } else { told::write };
+    act(&text, &drawings, folder)
 }

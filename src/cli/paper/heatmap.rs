@@ -7,7 +7,7 @@ use crate::cli::failure::Failure;
 use crate::cli::options::{self, all_threads, check_place, pools, width};
 use crate::cli::output::say;
 use crate::experiments::heatmap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The builders of the paper's Figure 1.
 const FIGURE_1: [&str; 4] = ["embree-sah", "phr-fast", "phr-hq", "embree-fast-spatial"];
@@ -19,7 +19,7 @@ const FIGURE_1: [&str; 4] = ["embree-sah", "phr-fast", "phr-hq", "embree-fast-sp
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene file or name of a generated scene
-    #[arg(required_unless_present = "redraw")]
+    #[arg(required_unless_present_any = ["redraw", "check"])]
     scene: Option<String>,
     /// Builder (repeatable) [default: those of the paper's figure]
     #[arg(long = "builder", value_name = "NAME")]
@@ -48,6 +48,9 @@ pub struct Arguments {
     /// Measure nothing: draw again from the files beside the picture
     #[arg(long, conflicts_with_all = ["scene", "builders", "configs"])]
     redraw: bool,
+    /// Measure and draw nothing; fail if the picture is not that of the files beside it
+    #[arg(long, conflicts_with_all = ["scene", "builders", "configs", "redraw"])]
+    check: bool,
 }
 
 /// Runs the verb.
@@ -59,9 +62,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "{output}: a heat map is a PNG file; give a name that ends in .png"
         )));
     }
-    if arguments.redraw {
-        let panels = heatmap::read(&arguments.output)?;
-        return Ok(write_whole(&arguments.output, &heatmap::draw(&panels)?)?);
+    if arguments.redraw || arguments.check {
+        let drawn = heatmap::draw(&heatmap::read(&arguments.output)?)?;
+        return if arguments.check {
+            check(&arguments.output, &drawn)
+        } else {
+            Ok(write_whole(&arguments.output, &drawn)?)
+        };
     }
     if arguments.size == 0 || arguments.size > 1 << 12 || arguments.scale == Some(0) {
         return Err(Failure::Bad(format!(
@@ -90,6 +97,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         ))?;
     }
     say(&arguments.output.display().to_string())
+}
+
+/// Fails if the file is not the picture `drawn`.
+fn check(output: &Path, drawn: &[u8]) -> Result<(), Failure> {
+    if std::fs::read(output).is_ok_and(|there| there == drawn) {
+        return Ok(());
+    }
+    let output = output.display();
+    Err(Failure::Wrong(format!("{output}: not the picture of these counts; draw it again with --redraw")))
 }
 
 /// The builders asked for, or those of Figure 1 that this program has.

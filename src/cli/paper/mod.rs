@@ -6,3 +6,4 @@ mod cut_size;
 pub mod experiment;
 pub mod heatmap;
 mod split;
+mod told;

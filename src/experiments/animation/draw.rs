@@ -28,7 +28,8 @@ fn line(entrant: &Entrant) -> Line {
         Update::Refit => (2.0, " stroke-dasharray=\"2 3\""),
         Update::Refine => (2.0, " stroke-dasharray=\"9 4\""),
         Update::Merge => (2.0, " stroke-dasharray=\"9 3 2 3\""),
-        Update::MergeSah => (2.0, " stroke-dasharray=\"9 3 2 3 2 3\""),
+        // Wide and pale: dashes of four kinds are not told apart.
+        Update::MergeSah => (5.0, " stroke-opacity=\"0.45\""),
     };
     Line { colour, width, more }
 }
@@ -57,11 +58,11 @@ pub fn draw(rows: &[FrameRow]) -> Option<String> {
     let places = key(&entrants, wide);
     let top = places.last().map_or(78.0, |(_, y)| *y) + 62.0;
     let about = format!(
-        "build + trace, {}-wide trees, {} threads, about {} thousand rays a frame, traces under {}; left: all frames so far, \
+        "build + trace, {}-wide trees, {} threads, {} thousand rays a frame, traces under {}; left: all frames so far, \
          relative to the tree named there; middle: each frame, medians of five; right: node visits and block tests under our kernel",
         first.width,
         first.threads,
-        (first.rays as f64 / 1e3).round(),
+        thousands_of_rays(rows),
         first.kernel
     );
     let size = (wide, top + scenes.len() as f64 * pitch.1 + 10.0);
@@ -78,6 +79,13 @@ pub fn draw(rows: &[FrameRow]) -> Option<String> {
         }
     }
     Some(svg.finish())
+}
+
+/// The least and the greatest number of rays of a frame, thousands.
+fn thousands_of_rays(rows: &[FrameRow]) -> String {
+    let thousands = || rows.iter().map(|row| (row.rays as f64 / 1e3).round());
+    let (least, most) = (thousands().fold(f64::INFINITY, f64::min), thousands().fold(0.0, f64::max));
+    if least < most { format!("{least} to {most}") } else { most.to_string() }
 }
 
 /// Where the lines of the key begin.

@@ -1,22 +1,32 @@
 //! The ratios of a comparison over the scenes of a run.
 
-use super::experiment::Comparison;
+use super::experiment::{Among, Comparison};
 use crate::bench::row::Row;
 use crate::report::figures::interval::{Interval, Over};
-use crate::report::figures::{Figure, Under};
+use crate::report::figures::{Figure, SceneFigures, Under};
 use crate::report::means::Ratios;
-use crate::report::paper;
 
-/// The figures that experiments compare, with their names.
-pub const FIGURES: [(&str, Figure); 3] =
-    [("build", Figure::Build), ("SAH cost", Figure::Cost), ("trace", Figure::Trace)];
+/// The figures that most experiments compare.
+pub const FIGURES: &[Figure] = &[Figure::Build, Figure::Cost, Figure::Steps, Figure::Trace];
+/// Those where times of builds tell nothing.
+pub const OF_TREES: &[Figure] = &[Figure::Cost, Figure::Steps, Figure::Trace];
+
+/// The name of a figure, one of [`FIGURES`].
+pub fn name(figure: Figure) -> &'static str {
+    match figure {
+        Figure::Cost => "SAH cost",
+        Figure::Steps => "steps",
+        Figure::Trace => "trace",
+        _ => "build",
+    }
+}
 
 /// The ratios of a comparison.
 pub struct Compared<'a> {
     /// What is compared.
     pub comparison: &'a Comparison,
-    /// Ratios by scene, in the order of [`FIGURES`].
-    pub ratios: [Ratios; 3],
+    /// Each figure with its ratios by scene.
+    pub ratios: Vec<(Figure, Ratios)>,
 }
 
 /// A mean with its 95 % interval.
@@ -29,35 +39,48 @@ pub struct Mean {
 }
 
 impl<'a> Compared<'a> {
-    /// The ratios of trees of `width`; `None` if the rows have no figure of both builders.
-    pub fn of(comparison: &'a Comparison, rows: &[Row], width: u32, under: &Under) -> Option<Self> {
+    /// The ratios of trees of `width`; `None` if there are no figures of both builders.
+    pub fn of(
+        comparison: &'a Comparison,
+        figures: &[Figure],
+        scenes: &[SceneFigures<'_>],
+        width: u32,
+        under: &Under,
+    ) -> Option<Self> {
         let (changed, base) = ((comparison.changed.as_str(), width), (comparison.base.as_str(), width));
-        let ratios = FIGURES.map(|(_, figure)| Ratios::to(base, rows, changed, figure, under));
-        ratios.iter().any(|ratios| !ratios.0.is_empty()).then_some(Self { comparison, ratios })
+        let of = |&figure: &Figure| (figure, Ratios::among(scenes, base, changed, figure, under));
+        let ratios: Vec<(Figure, Ratios)> = figures.iter().map(of).collect();
+        ratios.iter().any(|(_, ratios)| !ratios.0.is_empty()).then_some(Self { comparison, ratios })
     }
 
-    /// The ratios of `figure`, one of [`FIGURES`].
-    pub fn of_figure(&self, figure: Figure) -> &Ratios {
-        let place = FIGURES.iter().position(|(_, known)| *known == figure);
-        &self.ratios[place.unwrap_or(0)]
+    /// The ratios of `figure`; none if it is not compared.
+    pub fn of_figure(&self, figure: Figure) -> Option<&Ratios> {
+        self.ratios.iter().find(|(known, _)| *known == figure).map(|(_, ratios)| ratios)
     }
 }
 
 impl Mean {
     /// The mean of some ratios; `None` of none.
     pub fn of(ratios: &Ratios) -> Option<Self> {
-        let over = if ratios.0.len() > 1 { Over::ScenesAndRounds } else { Over::Rounds };
+        Self::over(ratios, ratios.over())
+    }
+
+    fn over(ratios: &Ratios, over: Over) -> Option<Self> {
         let interval = ratios.interval(over).filter(|interval| interval.high.is_finite());
         Some(Self { value: ratios.geometric()?, interval })
     }
 
-    /// The mean over those of the paper's scenes, or stand-ins for them, and what is sure of these very scenes; `None` if
-    /// there are none of them.
-    pub fn in_scenes(ratios: &Ratios, scenes: &[&str]) -> Option<Self> {
-        let is_one = |name: &str| paper::scene_of(name).is_some_and(|scene| scenes.contains(&scene.as_str()));
+    /// The mean over the scenes `among` those of the rows, which know their triangles. Of the paper's scenes it is told what
+    /// is sure of these very scenes, of others what is of their kind. `None` if there are none of them.
+    pub fn among(ratios: &Ratios, among: Among, rows: &[Row]) -> Option<Self> {
+        let triangles =
+            |scene: &str| rows.iter().find(|row| row.scene == scene).map_or(0, |row| row.triangles);
+        let is_one = |scene: &str| among.has(scene, triangles(scene));
         let those = Ratios(ratios.0.iter().filter(|ratio| is_one(&ratio.scene)).cloned().collect());
-        let interval = those.interval(Over::Rounds).filter(|interval| interval.high.is_finite());
-        Some(Self { value: those.geometric()?, interval })
+        match among {
+            Among::Paper(_) => Self::over(&those, Over::Rounds),
+            Among::All | Among::Kind(_) | Among::From(_) => Self::of(&those),
+        }
     }
 
     /// As `0.93 [0.90, 0.96]`.
@@ -74,5 +97,57 @@ impl Mean {
             Some(Interval { low, high }) if high < least || most < low => "does not hold",
             Some(_) => "is undecided",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::kinds::{LARGE, SCANS};
+    use super::*;
+    use crate::report::figures::{GRAFTED, PHR};
+
+    /// A tree of a scene under both kernels.
+    fn rows(scene: &str, triangles: u64, builder: &str, trace: f64, visits: f64) -> [Row; 2] {
+        [GRAFTED, PHR].map(|kernel| Row {
+            scene: scene.into(),
+            triangles,
+            node_visits_per_ray: (kernel == PHR).then_some(visits),
+            block_tests_per_ray: (kernel == PHR).then_some(1.0),
+            ..Row::by_hand(builder, 4, kernel, 10.0, trace)
+        })
+    }
+
+    #[test]
+    fn steps_are_those_of_our_kernel_and_have_no_noise() {
+        let rows = [rows("statue", 9, "phr-fast", 10.0, 3.0), rows("statue", 9, "aac", 30.0, 5.0)].concat();
+        let comparison = Comparison { changed: "aac".into(), base: "phr-fast".into(), expected: Vec::new() };
+        let scenes = SceneFigures::all(&rows);
+        let compared = Compared::of(&comparison, FIGURES, &scenes, 4, &Under::best(&rows)).unwrap();
+        let mean = |figure| Mean::of(compared.of_figure(figure).unwrap()).map(|mean| mean.shown());
+        assert_eq!(mean(Figure::Steps).as_deref(), Some("1.50 [1.50, 1.50]"));
+        assert_eq!(mean(Figure::Trace).as_deref(), Some("3.00 [3.00, 3.00]"));
+        assert_eq!(mean(Figure::Cost), None, "the rows have no cost");
+        assert!(Compared::of(&comparison, OF_TREES, &scenes, 8, &Under::best(&rows)).is_none());
+    }
+
+    #[test]
+    fn something_is_said_of_some_scenes() {
+        let of = |scene: &str, triangles, trace| {
+            [rows(scene, triangles, "phr-fast", 10.0, 3.0), rows(scene, triangles, "aac", trace, 5.0)]
+                .concat()
+        };
+        let rows = [
+            of("statue", 200_000, 20.0),
+            of("clinic", 1_200_000, 40.0),
+            of("sanmiguel-like", 10_000_000, 10.0),
+        ]
+        .concat();
+        let ratios = Ratios::to(("phr-fast", 4), &rows, ("aac", 4), Figure::Trace, &Under::best(&rows));
+        let mean = |among| Mean::among(&ratios, among, &rows).map(|mean| (mean.value * 100.0).round());
+        assert_eq!(mean(Among::All), Some(200.0));
+        assert_eq!(mean(SCANS), Some(200.0));
+        assert_eq!(mean(LARGE), Some(200.0));
+        assert_eq!(mean(Among::Paper(&["San Miguel"])), Some(100.0));
+        assert_eq!(mean(Among::Paper(&["Hairball"])), None);
     }
 }

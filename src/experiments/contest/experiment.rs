@@ -1,6 +1,8 @@
 //! What makes an experiment: its builders, which are compared, and what the paper leads to expect.
 
-use crate::report::figures::Figure;
+use crate::bench::row::Row;
+use crate::report::figures::{Figure, Under};
+use crate::report::paper;
 
 /// An experiment.
 pub struct Experiment {
@@ -18,8 +20,12 @@ pub struct Experiment {
     pub entrants: fn() -> Vec<String>,
     /// Which of them are compared with which.
     pub comparisons: fn() -> Vec<Comparison>,
-    /// Lines through some of them in a plot of build time against trace time, where that is drawn.
+    /// By what they are compared.
+    pub figures: &'static [Figure],
+    /// Lines through some of them in plots of build time against steps and trace time, where those are drawn.
     pub families: Option<fn() -> Families>,
+    /// What their rows tell beyond comparisons of two, over trees of a width, in words.
+    pub more: Option<fn(&[Row], u32, &Under) -> String>,
 }
 
 /// A builder beside another.
@@ -38,12 +44,37 @@ pub struct Comparison {
 pub struct Expectation {
     /// In words, after "that".
     pub says: &'static str,
-    /// The figure of the changed builder, relative to the base.
+    /// The figure of the changed builder, relative to the base. A statement of traces is judged by their steps too.
     pub figure: Figure,
     /// Where its mean over scenes is then.
     pub range: (f64, f64),
-    /// The paper's scenes, or stand-ins for them, of which it is said; all if empty.
-    pub scenes: &'static [&'static str],
+    /// The scenes of which it is said.
+    pub among: Among,
+}
+
+/// Scenes of which something is said.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Among {
+    /// All of a run.
+    All,
+    /// These of the paper's scenes, or stand-ins for them.
+    Paper(&'static [&'static str]),
+    /// Those of a kind, by name.
+    Kind(&'static [&'static str]),
+    /// Those of so many triangles and more.
+    From(u64),
+}
+
+impl Among {
+    /// Whether a scene of a name and a number of triangles is one.
+    pub fn has(self, scene: &str, triangles: u64) -> bool {
+        match self {
+            Self::All => true,
+            Self::Paper(names) => paper::scene_of(scene).is_some_and(|name| names.contains(&name.as_str())),
+            Self::Kind(names) => names.contains(&scene),
+            Self::From(least) => triangles >= least,
+        }
+    }
 }
 
 /// Lines in a plot.

@@ -1,74 +1,113 @@
 //! What an experiment found, in words made from its rows.
 
-use super::compared::{Compared, FIGURES, Mean};
+use super::compared::{Compared, Mean, name};
 use super::experiment::{Comparison, Experiment};
-use super::grid;
 use crate::bench::row::Row;
 use crate::report::ablation::Ablation;
-use crate::report::figures::{Figure, Under, scenes, tree_name};
+use crate::report::figures::{Figure, SceneFigures, Under, only, tree_name};
 use crate::report::grid::Grid;
 use crate::report::readme::findings::EVERY_SCENE;
+use crate::report::table::{rounds, warned};
 
-/// The paragraph of an experiment over trees of `width`, and a table of every scene.
+/// The paragraph of an experiment over trees of `width`, what the paper leads to expect, and a table of every scene.
 pub fn findings(experiment: &Experiment, rows: &[Row], width: u32) -> String {
     let under = Under::best(rows);
+    let entrants = (experiment.entrants)();
+    let own = only(rows, |row| row.width == width && entrants.contains(&row.builder));
     let comparisons = (experiment.comparisons)();
-    let Experiment { name, section, paper, caveat, .. } = experiment;
-    let count = scenes(rows).len();
-    let threads = rows.first().map_or(0, |row| row.threads);
-    let mut text = format!(
-        "# {name}\n\n{}. Means over {count} {}, {width}-wide trees, {threads} threads, in brackets 95 % intervals. The paper \
-         ({section}): {paper}.",
-        experiment.about,
-        if count == 1 { "scene" } else { "scenes" },
-    );
-    if !caveat.is_empty() {
-        text += &format!(" {caveat}");
+    let scenes = SceneFigures::all(rows);
+    let compared: Vec<Compared<'_>> = comparisons
+        .iter()
+        .filter_map(|comparison| Compared::of(comparison, experiment.figures, &scenes, width, &under))
+        .collect();
+    let mut text = heading(experiment, &own, width, &under);
+    text += &(means(&compared) + "\n" + &claims(&compared, rows));
+    if let Some(more) = experiment.more {
+        text += &format!("{}\n", more(rows, width, &under));
     }
-    text += &format!(" Traces: {}.\n\n", under.about());
-    let compared: Vec<Compared<'_>> =
-        comparisons.iter().filter_map(|comparison| Compared::of(comparison, rows, width, &under)).collect();
-    text += &(means(&compared) + "\n" + &claims(&compared));
-    if name == &"grid" {
-        text += &format!("{}\n", grid::findings(rows, width, &under));
-    }
-    text + &failures(rows) + &format!("{EVERY_SCENE}\n\n") + &tables(&comparisons, rows, width)
+    text += &(failures(rows) + &warnings(&own));
+    text + &format!("{EVERY_SCENE}\n\n") + &tables(&comparisons, rows, width)
 }
 
-/// The means of every comparison, and in how many scenes traces are slower.
+/// What was asked, of what it is told, and how it was measured.
+fn heading(experiment: &Experiment, rows: &[Row], width: u32, under: &Under) -> String {
+    let Experiment { name, section, about, paper, caveat, .. } = experiment;
+    let count = SceneFigures::all(rows).len();
+    let noun = if count == 1 { "scene" } else { "scenes" };
+    let threads = rows.first().map_or(0, |row| row.threads);
+    let caveat = if caveat.is_empty() { String::new() } else { format!(" {caveat}") };
+    format!(
+        "# {name}\n\n{about}. Means over {count} {noun}, {width}-wide trees, {threads} threads, in brackets 95 % intervals. The \
+         paper ({section}): {paper}.{caveat} Traces: {}{} rounds, {}. Steps: inner nodes visited and leaf blocks tested per \
+         ray under our kernel; they have no noise.\n\n",
+        rays(rows),
+        rounds(rows.iter().filter(|row| row.is_good())),
+        under.about()
+    )
+}
+
+/// The least and the greatest number of rays of a scene.
+fn rays(rows: &[Row]) -> String {
+    let thousands =
+        || rows.iter().filter(|row| row.is_total()).filter_map(|row| Some((row.rays? + 500) / 1000));
+    match (thousands().min(), thousands().max()) {
+        (Some(least), Some(most)) if least < most => format!("{least} to {most} thousand rays of a scene, "),
+        (Some(all), _) => format!("{all} thousand rays of a scene, "),
+        _ => String::new(),
+    }
+}
+
+/// The means of every comparison, the scenes with fewest and most steps, and in how many scenes the trees are worse.
 fn means(compared: &[Compared<'_>]) -> String {
-    let names = FIGURES.iter().map(|(name, _)| *name);
+    let Some(first) = compared.first() else { return String::new() };
+    let figures: Vec<&str> = first.ratios.iter().map(|(figure, _)| name(*figure)).collect();
+    let of_trees = |figure: Figure| figure != Figure::Build;
+    let worse: Vec<&str> = first
+        .ratios
+        .iter()
+        .filter(|(figure, _)| of_trees(*figure))
+        .map(|(figure, _)| name(*figure))
+        .collect();
+    let header = ["builder".to_owned(), "relative to".into()].into_iter();
+    let header = header.chain(figures.into_iter().map(String::from));
     let mut grid =
-        Grid::new(["builder", "relative to"].into_iter().chain(names).chain(["trace, by scene", "slower"]));
+        Grid::new(header.chain(["steps, by scene".into(), format!("more {} in", worse.join(", "))]));
     for one in compared {
         let Comparison { changed, base, .. } = one.comparison;
-        let figures =
-            one.ratios.iter().map(|ratios| Mean::of(ratios).map_or_else(String::new, |m| m.shown()));
-        let traces = one.of_figure(Figure::Trace);
-        let range = traces.least().zip(traces.worst()).map_or_else(String::new, |(least, most)| {
+        let means =
+            one.ratios.iter().map(|(_, ratios)| Mean::of(ratios).map_or_else(String::new, |m| m.shown()));
+        let ends = one.of_figure(Figure::Steps).and_then(|steps| steps.least().zip(steps.worst()));
+        let range = ends.map_or_else(String::new, |(least, most)| {
             format!("{:.2} {} to {:.2} {}", least.value, least.scene, most.value, most.scene)
         });
-        let slower = traces.0.iter().filter(|ratio| ratio.value > 1.0).count();
-        let last = [range, format!("{slower} of {}", traces.0.len())];
-        grid.push([changed.clone(), base.clone()].into_iter().chain(figures).chain(last).collect());
+        let trees = || one.ratios.iter().filter(|(figure, _)| of_trees(*figure)).map(|(_, ratios)| &ratios.0);
+        let more = trees().map(|ratios| ratios.iter().filter(|ratio| ratio.value > 1.0).count().to_string());
+        let of = trees().map(Vec::len).max().unwrap_or(0);
+        let more = format!("{} of {of}", more.collect::<Vec<_>>().join(", "));
+        grid.push([changed.clone(), base.clone()].into_iter().chain(means).chain([range, more]).collect());
     }
     grid.markdown()
 }
 
-/// What the paper leads to expect, and what becomes of it; nothing where it does not say.
-fn claims(compared: &[Compared<'_>]) -> String {
-    let mut grid = Grid::new(["that", "builder", "relative to", "ours", ""]);
+/// What the paper leads to expect, and what becomes of it; nothing where it does not say. What it says of traces is judged by
+/// their steps too.
+fn claims(compared: &[Compared<'_>], rows: &[Row]) -> String {
+    let mut grid = Grid::new(["that", "by", "builder", "relative to", "ours", ""]);
     for one in compared {
         let Comparison { changed, base, expected } = one.comparison;
         for expectation in expected {
-            let ratios = one.of_figure(expectation.figure);
-            let mean = match expectation.scenes {
-                [] => Mean::of(ratios),
-                scenes => Mean::in_scenes(ratios, scenes),
+            let figures = match expectation.figure {
+                Figure::Trace => vec![Figure::Trace, Figure::Steps],
+                figure => vec![figure],
             };
-            let verdict = mean.map_or("was not measured", |mean| mean.verdict(expectation.range));
-            let shown = mean.map_or_else(String::new, |mean| mean.shown());
-            grid.push(vec![expectation.says.into(), changed.clone(), base.clone(), shown, verdict.into()]);
+            for figure in figures {
+                let ratios = one.of_figure(figure);
+                let mean = ratios.and_then(|ratios| Mean::among(ratios, expectation.among, rows));
+                let verdict = mean.map_or("was not measured", |mean| mean.verdict(expectation.range));
+                let shown = mean.map_or_else(String::new, |mean| mean.shown());
+                let says = [expectation.says, name(figure)].map(String::from);
+                grid.push([says, [changed.clone(), base.clone()], [shown, verdict.into()]].concat());
+            }
         }
     }
     if grid.is_empty() { String::new() } else { grid.markdown() + "\n" }
@@ -79,6 +118,14 @@ fn failures(rows: &[Row]) -> String {
     let failed = rows.iter().filter(|row| row.is_total() && !row.is_good());
     let told = failed.map(|row| format!("No figures: {} {}: {}\n\n", row.scene, row.builder, row.error));
     told.collect()
+}
+
+/// The defects of the rows, each with how many have it.
+fn warnings(rows: &[Row]) -> String {
+    let told =
+        warned(rows).into_iter().map(|(warning, count, of)| format!("{} {count} of {of}", warning.name()));
+    let told: Vec<String> = told.collect();
+    if told.is_empty() { String::new() } else { format!("Warnings, by rows: {}.\n\n", told.join(", ")) }
 }
 
 /// Every scene, a table for each builder that others are compared with.

@@ -1,8 +1,9 @@
-//! Draws build time against trace time: families of builders as lines through their points, and the front through all.
+//! Draws build time against steps and trace time: families of builders as lines through their points, and the front through
+//! all.
 
 use super::experiment::{Experiment, Families};
 use crate::bench::row::Row;
-use crate::report::figures::{Figure, SceneFigures, Under, scenes};
+use crate::report::figures::{Figure, SceneFigures, Under};
 use crate::report::means::Ratios;
 use crate::report::plot::chart::{Across, DASHES, Front, INK, Line, Panel, Point, Range, SMALL, sheet};
 use crate::report::plot::labels::Rect;
@@ -24,7 +25,10 @@ const STYLES: [(Shape, &str); 4] = [
 /// The band behind the front.
 const BAND: Line = Line { colour: "#dfe8d8", width: 9.0, more: " stroke-linejoin=\"round\"" };
 
-/// The geometric means over scenes; `None` without points.
+/// What stands upwards in the panels of means: steps, which have no noise, and time.
+const UPWARDS: [(Figure, &str); 2] = [(Figure::Steps, "steps of a ray"), (Figure::Trace, "trace time")];
+
+/// The geometric means over scenes, a panel each for steps and for trace times; `None` without points.
 pub fn mean(
     experiment: &Experiment,
     families: &Families,
@@ -32,24 +36,35 @@ pub fn mean(
     width: u32,
     under: &Under,
 ) -> Option<String> {
-    let at = |builder: &str| {
-        let mean =
-            |figure| Ratios::to((&families.base, width), rows, (builder, width), figure, under).geometric();
-        Some((mean(Figure::Build)?, mean(Figure::Trace)?))
+    let of_scenes = SceneFigures::all(rows);
+    let count = of_scenes.len();
+    let panel = |(figure, up): (Figure, &str)| {
+        let at = |builder: &str| {
+            let base = (families.base.as_str(), width);
+            let mean = |figure| Ratios::among(&of_scenes, base, (builder, width), figure, under).geometric();
+            Some((mean(Figure::Build)?, mean(figure)?))
+        };
+        let (fronts, points) = marks(families, at, true)?;
+        let (range, axes, across) = (Range::of(&points), axes(families, up), Across::Logarithmic);
+        Some(Panel { title: String::new(), axes, range, across, fronts, points, font: 12.0 })
     };
-    let (fronts, points) = marks(families, at, true)?;
-    let count = scenes(rows).len();
+    let panels: Vec<Panel> = UPWARDS.into_iter().filter_map(panel).collect();
+    if panels.is_empty() {
+        return None;
+    }
     let means = format!("geometric means of {count} {}", if count == 1 { "scene" } else { "scenes" });
-    let mut svg = with_key((860.0, 720.0), experiment, families, (rows, width, under), &means);
-    let range = Range::of(&points);
-    let axes = axes(families);
-    let panel =
-        Panel { title: String::new(), axes, range, across: Across::Logarithmic, fronts, points, font: 12.0 };
-    panel.draw(&mut svg, Rect { x: 78.0, y: 124.0, width: 756.0, height: 530.0 });
+    let (inside, pitch, left) = ((660.0, 530.0), 750.0, 78.0);
+    let size = (f64::max(left + panels.len() as f64 * pitch, 860.0), 720.0);
+    let mut svg = with_key(size, experiment, families, (rows, width, under), &means);
+    for (index, panel) in panels.into_iter().enumerate() {
+        let x = left + index as f64 * pitch;
+        panel.draw(&mut svg, Rect { x, y: 124.0, width: inside.0, height: inside.1 });
+    }
     Some(svg.finish())
 }
 
-/// A panel per scene, all with the same axes; named are the points on the front. `None` below two scenes.
+/// A panel per scene, all with the same axes, by steps: single scenes' times are noise. Named are the points on the front.
+/// `None` below two scenes.
 pub fn by_scene(
     experiment: &Experiment,
     families: &Families,
@@ -57,16 +72,16 @@ pub fn by_scene(
     width: u32,
     under: &Under,
 ) -> Option<String> {
-    let all: Vec<_> = scenes(rows)
+    let all: Vec<_> = SceneFigures::all(rows)
         .into_iter()
         .filter_map(|scene| {
-            let figures = SceneFigures::of(rows, &scene);
             let at = |builder: &str| {
-                let ratio =
-                    |figure| figures.ratio_to((&families.base, width), (builder, width), figure, under);
-                Some((ratio(Figure::Build)?.value, ratio(Figure::Trace)?.value))
+                let base = (families.base.as_str(), width);
+                let ratio = |figure| scene.ratio_to(base, (builder, width), figure, under);
+                Some((ratio(Figure::Build)?.value, ratio(Figure::Steps)?.value))
             };
-            Some((scene, marks(families, at, false)?))
+            let marks = marks(families, at, false)?;
+            Some((scene.scene().to_owned(), marks))
         })
         .collect();
     if all.len() < 2 {
@@ -79,7 +94,7 @@ pub fn by_scene(
     let named = "each scene by itself; named are the points on the front";
     let mut svg = with_key(size, experiment, families, (rows, width, under), named);
     for (index, (title, (fronts, points))) in all.into_iter().enumerate() {
-        let (across, up) = axes(families);
+        let (across, up) = axes(families, UPWARDS[0].1);
         let axes = (
             if index + ABREAST >= count { across } else { String::new() },
             if index % ABREAST == 0 { up } else { String::new() },
@@ -124,9 +139,9 @@ fn marks(
     (!points.is_empty()).then_some((fronts, points))
 }
 
-fn axes(families: &Families) -> (String, String) {
+fn axes(families: &Families, up: &str) -> (String, String) {
     let base = &families.base;
-    (format!("build time / {base}"), format!("trace time / {base}"))
+    (format!("build time / {base}"), format!("{up} / {base}"))
 }
 
 fn with_key(
@@ -139,7 +154,8 @@ fn with_key(
     let threads = rows.first().map_or(0, |row| row.threads);
     let about =
         format!("{means}; {width}-wide trees, {threads} threads, both axes logarithmic; band: the front");
-    let mut svg = sheet(size, experiment.about, &[&about, &format!("traces: {}", under.about())]);
+    let traces = format!("traces: {}; steps: nodes visited and leaf blocks tested", under.about());
+    let mut svg = sheet(size, experiment.about, &[&about, &traces]);
     let mut x = 26.0;
     for ((name, _), (shape, colour)) in families.lines.iter().zip(STYLES) {
         svg.line(&[(x - 4.0, 90.0), (x + 18.0, 90.0)], colour, 1.2, DASHES);

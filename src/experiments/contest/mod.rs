@@ -1,8 +1,9 @@
 //! Experiments that are runs: contenders that differ in one thing, built and traced by the benchmark itself, verified and in
 //! interleaved rounds, and compared with one another.
 //!
-//! [`experiment`] is what makes one, [`list`] has them, [`variants`] and [`methods`] their builders, [`compared`] makes ratios of their rows, `findings` tells what came of it in words, [`effects`] and
-//! [`fronts`] draw it; [`grid`] judges what the paper says of its grid of parameters.
+//! [`experiment`] is what makes one, [`list`] has them, [`variants`] and [`methods`] their builders, [`kinds`] names scenes
+//! of a kind; [`compared`] makes ratios of their rows, `findings` tells what came of it in words, [`effects`] and [`fronts`]
+//! draw it. [`grid`] tells of the grid of parameters and [`order`] of the paper's methods what no comparison of two does.
 
 pub mod compared;
 pub mod effects;
@@ -10,8 +11,10 @@ pub mod experiment;
 pub mod findings;
 pub mod fronts;
 pub mod grid;
+pub mod kinds;
 pub mod list;
 pub mod methods;
+pub mod order;
 pub mod variants;
 
 pub use experiment::Experiment;

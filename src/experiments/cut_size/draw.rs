@@ -15,17 +15,19 @@ const ABREAST: usize = 3;
 fn line(builder: &str) -> Line {
     const DASHED: &str = " stroke-dasharray=\"7 4\"";
     const DOTTED: &str = " stroke-dasharray=\"2 3\"";
-    let (colour, more) = match builder {
-        "phr-fast" => ("#d55e00", ""),
-        "phr-hq" => ("#0072b2", ""),
-        "hunt-50" => ("#009e73", DASHED),
-        "hunt-500" => ("#000000", DASHED),
-        "phr-turbo" => ("#e69f00", DOTTED),
-        "phr-speed" => ("#cc79a7", DOTTED),
-        "phr-quality" => ("#56b4e9", DOTTED),
-        _ => ("#7f7f7f", DOTTED),
+    const MIXED: &str = " stroke-dasharray=\"9 3 2 3\"";
+    let (colour, width, more) = match builder {
+        "phr-fast" => ("#d55e00", 2.0, ""),
+        // Wider, as that of phr-fast may run over it.
+        "phr-hq" => ("#0072b2", 4.0, ""),
+        "hunt-50" => ("#009e73", 2.0, DASHED),
+        "hunt-500" => ("#000000", 2.0, DASHED),
+        "phr-turbo" => ("#e69f00", 2.0, DOTTED),
+        "phr-speed" => ("#cc79a7", 2.0, MIXED),
+        "phr-quality" => ("#56b4e9", 2.0, MIXED),
+        _ => ("#7f7f7f", 2.0, DOTTED),
     };
-    Line { colour, width: 2.0, more }
+    Line { colour, width, more }
 }
 
 /// The figure; `None` without rows.
@@ -38,7 +40,7 @@ pub fn draw(rows: &[CutSizeRow]) -> Option<String> {
     let lines = scenes.len().div_ceil(ABREAST);
     let size = (left + abreast.max(2) as f64 * pitch.0, top + lines as f64 * pitch.1 + 10.0);
     let about = "average number of nodes of the cuts that are split, by depth; those that an extension splits down to leaves \
-                 at once are left out";
+                 at once are left out; first cuts of phr-fast and phr-hq have at most 2048 nodes";
     let mut svg = sheet(size, "Size of cuts by depth", &[about]);
     let mut x = 26.0;
     for builder in BUILDERS.into_iter().filter(|builder| rows.iter().any(|row| row.builder == *builder)) {
@@ -51,7 +53,8 @@ pub fn draw(rows: &[CutSizeRow]) -> Option<String> {
     for (index, scene) in scenes.into_iter().enumerate() {
         let of_scene: Vec<&CutSizeRow> = rows.iter().filter(|row| row.scene == scene).collect();
         let (mut fronts, mut points) = (Vec::new(), Vec::new());
-        for builder in BUILDERS {
+        // The first above the others.
+        for builder in BUILDERS.into_iter().rev() {
             let of_builder = of_scene.iter().filter(|row| row.builder == builder);
             let through: Vec<(f64, f64)> =
                 of_builder.map(|row| (f64::from(row.depth), row.mean_nodes)).collect();

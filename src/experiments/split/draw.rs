@@ -2,18 +2,25 @@
 
 use super::choose::axes;
 use super::{Kind, Picture};
+use crate::builders::steps::split_boxes::SplitBoxes;
 use crate::geometry::Aabb;
-use crate::report::plot::chart::{DASHES, GREY, INK, SMALL, sheet};
+use crate::report::plot::chart::{GREY, INK, SMALL, sheet};
 use crate::report::plot::labels::Rect;
+use crate::report::plot::raster::text_width;
 use crate::report::plot::svg::{Anchor, Svg};
 
-/// Colours of the two sides and of nodes on both, after Okabe and Ito.
+/// Colours of the two sides, after Okabe and Ito.
 const SIDES: [&str; 2] = ["#0072b2", "#d55e00"];
-const BOTH: &str = "#009e73";
+/// Of nodes of the cut that are on both, which bear an asterisk.
+const BOTH: &str = "#4d4d4d";
+/// Of the other side's nodes.
+const FAINT: &str = "#d9d9d9";
 const COLUMN: f64 = 400.0;
 const GAP: f64 = 44.0;
 const TOP: f64 = 118.0;
 const LEFT: f64 = 26.0;
+const DASHED: &str = " stroke-dasharray=\"6 3\"";
+const DOTTED: &str = " stroke-dasharray=\"2 2\"";
 
 /// A projection of boxes to a place on the sheet.
 struct Projection {
@@ -30,12 +37,13 @@ pub fn draw(picture: &Picture) -> String {
     let (extent, [across, up]) = (bounds.extent(), axes(split));
     let ratio = f64::from(extent[up]) / f64::from(extent[across]).max(1e-30);
     let height = (COLUMN * ratio).clamp(120.0, 440.0);
-    let size = (LEFT + 3.0 * (COLUMN + GAP), TOP + 2.0 * height + 150.0);
+    let size = (LEFT + 3.0 * (COLUMN + GAP) - 10.0, TOP + 2.0 * height + 84.0);
     let thousands = (picture.triangles as f64 / 1000.0).round();
     let title = format!("{} of {} in {}", picture.kind, picture.builder, picture.scene);
     let name = |axis: usize| ["x", "y", "z"][axis];
     let about = format!(
-        "{thousands} k triangles; a cut of {} nodes below {} binary splits; {} across, {} up, seen along {}",
+        "{thousands} k triangles; a cut of {} nodes below {} binary splits; {} across, {} up, seen along {}; pale grey: the \
+         other side",
         split.cut.len(),
         split.depth,
         name(across),
@@ -49,44 +57,63 @@ pub fn draw(picture: &Picture) -> String {
         Projection::new(bounds, [across, up], place)
     };
     let lower = TOP + height + 60.0;
-    let middle = TOP + 0.5 * (height + 60.0);
 
-    let whole = at(0.0, middle);
+    let whole = at(0.0, TOP + 0.5 * (height + 60.0));
     whole.heading(&mut svg, &format!("1. find the split of the {} nodes", split.cut.len()));
     for node in &split.cut {
-        let sides = membership(picture, node);
-        let colour = match sides {
-            [true, true] => BOTH,
-            [true, false] => SIDES[0],
-            _ => SIDES[1],
-        };
-        whole.node(&mut svg, node, colour, false);
+        match membership(split, node) {
+            [true, true] => whole.node_on_both(&mut svg, node, BOTH),
+            [true, false] => whole.node(&mut svg, node, SIDES[0], PALE),
+            _ => whole.node(&mut svg, node, SIDES[1], PALE),
+        }
     }
     whole.plane(&mut svg, split.plane);
 
-    for (side, top) in [(0, TOP), (1, lower)] {
-        let word = ["left", "right"][side];
-        let (nodes, refined) = (&split.sides[side], &split.refined[side]);
+    for (number, top) in [(0, TOP), (1, lower)] {
+        let (side, other, colour) = (&split.sides[number], &split.sides[1 - number], SIDES[number]);
+        let is_on_both = |node: &Aabb| split.plane.is_some() && !split.cut.contains(node);
         let parted = at(1.0, top);
         let clipped = if split.plane.is_some() { ", clipped" } else { "" };
-        parted.heading(&mut svg, &format!("2. {word}: {} nodes{clipped}", nodes.len()));
-        parted.clip(&mut svg, &split.clips[side], split.plane);
-        for node in nodes {
-            let is_on_both = split.plane.is_some() && !split.cut.contains(node);
-            parted.node(&mut svg, node, if is_on_both { BOTH } else { SIDES[side] }, false);
+        let word = ["left", "right"][number];
+        parted.heading(&mut svg, &format!("2. {word}: {} nodes{clipped}", side.nodes().count()));
+        other.nodes().for_each(|node| parted.outline(&mut svg, node, FAINT, ""));
+        parted.clip(&mut svg, &side.clip, split.plane);
+        for node in side.nodes() {
+            if is_on_both(node) {
+                parted.node_on_both(&mut svg, node, colour);
+            } else {
+                parted.node(&mut svg, node, colour, PALE);
+            }
         }
         parted.plane(&mut svg, split.plane);
 
         let finer = at(2.0, top);
-        let opened = nodes.iter().filter(|node| !refined.contains(node)).count();
-        let noun = if opened == 1 { "node" } else { "nodes" };
-        finer.heading(&mut svg, &format!("3. refined: {} nodes, {opened} {noun} opened", refined.len()));
-        finer.clip(&mut svg, &split.clips[side], split.plane);
-        for node in nodes.iter().filter(|node| !refined.contains(node)) {
-            finer.outline(&mut svg, node, GREY);
+        let discarded: Vec<&Aabb> = side.opened.iter().flat_map(|node| &node.discarded).collect();
+        let less = match discarded.len() {
+            0 => String::new(),
+            1 => ", 1 child discarded".into(),
+            more => format!(", {more} children discarded"),
+        };
+        let (refined, opened) = (side.refined().count(), side.opened.len());
+        finer.heading(&mut svg, &format!("3. refined: {refined} nodes, {opened} opened{less}"));
+        other.refined().for_each(|node| finer.outline(&mut svg, node, FAINT, ""));
+        finer.clip(&mut svg, &side.clip, split.plane);
+        discarded.into_iter().for_each(|child| finer.discarded(&mut svg, child));
+        for node in &side.kept {
+            if is_on_both(node) {
+                finer.node_on_both(&mut svg, node, colour);
+            } else {
+                finer.node(&mut svg, node, colour, PALE);
+            }
         }
-        for node in refined {
-            finer.node(&mut svg, node, SIDES[side], !nodes.contains(node));
+        for child in side.opened.iter().flat_map(|node| &node.children) {
+            finer.node(&mut svg, child, colour, STRONG);
+        }
+        for node in &side.opened {
+            finer.outline(&mut svg, &node.bounds, INK, DASHED);
+            if is_on_both(&node.bounds) {
+                finer.asterisk(&mut svg, &node.bounds);
+            }
         }
         finer.plane(&mut svg, split.plane);
     }
@@ -94,44 +121,59 @@ pub fn draw(picture: &Picture) -> String {
 }
 
 /// On which sides a node of the cut is.
-fn membership(picture: &Picture, node: &Aabb) -> [bool; 2] {
-    let split = &picture.split;
+fn membership(split: &SplitBoxes, node: &Aabb) -> [bool; 2] {
     match split.plane {
         Some(plane) => {
             let (min, max) = (node.min[split.axis], node.max[split.axis]);
             [min < plane || max <= plane, max > plane]
         }
-        None => [0, 1].map(|side| split.sides[side].contains(node)),
+        None => split.sides.each_ref().map(|side| side.nodes().any(|other| other == node)),
     }
 }
 
+/// How much a node's colour covers: one that was there, and a child of one that was opened.
+const PALE: &str = "0.14";
+const STRONG: &str = "0.5";
+
 fn key(svg: &mut Svg, kind: Kind) {
-    let mut x = LEFT;
-    let mut entry = |colour: &str, opacity: &str, text: &str, width: f64| {
-        let more = format!(" fill-opacity=\"{opacity}\" stroke=\"{colour}\" stroke-width=\"1.3\"");
-        svg.fill((x, 66.0), (20.0, 13.0), colour, &more);
-        svg.text((x + 27.0, 77.0), Anchor::Start, SMALL, INK, text, "");
-        x += width;
+    let (mut x, y, size) = (LEFT, 66.0, (20.0, 13.0));
+    let boxed = |x: f64| [(x, y), (x + size.0, y), (x + size.0, y + size.1), (x, y + size.1), (x, y)];
+    let mut text = |svg: &mut Svg, text: &str| {
+        svg.text((x + 27.0, y + 11.0), Anchor::Start, SMALL, INK, text, "");
+        x += 52.0 + text_width(text, SMALL);
+        x
     };
-    entry(SIDES[0], "0.14", "left", 84.0);
-    entry(SIDES[1], "0.14", "right", 92.0);
-    entry(SIDES[0], "0.5", "child of a node that was opened", 270.0);
+    let filled = |svg: &mut Svg, x: f64, colour: &str, opacity: &str| {
+        let more = format!(" fill-opacity=\"{opacity}\" stroke=\"{colour}\" stroke-width=\"1.3\"");
+        svg.fill((x, y), size, colour, &more);
+    };
+    filled(svg, LEFT, SIDES[0], PALE);
+    let at = text(svg, "left");
+    filled(svg, at, SIDES[1], PALE);
+    let at = text(svg, "right");
+    svg.line(&boxed(at), INK, 1.2, DASHED);
+    let at = text(svg, "opened");
+    filled(svg, at, SIDES[0], STRONG);
+    let at = text(svg, "its child");
     if kind == Kind::Spatial {
-        entry(BOTH, "0.14", "on both sides", 150.0);
+        svg.fill((at, y), size, GREY, CROSSED);
+        cross(svg, [at, y, at + size.0, y + size.1]);
+        let at = text(svg, "discarded child");
+        svg.text((at + 10.0, y + 15.0), Anchor::Middle, 20.0, INK, "*", " font-weight=\"bold\"");
+        let at = text(svg, "on both sides");
+        svg.line(&[(at + 10.0, y - 2.0), (at + 10.0, y + 15.0)], INK, 2.4, "");
+        let at = text(svg, "plane");
+        svg.line(&boxed(at), INK, 1.0, DOTTED);
+        text(svg, "clip box");
     }
-    svg.line(&[(x, 66.0), (x + 20.0, 66.0), (x + 20.0, 79.0), (x, 79.0), (x, 66.0)], GREY, 1.2, DASHES);
-    svg.text((x + 27.0, 77.0), Anchor::Start, SMALL, INK, "opened", "");
-    if kind == Kind::Spatial {
-        svg.line(&[(x + 106.0, 64.0), (x + 106.0, 81.0)], INK, 2.4, "");
-        svg.text((x + 114.0, 77.0), Anchor::Start, SMALL, INK, "plane", "");
-        svg.line(
-            &[(x + 176.0, 66.0), (x + 196.0, 66.0), (x + 196.0, 79.0), (x + 176.0, 79.0), (x + 176.0, 66.0)],
-            INK,
-            1.0,
-            " stroke-dasharray=\"2 2\"",
-        );
-        svg.text((x + 203.0, 77.0), Anchor::Start, SMALL, INK, "clip box", "");
-    }
+}
+
+/// The fill of what is crossed out.
+const CROSSED: &str = " fill-opacity=\"0.2\" stroke=\"#6b6b6b\" stroke-width=\"1\"";
+
+fn cross(svg: &mut Svg, [left, top, right, bottom]: [f64; 4]) {
+    svg.line(&[(left, top), (right, bottom)], "#6b6b6b", 1.0, "");
+    svg.line(&[(left, bottom), (right, top)], "#6b6b6b", 1.0, "");
 }
 
 impl Projection {
@@ -165,34 +207,40 @@ impl Projection {
         ]
     }
 
-    fn node(&self, svg: &mut Svg, bounds: &Aabb, colour: &str, is_child: bool) {
+    fn node(&self, svg: &mut Svg, bounds: &Aabb, colour: &str, opacity: &str) {
         let [left, top, right, bottom] = self.corners(bounds);
-        let opacity = if is_child { "0.5" } else { "0.14" };
         let more = format!(" fill-opacity=\"{opacity}\" stroke=\"{colour}\" stroke-width=\"1.3\"");
         svg.fill((left, top), (right - left, bottom - top), colour, &more);
     }
 
-    fn outline(&self, svg: &mut Svg, bounds: &Aabb, colour: &str) {
+    fn node_on_both(&self, svg: &mut Svg, bounds: &Aabb, colour: &str) {
+        self.node(svg, bounds, colour, PALE);
+        self.asterisk(svg, bounds);
+    }
+
+    fn asterisk(&self, svg: &mut Svg, bounds: &Aabb) {
         let [left, top, right, bottom] = self.corners(bounds);
-        svg.line(
-            &[(left, top), (right, top), (right, bottom), (left, bottom), (left, top)],
-            colour,
-            1.2,
-            DASHES,
-        );
+        let at = (0.5 * (left + right), 0.5 * (top + bottom) + 10.0);
+        svg.text(at, Anchor::Middle, 22.0, INK, "*", " font-weight=\"bold\"");
+    }
+
+    /// A box that is not there any more, as far as it is within the picture.
+    fn discarded(&self, svg: &mut Svg, bounds: &Aabb) {
+        let [left, top, right, bottom] = self.corners(bounds);
+        svg.fill((left, top), (right - left, bottom - top), GREY, CROSSED);
+        cross(svg, [left, top, right, bottom]);
+    }
+
+    fn outline(&self, svg: &mut Svg, bounds: &Aabb, colour: &str, more: &str) {
+        let [left, top, right, bottom] = self.corners(bounds);
+        let around = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
+        svg.line(&around, colour, 1.2, more);
     }
 
     /// What is left of space, as far as it is in sight.
     fn clip(&self, svg: &mut Svg, clip: &Aabb, plane: Option<f32>) {
         if plane.is_some() {
-            let [left, top, right, bottom] = self.corners(clip);
-            let dots = " stroke-dasharray=\"2 2\"";
-            svg.line(
-                &[(left, top), (right, top), (right, bottom), (left, bottom), (left, top)],
-                INK,
-                1.0,
-                dots,
-            );
+            self.outline(svg, clip, INK, DOTTED);
         }
     }
 

@@ -11,7 +11,7 @@ pub use choose::choose;
 pub use draw::draw;
 pub use records::{BoxRow, SPLITS, of_picture, pictures};
 
-use crate::builders::steps::watch::SplitBoxes;
+use crate::builders::steps::split_boxes::SplitBoxes;
 use std::fmt::Display;
 
 /// A figure of the paper.

@@ -1,7 +1,7 @@
 //! The boxes of splits as CSV, from which the pictures are drawn.
 
 use super::{Kind, Picture};
-use crate::builders::steps::watch::SplitBoxes;
+use crate::builders::steps::split_boxes::{OpenedNode, SideBoxes, SplitBoxes};
 use crate::geometry::Aabb;
 use glam::Vec3A;
 use serde::{Deserialize, Serialize};
@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 /// The file in a results folder.
 pub const SPLITS: &str = "split.csv";
 
-const PARTS: [[&str; 2]; 3] =
-    [["left", "right"], ["refined-left", "refined-right"], ["clip-left", "clip-right"]];
+/// The names of the sides.
+const SIDES: [&str; 2] = ["left", "right"];
 
 /// A box of a split.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,7 +29,8 @@ pub struct BoxRow {
     pub axis: usize,
     /// Where the plane of a spatial split is.
     pub plane: Option<f32>,
-    /// `cut`; its sides `left` and `right`, clipped; both refined; what is left of space, `clip-left` and `clip-right`.
+    /// `cut`; of each side `kept-left`: nodes that stay; `opened-left`: one that is opened, followed by its children,
+    /// `child-left` or, where they lie beyond a plane, `discarded-left`; and what is left of space, `clip-left`.
     pub part: String,
     /// Lower corner.
     pub min_x: f32,
@@ -65,10 +66,17 @@ pub fn of_picture(picture: &Picture) -> Vec<BoxRow> {
         max_z: bounds.max.z,
     };
     let mut rows: Vec<BoxRow> = split.cut.iter().map(|bounds| row("cut", bounds)).collect();
-    for side in [0, 1] {
-        rows.extend(split.sides[side].iter().map(|bounds| row(PARTS[0][side], bounds)));
-        rows.extend(split.refined[side].iter().map(|bounds| row(PARTS[1][side], bounds)));
-        rows.push(row(PARTS[2][side], &split.clips[side]));
+    for (side, name) in split.sides.iter().zip(SIDES) {
+        let mut part = |part: &str, boxes: &[Aabb]| {
+            rows.extend(boxes.iter().map(|bounds| row(&format!("{part}-{name}"), bounds)));
+        };
+        part("kept", &side.kept);
+        for node in &side.opened {
+            part("opened", &[node.bounds]);
+            part("child", &node.children);
+            part("discarded", &node.discarded);
+        }
+        part("clip", &[side.clip]);
     }
     rows
 }
@@ -82,26 +90,42 @@ pub fn pictures(rows: &[BoxRow]) -> Result<Vec<Picture>, String> {
     for kind in Kind::ALL {
         let of_kind: Vec<&BoxRow> = rows.iter().filter(|row| row.figure == kind.figure()).collect();
         let Some(first) = of_kind.first() else { continue };
-        let boxes = |part: &str| -> Vec<Aabb> {
-            of_kind.iter().filter(|row| row.part == part).map(|row| row.bounds()).collect()
-        };
-        let clip = |side: usize| match boxes(PARTS[2][side])[..] {
-            [clip] => Ok(clip),
-            _ => Err(format!("figure {} has not one box {}", kind.figure(), PARTS[2][side])),
-        };
+        let cut = of_kind.iter().filter(|row| row.part == "cut").map(|row| row.bounds()).collect();
         let split = SplitBoxes {
             depth: first.depth,
             axis: first.axis.min(2),
             plane: first.plane,
-            cut: boxes("cut"),
-            sides: PARTS[0].map(boxes),
-            refined: PARTS[1].map(boxes),
-            clips: [clip(0)?, clip(1)?],
+            cut,
+            sides: [side(&of_kind, kind, SIDES[0])?, side(&of_kind, kind, SIDES[1])?],
         };
         let (scene, builder) = (first.scene.clone(), first.builder.clone());
         pictures.push(Picture { kind, scene, triangles: first.triangles, builder, split });
     }
     Ok(pictures)
+}
+
+/// A side of a picture.
+fn side(rows: &[&BoxRow], kind: Kind, name: &str) -> Result<SideBoxes, String> {
+    let (mut kept, mut opened, mut clips) = (Vec::new(), Vec::<OpenedNode>::new(), Vec::new());
+    for row in rows {
+        let Some(part) = row.part.strip_suffix(name).and_then(|part| part.strip_suffix('-')) else {
+            continue;
+        };
+        let bounds = row.bounds();
+        let no_node = || format!("figure {} has a box {} of no opened node", kind.figure(), row.part);
+        match part {
+            "kept" => kept.push(bounds),
+            "opened" => opened.push(OpenedNode { bounds, children: Vec::new(), discarded: Vec::new() }),
+            "child" => opened.last_mut().ok_or_else(no_node)?.children.push(bounds),
+            "discarded" => opened.last_mut().ok_or_else(no_node)?.discarded.push(bounds),
+            "clip" => clips.push(bounds),
+            _ => return Err(format!("figure {} has an unknown box {}", kind.figure(), row.part)),
+        }
+    }
+    match clips[..] {
+        [clip] => Ok(SideBoxes { clip, kept, opened }),
+        _ => Err(format!("figure {} has not one box clip-{name}", kind.figure())),
+    }
 }
 
 impl BoxRow {
@@ -135,9 +159,31 @@ mod tests {
             let svg = draw(picture);
             assert_eq!(svg, draw(&pictures(&read).unwrap()[usize::from(picture.kind == Kind::Spatial)]));
             assert!(svg.contains("refine") && svg.contains("rooms"));
+            // An opened node is replaced by two, unless one of them is discarded.
+            for side in &picture.split.sides {
+                let (nodes, opened) = (side.nodes().count(), side.opened.len());
+                let discarded: usize = side.opened.iter().map(|node| node.discarded.len()).sum();
+                assert_eq!(side.refined().count(), nodes + opened - discarded);
+                assert!(
+                    svg.contains(&format!("refined: {} nodes, {opened} opened", nodes + opened - discarded))
+                );
+            }
         }
+        let [object, spatial] = &found;
+        assert!(
+            object.split.sides.iter().all(|side| !side.opened.is_empty()),
+            "one sees refining on both sides"
+        );
+        let discards = |side: &SideBoxes| side.opened.iter().any(|node| !node.discarded.is_empty());
+        assert!(spatial.split.sides.iter().any(discards), "one sees a child that is discarded");
         let lacking: Vec<BoxRow> = read.into_iter().filter(|row| row.part != "clip-left").collect();
         assert!(pictures(&lacking).unwrap_err().contains("clip-left"));
-        assert!(choose(&scene, "aac", Kind::Object).unwrap_err().contains("aac has no cuts"));
+        let orphan: Vec<BoxRow> =
+            found.iter().flat_map(of_picture).filter(|row| row.part != "opened-left").collect();
+        assert!(pictures(&orphan).unwrap_err().contains("child-left of no opened node"));
+        for name in ["aac", "hunt-50"] {
+            let error = choose(&scene, name, Kind::Object).unwrap_err();
+            assert!(error.contains(&format!("{name} has no cuts")), "{error}");
+        }
     }
 }

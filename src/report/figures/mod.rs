@@ -69,6 +69,8 @@ pub enum Figure {
     Frame,
     /// Time for the recorded rays alone.
     Trace,
+    /// Inner nodes visited and leaf blocks tested per ray under our kernel: what traces take, without noise.
+    Steps,
 }
 
 /// The figures of one scene.
@@ -165,7 +167,7 @@ impl<'a> SceneFigures<'a> {
         }
     }
 
-    /// A figure of a tree; times with their spread, costs without any.
+    /// A figure of a tree; times with their spread, costs and steps without any.
     pub fn figure(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Place<Summary> {
         let traced = || self.trace(tree, under.kernel_of(tree.0));
         match figure {
@@ -179,6 +181,7 @@ impl<'a> SceneFigures<'a> {
             Figure::Overlap => self.build(tree).and_then(|row| row.epo.map(exact)),
             Figure::Frame => traced().and_then(Row::frame_ms),
             Figure::Trace => traced().and_then(Row::trace_ms),
+            Figure::Steps => self.trace(tree, PHR).and_then(|row| row.steps().map(exact)),
         }
     }
 
@@ -218,7 +221,7 @@ impl<'a> SceneFigures<'a> {
             Figure::Rebuild => self.rebuild(tree).map(|row| (row, &row.by_round.build)),
             Figure::Frame => traced().map(|row| (row, &row.by_round.frame)),
             Figure::Trace => traced().map(|row| (row, &row.by_round.trace)),
-            Figure::BuildCpu | Figure::Cost | Figure::Overlap => None,
+            Figure::BuildCpu | Figure::Cost | Figure::Overlap | Figure::Steps => None,
         }?;
         Some((&row.run_id, times))
     }

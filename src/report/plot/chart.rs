@@ -31,7 +31,8 @@ pub fn sheet((width, height): (f64, f64), title: &str, about: &[&str]) -> Svg {
     svg
 }
 
-/// Shape and colour of a builder by its family, the same in all figures; colours after Okabe and Ito, told apart by colour-blind readers too.
+/// Shape and colour of a builder by its family, the same in all figures; colours after Okabe and Ito, told apart by
+/// colour-blind readers too.
 pub fn style(builder: &str) -> (Shape, &'static str) {
     match builder {
         name if name.starts_with("embree") => (Shape::Circle, "#0072b2"),
@@ -136,7 +137,7 @@ pub struct Panel {
     pub across: Across,
     /// The lines, drawn first.
     pub fronts: Vec<Front>,
-    /// The points, the last above the others.
+    /// The points, filled ones above hollow ones, of these the last above the others.
     pub points: Vec<Point>,
     /// Size of the texts, pixels.
     pub font: f64,
@@ -202,8 +203,12 @@ impl Panel {
             };
             svg.text((x, baseline), anchor, self.font, ink, text, HALO);
         }
-        for point in &self.points {
-            svg.point(place(point.at), point.shape, radius, point.colour, point.is_hollow);
+        // Hollow ones first and larger: of two at one place both are seen.
+        for is_hollow in [true, false] {
+            for point in self.points.iter().filter(|point| point.is_hollow == is_hollow) {
+                let radius = if is_hollow { 1.55 * radius } else { radius };
+                svg.point(place(point.at), point.shape, radius, point.colour, is_hollow);
+            }
         }
     }
 
@@ -252,17 +257,32 @@ impl Panel {
 mod tests {
     use super::*;
 
+    const POINT: Point = Point {
+        at: (3.0, 0.8),
+        shape: Shape::Circle,
+        colour: INK,
+        is_hollow: false,
+        label: None,
+        interval: None,
+    };
+
     #[test]
     fn ranges_hold_their_points_and_one() {
-        let point = Point {
-            at: (3.0, 0.8),
-            shape: Shape::Circle,
-            colour: INK,
-            is_hollow: false,
-            label: None,
-            interval: None,
-        };
-        let range = Range::of([&point]);
+        let range = Range::of([&POINT]);
         assert!(range.x.0 < 1.0 && range.x.1 > 3.0 && range.y.0 < 0.8 && range.y.1 > 1.0);
+    }
+
+    #[test]
+    fn of_two_points_at_one_place_both_are_seen() {
+        let points = vec![POINT, Point { is_hollow: true, ..POINT }];
+        let range = Range::of(&points);
+        let (title, axes, fronts) = (String::new(), (String::new(), String::new()), Vec::new());
+        let panel = Panel { title, axes, range, across: Across::Logarithmic, fronts, points, font: 10.0 };
+        let mut svg = sheet((100.0, 100.0), "", &[]);
+        panel.draw(&mut svg, Rect { x: 0.0, y: 0.0, width: 100.0, height: 100.0 });
+        let svg = svg.finish();
+        let circles: Vec<&str> = svg.lines().filter(|line| line.starts_with("<circle")).collect();
+        assert!(circles[0].contains("r=\"5.58\"") && circles[0].contains("fill-opacity"), "{circles:?}");
+        assert!(circles[1].contains("r=\"3.60\"") && !circles[1].contains("fill-opacity"), "{circles:?}");
     }
 }

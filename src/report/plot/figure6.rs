@@ -3,7 +3,7 @@
 //! [`by_scene`] every scene by itself.
 
 use super::chart::{Across, Front, Panel, Point, Range, SMALL, sheet, style};
-use super::key::{Entry, key};
+use super::key::{Entry, key, shapes};
 use super::labels::Rect;
 use super::pareto::front;
 use super::svg::Svg;
@@ -59,7 +59,7 @@ pub fn by_scene(rows: &[Row], under: &Under) -> Option<String> {
     }
     let lines = all.len().div_ceil(ABREAST);
     let abreast = all.len().min(ABREAST);
-    let (inside, pitch, left, top) = ((390.0, 280.0), (436.0, 342.0), 70.0, 130.0);
+    let (inside, pitch, left, top) = ((390.0, 280.0), (436.0, 342.0), 70.0, 150.0);
     let size = (left + abreast.max(2) as f64 * pitch.0, top + lines as f64 * pitch.1 + 16.0);
     let means = "each scene by itself; named are the trees on a front";
     let mut svg = with_key(size, rows, under, means, &entries);
@@ -218,13 +218,13 @@ fn one_panel(
     let count = scenes(rows).len();
     let noun = if count == 1 { "scene" } else { "scenes" };
     let mut svg = with_key(
-        (820.0, 700.0),
+        (820.0, 720.0),
         rows,
         under,
         &format!("arithmetic means of {count} {noun} with their 95 % intervals"),
         entries,
     );
-    panel.draw(&mut svg, Rect { x: 78.0, y: 114.0, width: 716.0, height: 516.0 });
+    panel.draw(&mut svg, Rect { x: 78.0, y: 134.0, width: 716.0, height: 516.0 });
     Some(svg.finish())
 }
 
@@ -239,5 +239,7 @@ fn with_key(size: (f64, f64), rows: &[Row], under: &Under, means: &str, entries:
     let about = format!("{means}, {threads} threads, both axes logarithmic");
     let mut svg = sheet(size, title, &[&about, &format!("traces: {}", under.about())]);
     entries.iter().fold(26.0, |x, &entry| key(&mut svg, (x, 88.5), entry, SMALL) + 26.0);
+    let builders: Vec<&str> = trees(rows).into_iter().map(|tree| tree.0).collect();
+    shapes(&mut svg, (26.0, 108.5), &builders, SMALL);
     svg
 }

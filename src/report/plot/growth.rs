@@ -1,6 +1,6 @@
 //! The figure of growth: nanoseconds per triangle against triangles, a line for each builder.
 
-use super::chart::{Across, Front, Line, Panel, Point, Range, sheet, style};
+use super::chart::{Across, DASHES, Front, Line, Panel, Point, Range, sheet, style};
 use super::labels::Rect;
 use crate::bench::row::Row;
 use crate::report::targets::growth::Growth;
@@ -12,22 +12,29 @@ pub fn growth(rows: &[Row]) -> Option<String> {
         return None;
     }
     let (mut fronts, mut points) = (Vec::new(), Vec::new());
-    for line in &growth.lines {
+    for (place, line) in growth.lines.iter().enumerate() {
         let (shape, colour) = style(&line.builder);
-        let at = growth.sizes.iter().zip(&line.ns);
-        let through: Vec<(f64, f64)> =
-            at.filter_map(|(&size, ns)| Some((size as f64 * 1e-6, ns.value()?))).collect();
-        let last = through.len().saturating_sub(1);
-        points.extend(through.iter().enumerate().map(|(index, &at)| {
+        // A second builder of a family is told from the first by hollow points and a broken line.
+        let is_hollow = growth.lines[..place].iter().any(|other| style(&other.builder) == (shape, colour));
+        let at = growth.sizes.iter().zip(&line.ns).zip(&line.errors);
+        let at = at.filter_map(|((&size, ns), &error)| Some(((size as f64 * 1e-6, ns.value()?), error)));
+        let at: Vec<((f64, f64), f64)> = at.collect();
+        let last = at.len().saturating_sub(1);
+        points.extend(at.iter().enumerate().map(|(index, &((size, ns), error))| {
             let label = (index == last).then(|| line.builder.clone());
-            Point { at, shape, colour, is_hollow: false, label, interval: None }
+            // Half of the interval may be more than the time itself.
+            let ends = (ns * (1.0 - error).max(0.2), ns * (1.0 + error));
+            let interval = error.is_finite().then_some([(size, size), ends]);
+            Point { at: (size, ns), shape, colour, is_hollow, label, interval }
         }));
-        fronts.push(Front { through, line: Line { colour, width: 1.5, more: "" } });
+        let through = at.into_iter().map(|(at, _)| at).collect();
+        let more = if is_hollow { DASHES } else { "" };
+        fronts.push(Front { through, line: Line { colour, width: 1.5, more } });
     }
     let first = points.first()?.at;
     let mut range = Range::from(first, &points);
     // Room for the labels, right of the last points.
-    range.x.1 *= (range.x.1 / range.x.0).powf(0.25);
+    range.x.1 *= (range.x.1 / range.x.0).powf(0.17);
     let panel = Panel {
         title: String::new(),
         axes: ("million triangles".into(), "build time, ns per triangle".into()),
@@ -37,7 +44,10 @@ pub fn growth(rows: &[Row]) -> Option<String> {
         points,
         font: 13.0,
     };
-    let about = format!("scalable scenes, 4-wide trees, {} threads, both axes logarithmic", growth.threads);
+    let about = format!(
+        "scalable scenes, 4-wide trees, {} threads, medians with their 95 % intervals over rounds, both axes logarithmic",
+        growth.threads
+    );
     let mut svg = sheet((820.0, 560.0), "Build time per triangle as scenes grow", &[&about]);
     panel.draw(&mut svg, Rect { x: 78.0, y: 76.0, width: 716.0, height: 416.0 });
     Some(svg.finish())

@@ -1,4 +1,4 @@
-//! The key of Figure 6: the marks of trees by width, the paper's, and the fronts through them.
+//! The key of Figure 6: the marks of trees by width, the paper's, and the fronts through them, and what the shapes mean.
 
 use super::chart::{DASHES, GREY, INK, Line, style};
 use super::raster::text_width;
@@ -8,6 +8,19 @@ use crate::report::figures::WIDTH;
 const DARK: &str = "#4d4d4d";
 const PALE: &str = "#c4c4c4";
 const BAND: &str = "#dfe8d8";
+
+/// Families of builders that have a shape of their own: how their names begin, and what they are called; the paper's first.
+const FAMILIES: [(&str, &str); 7] = [
+    ("embree", "Embree"),
+    ("phr", "PHR"),
+    ("hunt", "Hunt"),
+    ("aac", "AAC"),
+    ("ploc", "PLOC"),
+    ("obvhs", "obvhs"),
+    ("svenstaro", "bvh"),
+];
+/// Those of the paper.
+const OF_PAPER: usize = 4;
 
 /// A line of the key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,7 +80,7 @@ impl Entry {
 pub fn key(svg: &mut Svg, (x, y): (f64, f64), entry: Entry, size: f64) -> f64 {
     let mut end = x;
     if entry != Entry::Both {
-        for builder in ["embree", "phr", "hunt", "aac"] {
+        for (builder, _) in FAMILIES.into_iter().take(OF_PAPER) {
             let (shape, colour) = style(builder);
             let colour = if entry == Entry::Paper { entry.colour() } else { colour };
             svg.point((end, y), shape, 4.7, colour, entry != Entry::Four);
@@ -78,4 +91,49 @@ pub fn key(svg: &mut Svg, (x, y): (f64, f64), entry: Entry, size: f64) -> f64 {
     svg.line(&[(end, y), (end + 24.0, y)], colour, width, more);
     svg.text((end + 30.0, y + 4.5), Anchor::Start, size, INK, entry.text(), "");
     end + 30.0 + text_width(entry.text(), size)
+}
+
+/// Draws what the shapes of `builders` mean from a place on: families, and others by their names where those are few.
+pub fn shapes(svg: &mut Svg, (x, y): (f64, f64), builders: &[&str], size: f64) {
+    let is_of = |builder: &str, family: &str| builder.starts_with(family);
+    let mut entries: Vec<(&str, String)> = Vec::new();
+    for (family, name) in FAMILIES {
+        if builders.iter().any(|builder| is_of(builder, family)) {
+            entries.push((family, name.into()));
+        }
+    }
+    let is_other = |builder: &&&str| FAMILIES.iter().all(|(family, _)| !is_of(builder, family));
+    let mut others: Vec<&str> = builders.iter().filter(is_other).copied().collect();
+    others.sort_unstable();
+    others.dedup();
+    if let Some(&first) = others.first() {
+        entries.push((first, if others.len() <= 3 { others.join(", ") } else { "others".into() }));
+    }
+    let mut end = x;
+    for (builder, name) in entries {
+        let (shape, colour) = style(builder);
+        svg.point((end, y), shape, 4.7, colour, false);
+        svg.text((end + 11.0, y + 4.5), Anchor::Start, size, INK, &name, "");
+        end += 32.0 + text_width(&name, size);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shapes_are_named_as_far_as_they_are_there() {
+        let told = |builders: &[&str]| {
+            let mut svg = Svg::new(10.0, 10.0, "");
+            shapes(&mut svg, (0.0, 0.0), builders, 13.0);
+            svg.finish()
+        };
+        let some = told(&["lbvh", "phr-hq", "embree-sah", "phr-fast"]);
+        assert!(some.contains(">Embree<") && some.contains(">PHR<") && some.contains(">lbvh<"), "{some}");
+        assert!(!some.contains(">AAC<") && some.matches("<text").count() == 3, "{some}");
+        assert!(
+            told(&["lbvh", "ploc"]).contains(">PLOC<") && told(&["a", "b", "c", "d"]).contains(">others<")
+        );
+    }
 }

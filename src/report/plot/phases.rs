@@ -12,6 +12,8 @@ const LINE: f64 = 26.0;
 const BAR: f64 = 17.0;
 const LENGTH: f64 = 620.0;
 const TOP: f64 = 128.0;
+/// How many times as long as the longest bar of phases another may be.
+const BREAK: f64 = 1.5;
 
 /// Phases in the order of a build, with their colours: neighbours differ in lightness, for those who tell no colours apart.
 const COLOURS: [(&str, &str); 11] = [
@@ -27,7 +29,7 @@ const COLOURS: [(&str, &str); 11] = [
     ("reinsertion", "#d55e00"),
     ("collapse", "#332288"),
 ];
-const OTHER: &str = "#999999";
+const OTHER: &str = "#555555";
 const WHOLE: &str = "#c9c9c9";
 
 /// A bar: the phases of a tree's build, ns per triangle.
@@ -42,19 +44,27 @@ pub fn phases(rows: &[Row], phases: &[PhaseRow]) -> Option<String> {
     let all = scenes(rows);
     let mut bars: Vec<Bar<'_>> =
         trees(rows).into_iter().filter_map(|tree| Bar::of(tree, rows, phases, &all)).collect();
-    if !bars.iter().any(|bar| bar.parts.iter().any(|(phase, _)| !phase.is_empty())) {
+    if !bars.iter().any(Bar::tells) {
         return None;
     }
     // A mean over fewer scenes is another mean.
     bars.retain(|bar| bar.scenes == all.len());
-    let most = bars.iter().map(Bar::sum).fold(0.0, f64::max);
+    // Builds that tell no phases may take many times as long: their bars are broken off, lest the others' be hair lines.
+    let told = bars.iter().filter(|bar| bar.tells()).map(Bar::sum).fold(0.0, f64::max);
+    let most = bars.iter().map(Bar::sum).fold(0.0, f64::max).min(BREAK * told);
     let left = 34.0 + bars.iter().map(|bar| text_width(&tree_name(bar.tree), SMALL)).fold(0.0, f64::max);
     let bottom = TOP + bars.len() as f64 * LINE;
     let threads = rows.iter().map(|row| row.threads).max().unwrap_or(0);
     let count = all.len();
     let noun = if count == 1 { "scene" } else { "scenes" };
-    let about =
-        format!("fresh builds, ns per triangle, arithmetic means of {count} {noun}, {threads} threads");
+    let mut widths: Vec<u32> = bars.iter().map(|bar| bar.tree.1).collect();
+    widths.sort_unstable();
+    widths.dedup();
+    let widths: Vec<String> = widths.iter().map(|width| format!("{width}-wide")).collect();
+    let about = format!(
+        "fresh builds of {} trees, ns per triangle, arithmetic means of {count} {noun}, {threads} threads",
+        widths.join(" and ")
+    );
     let mut svg = sheet((left + LENGTH + 80.0, bottom + 62.0), "Phases of each build", &[&about]);
     let x = |ns: f64| left + LENGTH * ns / (1.04 * most);
     for (tick, text) in linear_ticks((0.0, 1.04 * most), 9) {
@@ -67,15 +77,22 @@ pub fn phases(rows: &[Row], phases: &[PhaseRow]) -> Option<String> {
         svg.text((left - 10.0, y + 0.75 * BAR), Anchor::End, SMALL, INK, &tree_name(bar.tree), "");
         let mut sum = 0.0;
         for (phase, ns) in &bar.parts {
+            let end = (sum + ns).min(1.04 * most);
             svg.fill(
                 (x(sum), y),
-                (x(sum + ns) - x(sum), BAR),
+                (x(end) - x(sum), BAR),
                 colour(phase),
                 " stroke=\"#ffffff\" stroke-width=\"0.8\"",
             );
             sum += ns;
         }
-        svg.text((x(sum) + 6.0, y + 0.75 * BAR), Anchor::Start, SMALL, INK, &format!("{sum:.0}"), "");
+        let end = x(sum.min(1.04 * most));
+        if sum > 1.04 * most {
+            for slit in [end - 22.0, end - 14.0] {
+                svg.line(&[(slit - 3.0, y + BAR + 2.0), (slit + 3.0, y - 2.0)], "#ffffff", 3.0, "");
+            }
+        }
+        svg.text((end + 6.0, y + 0.75 * BAR), Anchor::Start, SMALL, INK, &format!("{sum:.0}"), "");
     }
     let used = |phase: &str| bars.iter().any(|bar| bar.parts.iter().any(|(known, _)| known == phase));
     let mut entries: Vec<&str> =
@@ -133,7 +150,38 @@ impl<'a> Bar<'a> {
         (built > 0).then_some(Self { tree, parts, scenes: built })
     }
 
+    /// Whether its builder tells phases.
+    fn tells(&self) -> bool {
+        self.parts.iter().any(|(phase, _)| !phase.is_empty())
+    }
+
     fn sum(&self) -> f64 {
         self.parts.iter().map(|(_, ns)| ns).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_whole_build_that_takes_many_times_as_long_is_broken_off() {
+        let build =
+            |builder: &str, ms| Row { triangles: 1_000_000, ..Row::by_hand(builder, 4, "phr", ms, 1.0) };
+        let phase = |phase: &str, ms| PhaseRow {
+            scene: "a".into(),
+            builder: "lbvh".into(),
+            width: 4,
+            phase: phase.into(),
+            ms,
+            ..PhaseRow::default()
+        };
+        let told = [phase("codes", 4.0), phase("nodes", 6.0)];
+        let svg = phases(&[build("lbvh", 10.0), build("embree-fast-spatial", 400.0)], &told).unwrap();
+        let slits = |svg: &str| svg.matches("stroke=\"#ffffff\" stroke-width=\"3\"").count();
+        assert!(svg.contains(">400<") && svg.contains("4-wide trees") && slits(&svg) == 2, "{svg}");
+        let short = phases(&[build("lbvh", 10.0), build("embree-fast-spatial", 14.0)], &told).unwrap();
+        assert_eq!(slits(&short), 0, "{short}");
+        assert!(phases(&[build("lbvh", 10.0)], &[]).is_none());
     }
 }

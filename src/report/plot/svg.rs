@@ -85,11 +85,13 @@ impl Svg {
         ));
     }
 
-    /// A point of about `radius`, filled with white if hollow.
+    /// A point of about `radius`; if hollow, filled with a white that lets through what is below it.
     pub fn point(&mut self, (x, y): (f64, f64), shape: Shape, radius: f64, colour: &str, hollow: bool) {
-        let fill = if hollow { "#ffffff" } else { colour };
-        let (fill, stroke) =
-            (format!("fill=\"{fill}\" "), format!("stroke=\"{colour}\" stroke-width=\"1.5\""));
+        let fill = match hollow {
+            true => "fill=\"#ffffff\" fill-opacity=\"0.6\" ".to_owned(),
+            false => format!("fill=\"{colour}\" "),
+        };
+        let stroke = format!("stroke=\"{colour}\" stroke-width=\"1.5\"");
         // Equal areas look equally large.
         let corners: &[(f64, f64)] = match shape {
             Shape::Circle => {

@@ -219,6 +219,11 @@ impl Row {
         self.summary(self.trace_ms_median, self.trace_ms_mad, self.trace_ms_min, self.trace_ms_max)
     }
 
+    /// Inner nodes visited and leaf blocks tested per ray, if they were counted.
+    pub fn steps(&self) -> Option<f64> {
+        Some(self.node_visits_per_ray? + self.block_tests_per_ray?)
+    }
+
     /// The frame times, if there are any.
     pub fn frame_ms(&self) -> Option<Summary> {
         self.summary(self.frame_ms_median, self.frame_ms_mad, self.frame_ms_min, self.frame_ms_max)
