@@ -131,9 +131,6 @@ mod tests {
             Surveyed { visits: Vec::new(), note: "no time".into(), ..of("late", 0.0, 0.0) },
         ];
         drop_hopeless(&mut found);
-        assert_eq!(
-            found.map(|surveyed| surveyed.note),
-            ["", "", "", DROPPED, "", DROPPED, "no time"]
-        );
+        assert_eq!(found.map(|surveyed| surveyed.note), ["", "", "", DROPPED, "", DROPPED, "no time"]);
     }
 }
