@@ -188,7 +188,7 @@ fn what_cannot_be_done_is_refused_in_one_line() {
         (&["heatmap", "scalable-2k", "-o", "map.png", "--size", "0"], &["--size"]),
         (&["heatmap", "scalable-2k", "-o", "map.png", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["heatmap", "--redraw", "-o", "map.png"], &["map.csv", "--redraw"]),
-        (&["heatmap", "scalable-2k", "--check", "-o", "map.png"], &["--check"]),
+        (&["heatmap", "--check", "-o", "map.png"], &["map.csv"]),
         (&["animate", "rooms"], &["no moving scene is called rooms", "wrung", "parade"]),
         (&["animate", "wrung", "--frames", "0"], &["--frames 0"]),
         (&["animate", "wrung", "--width", "5"], &["--width", "4 or 8"]),

@@ -243,10 +243,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return say(&outline(&plan, &folder));
     }
     plan.check_files()?;
-    if !arguments.trees.is_empty() {
-        if let Some((scene, _)) = plan.scenes.first() {
-            check(&scene.load()?.mesh)?;
-        }
+    if !arguments.trees.is_empty()
+        && let Some((scene, _)) = plan.scenes.first()
+    {
+        check(&scene.load()?.mesh)?;
     }
     if let Some(reason) = arguments.when_quiet.then(|| Moment::now(plan.settings.threads).busy()).flatten() {
         let remedy = "wait for a quiet hour or run without --when-quiet";

@@ -25,8 +25,11 @@ pub struct Experiment {
     /// Lines through some of them in plots of build time against steps and trace time, where those are drawn.
     pub families: Option<fn() -> Families>,
     /// What their rows tell beyond comparisons of two, over trees of a width, in words.
-    pub more: Option<fn(&[Row], u32, &Under) -> String>,
+    pub more: Option<More>,
 }
+
+/// Text from rows, over trees of a width, with traces under a kernel.
+pub type More = fn(&[Row], u32, &Under) -> String;
 
 /// A builder beside another.
 #[derive(Clone, Debug)]
