@@ -3,11 +3,10 @@
 use super::{Advice, Known, rays_in_words};
 use crate::bench::quick::line::{Estimate, TotalTime};
 use crate::report::grid::{Grid, short};
+use crate::report::table::brief::COLUMNS;
 
 /// Trees named as not told apart from the best.
 const NEAR: usize = 4;
-/// Characters of a note beside its tree; longer ones stand below the table.
-const NOTE: usize = 12;
 
 /// The whole advice.
 pub fn page(advice: &Advice) -> String {
@@ -27,8 +26,8 @@ fn unmeasured(advice: &Advice) -> String {
     )
 }
 
-/// All trees, those of the least total time first, those without any last; below them the long notes. The intervals of build
-/// and speed are in the CSV.
+/// All trees, those of the least total time first, those without any last. The intervals of build and speed are in the
+/// CSV.
 fn table(advice: &Advice) -> String {
     let rays = advice.rays;
     let total = format!("{} rays, s", rays_in_words(rays));
@@ -47,21 +46,16 @@ fn table(advice: &Advice) -> String {
             interval(seconds),
             format!("{:.2}", line.at(rays) / best),
             rounds(known),
-            note(known),
+            known.note.clone(),
         ]);
     }
     for known in advice.trees.iter().filter(|known| known.line.is_none()) {
         let mut cells = vec![String::new(); header.len()];
         cells[0] = known.name();
-        cells[header.len() - 1] = note(known);
+        cells[header.len() - 1] = known.note.clone();
         grid.push(cells);
     }
-    let long = advice.trees.iter().filter(|known| known.note.chars().count() > NOTE);
-    grid.markdown() + &long.map(|known| format!("{}: {}\n", known.name(), known.note)).collect::<String>()
-}
-
-fn note(known: &Known) -> String {
-    if known.note.chars().count() > NOTE { "see below".into() } else { known.note.clone() }
+    grid.within(COLUMNS)
 }
 
 fn rounds(known: &Known) -> String {
@@ -140,9 +134,10 @@ mod tests {
 
         let mut failed = advice();
         failed.trees[5].builder = "embree-fast-spatial".into();
-        failed.trees[5].note = "wrong hits: view 0, ray 17".into();
+        let why = "wrong hits: view 0, ray 17 of 5000, in a scene whose name is long, with all its thousands of triangles";
+        failed.trees[5].note = why.into();
         let text = page(&failed);
-        assert!(text.contains("\nembree-fast-spatial / 8: wrong hits: view 0, ray 17\n"), "{text}");
+        assert!(text.contains(&format!("…1: {why}\n")), "{text}");
         assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
     }
 }
