@@ -6,7 +6,7 @@
 
 use phr::builders;
 use phr::embree::{Config, Device, EmbreeBuilder, EmbreeScene, Width};
-use phr::geometry::{Hit, Tracer};
+use phr::geometry::{Hit, Ray, Tracer};
 use phr::scene::{self, Scene};
 use phr::trace::verify::{compare_any, compare_closest, witness};
 use phr::trace::{BvhTracer, Isa, PathSettings, RayKind, record};
@@ -31,48 +31,77 @@ fn shared_scenes() -> Vec<PathBuf> {
     files
 }
 
-/// Rays of all views, their answers by Embree's SAH tree, and those of each of our trees, compared.
+/// Recorded rays of one kind with Embree's answers.
+enum Answered {
+    Closest(Vec<Ray>, Vec<Hit>),
+    Any(Vec<Ray>, Vec<bool>),
+}
+
+/// Rays of all views, traced by Embree through its SAH tree and by our kernels through each of our trees, compared.
 fn check(scene: &Scene) {
     let config = Config { builder: EmbreeBuilder::Sah, width: Width::Four, threads: 2 };
     let device = Device::new(&config).unwrap();
     let embree = device.prepare(&scene.mesh).unwrap().commit().unwrap();
+    let settings = PathSettings { width: 48, height: 48, max_depth: 8, seed: 5 };
+    let recorded = scene.views.iter().map(|view| record(&embree, &scene.mesh, view, &settings).batches);
+    let answered: Vec<_> = recorded
+        .flat_map(|batches| RayKind::ALL.map(|kind| (kind, answers(&embree, batches.get(kind), kind))))
+        .collect();
     for name in builders::NAMES {
-        check_builder::<4>(name, scene, &embree);
-        check_builder::<8>(name, scene, &embree);
+        check_builder::<4>(name, scene, &embree, &answered);
+        check_builder::<8>(name, scene, &embree, &answered);
     }
 }
 
-fn check_builder<const N: usize>(name: &str, scene: &Scene, embree: &EmbreeScene<'_>) {
-    let settings = PathSettings { width: 48, height: 48, max_depth: 8, seed: 5 };
+fn answers(embree: &EmbreeScene<'_>, rays: &[Ray], kind: RayKind) -> Answered {
+    assert!(!rays.is_empty(), "no {} rays", kind.name());
+    if kind.is_any_hit() {
+        Answered::Any(rays.to_vec(), any(embree, rays))
+    } else {
+        Answered::Closest(rays.to_vec(), closest(embree, rays))
+    }
+}
+
+fn any(tracer: &impl Tracer, rays: &[Ray]) -> Vec<bool> {
+    let mut hits = vec![false; rays.len()];
+    tracer.any(rays, &mut hits);
+    hits
+}
+
+fn closest(tracer: &impl Tracer, rays: &[Ray]) -> Vec<Hit> {
+    let mut hits = vec![Hit::MISS; rays.len()];
+    tracer.closest(rays, &mut hits);
+    hits
+}
+
+fn check_builder<const N: usize>(
+    name: &str,
+    scene: &Scene,
+    embree: &EmbreeScene<'_>,
+    answered: &[(RayKind, Answered)],
+) {
     let tree = builders::by_name::<N>(name).unwrap().build(&scene.mesh).tree;
     tree.validate(&scene.mesh)
         .unwrap_or_else(|invalid| panic!("{name}, width {N}, on {}: {invalid}", scene.name));
     for isa in [Isa::Scalar, Isa::best()] {
         let ours = BvhTracer::with_isa(&tree, isa);
-        for view in &scene.views {
-            let batches = record(embree, &scene.mesh, view, &settings).batches;
-            assert!(!batches.primary.is_empty() && !batches.shadow.is_empty() && !batches.bounce.is_empty());
-            for kind in RayKind::ALL {
-                let rays = batches.get(kind);
-                let verdict = if kind.is_any_hit() {
-                    let (mut a, mut b) = (vec![false; rays.len()], vec![false; rays.len()]);
-                    embree.any(rays, &mut a);
-                    ours.any(rays, &mut b);
-                    compare_any(&scene.mesh, rays, &a, &b, witness(&[embree, &ours]))
-                } else {
-                    let (mut a, mut b) = (vec![Hit::MISS; rays.len()], vec![Hit::MISS; rays.len()]);
-                    embree.closest(rays, &mut a);
-                    ours.closest(rays, &mut b);
-                    compare_closest(&scene.mesh, rays, &a, &b)
-                };
-                assert!(
-                    verdict.is_ok() && verdict.edge * 1000 <= rays.len(),
-                    "{name}, width {N}, {}, {} rays on {}: {verdict:?}",
-                    isa.name(),
-                    kind.name(),
-                    scene.name
-                );
-            }
+        for (kind, answered) in answered {
+            let (rays, verdict) = match answered {
+                Answered::Closest(rays, hits) => {
+                    (rays, compare_closest(&scene.mesh, rays, hits, &closest(&ours, rays)))
+                }
+                Answered::Any(rays, hits) => {
+                    let ours_hits = any(&ours, rays);
+                    (rays, compare_any(&scene.mesh, rays, hits, &ours_hits, witness(&[embree, &ours])))
+                }
+            };
+            assert!(
+                verdict.is_ok() && verdict.edge * 1000 <= rays.len(),
+                "{name}, width {N}, {}, {} rays on {}: {verdict:?}",
+                isa.name(),
+                kind.name(),
+                scene.name
+            );
         }
     }
 }
