@@ -6,6 +6,7 @@
 mod browser;
 #[path = "../harness/by_hand.rs"]
 mod by_hand;
+mod keyboard;
 mod run;
 
 use browser::{Browser, ENTER};

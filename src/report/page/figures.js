@@ -67,8 +67,8 @@ function ends(values, margin) {
   return [low / more, high * more];
 }
 
-/** Puts a drawing, or why there is none, into a figure. */
-function put(figure, drawing, label) {
+/** Puts a drawing, or why there is none, into a figure; its points, if they are told, are within reach of the keyboard. */
+function put(figure, drawing, label, columns = []) {
   if (!drawing) {
     figure.innerHTML = `<p class="empty"></p>`;
     figure.firstChild.textContent = label;
@@ -76,7 +76,44 @@ function put(figure, drawing, label) {
   }
   drawing.setAttribute("role", "img");
   drawing.setAttribute("aria-label", label);
-  figure.replaceChildren(drawing);
+  const told = document.createElement("output");
+  told.className = "unseen";
+  figure.replaceChildren(drawing, told);
+  reach(drawing, told, columns);
+}
+
+/**
+ * Arrow keys take the tooltip from point to point, as the pointer would, and what it says is told to those who do not see
+ * it. Left and right go from column to column, up and down within one; each point has its place and its words.
+ */
+function reach(drawing, told, columns) {
+  if (!columns.length) return;
+  const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1], Home: [-Infinity, 0], End: [Infinity, 0] };
+  const within = (index, list) => Math.max(0, Math.min(index, list.length - 1));
+  const send = (type, [x, y]) => {
+    const { x: clientX, y: clientY } = new DOMPoint(x, y).matrixTransform(drawing.getScreenCTM());
+    drawing.dispatchEvent(new PointerEvent(type, { pointerType: "mouse", clientX, clientY }));
+  };
+  let [column, row] = [-1, 0];
+  const leave = () => {
+    if (column < 0) return;
+    send("pointerleave", columns[column][row].at);
+    [column, row] = [-1, 0];
+    told.textContent = "";
+  };
+  drawing.tabIndex = 0;
+  drawing.addEventListener("blur", leave);
+  drawing.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") return leave();
+    const step = steps[event.key];
+    if (!step || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    column = within(column + step[0], columns);
+    row = within(row + step[1], columns[column]);
+    const { at, words } = columns[column][row];
+    send("pointermove", at);
+    told.textContent = words.replaceAll("\n", ", ");
+  });
 }
 
 /** What the plots have in common: a size and two logarithmic axes. */

@@ -67,5 +67,6 @@ function drawFront() {
       Plot.tip(points, Plot.pointer({ ...at, title: tip, fill: "var(--raised)", stroke: "var(--faint)", maxRadius: 60, textPadding: 9 })),
     ],
   });
-  put(figure, plot, `Build time against trace time of ${points.length} trees. On the front: ${front.map((point) => point.tree.name).join(", ")}. The table below has all figures.`);
+  const columns = d3.sort(points, (point) => point.build).map((point) => [{ at: [x(point.build), y(point.trace)], words: tip(point) }]);
+  put(figure, plot, `Build time against trace time of ${points.length} trees. On the front: ${front.map((point) => point.tree.name).join(", ")}. The table below has all figures; arrow keys go from tree to tree.`, columns);
 }

@@ -50,6 +50,7 @@ function drawTotals() {
   const line = (of) => ({ x: "count", y: "value", z: "index", curve: "monotone-x", stroke: of, clip: true });
   const of = (isWinner, wide) => points.filter((point) => winners.has(point.index) === isWinner && point.tree.width === wide);
   const dash = { 4: undefined, 8: "5 3" };
+  const tip = (point) => `${point.tree.name}\n${rays(point.count)} rays: ${point.value.toFixed(2)}\nleast: ${least[point.step].tree.name}, ${least[point.step].value.toFixed(2)}`;
   const plot = Plot.plot({
     ...logarithmic(width, height, margins, domains),
     marks: [
@@ -66,7 +67,7 @@ function drawTotals() {
       Plot.tip(points, Plot.pointer({
         x: "count",
         y: "value",
-        title: (point) => `${point.tree.name}\n${rays(point.count)} rays: ${point.value.toFixed(2)}\nleast: ${least[point.step].tree.name}, ${least[point.step].value.toFixed(2)}`,
+        title: tip,
         fill: "var(--raised)",
         stroke: "var(--faint)",
         maxRadius: 60,
@@ -74,5 +75,8 @@ function drawTotals() {
       })),
     ],
   });
-  put(figure, plot, `Total time over rays. Least, from few rays to many: ${stretches.map((point) => point.tree.name).join(", ")}.`);
+  const shown = points.filter((point) => point.value <= domains.y[1]);
+  const at = (step) => d3.sort(shown.filter((point) => point.step === step), (point) => point.value);
+  const columns = data.budgets.map((_, step) => at(step).map((point) => ({ at: [x(point.count), y(point.value)], words: tip(point) }))).filter((column) => column.length);
+  put(figure, plot, `Total time over rays. Least, from few rays to many: ${stretches.map((point) => point.tree.name).join(", ")}. Arrow keys go from one number of rays to the next, and up to the next tree.`, columns);
 }
