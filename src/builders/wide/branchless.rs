@@ -147,9 +147,10 @@ fn children_of<const N: usize>(slots: &[Slot], pair: u32, none: u32) -> [u32; N]
     for (i, slot) in [2 * pair, 2 * pair + 1].into_iter().enumerate() {
         (children[i], orders[i]) = (slot, order(slot));
     }
-    for count in 2..N {
+    for _ in 2..N {
         let (mut at, mut largest, mut slot) = (0, orders[0], children[0]);
-        for i in 1..count {
+        // Unused slots too, which are never larger: a fixed number of steps is unrolled to vectors.
+        for i in 1..N {
             let is_larger = orders[i] > largest;
             at = if is_larger { i } else { at };
             slot = if is_larger { children[i] } else { slot };
@@ -163,17 +164,17 @@ fn children_of<const N: usize>(slots: &[Slot], pair: u32, none: u32) -> [u32; N]
         let is_open = largest >= 0;
         let first = if is_open { 2 * slots[slot as usize].link() } else { none };
         at = if is_open { at } else { N };
-        children = replaced(children, count, at, [first, first + 1]);
-        orders = replaced(orders, count, at, [order(first), order(first + 1)]);
+        children = replaced(children, at, [first, first + 1]);
+        orders = replaced(orders, at, [order(first), order(first + 1)]);
     }
     children
 }
 
-/// The first `count` elements of `old` with the one at an index replaced by two.
+/// `old` with the element at an index replaced by two, and without the last one.
 #[inline(always)]
-fn replaced<T: Copy, const N: usize>(old: [T; N], count: usize, at: usize, [left, right]: [T; 2]) -> [T; N] {
+fn replaced<T: Copy, const N: usize>(old: [T; N], at: usize, [left, right]: [T; 2]) -> [T; N] {
     let mut new = old;
-    for i in 0..=count {
+    for i in 0..N {
         let before = if i == at + 1 { right } else { old[i.saturating_sub(1)] };
         let moved = if i == at { left } else { before };
         new[i] = if i < at { old[i] } else { moved };
