@@ -5,13 +5,14 @@ use super::grid::Grid;
 use super::means::Ratios;
 use crate::bench::row::Row;
 
-/// The columns: the compared figures, each with its kernel.
-fn columns() -> [(&'static str, Figure, Under); 5] {
+/// The compared figures, each with its kernel. Steps are exact; of traces only differences above their noise tell anything.
+fn figures() -> [(&'static str, Figure, Under); 6] {
     let (grafted, phr) = (Under::One(GRAFTED.into()), Under::One(PHR.into()));
     [
         ("build", Figure::Build, grafted.clone()),
         ("SAH cost", Figure::Cost, grafted.clone()),
         ("EPO", Figure::Overlap, grafted.clone()),
+        ("steps", Figure::Steps, phr.clone()),
         ("trace", Figure::Trace, grafted),
         ("trace, phr", Figure::Trace, phr),
     ]
@@ -37,7 +38,12 @@ impl Ablation {
             let known: Vec<String> = known.into_iter().map(tree_name).collect();
             return Err(format!("the rows have no builder {unknown}; there are {}", known.join(", ")));
         }
-        let columns = columns();
+        let base_tree = tree(base);
+        let is_measured = |figure: Figure, under: &Under| {
+            base_tree.is_some_and(|base| Ratios::to(base, rows, base, figure, under).geometric().is_some())
+        };
+        let mut columns = Vec::from(figures());
+        columns.retain(|(_, figure, under)| is_measured(*figure, under));
         let header = |first: &str| {
             let header = [first.to_owned(), "scene".into()].into_iter();
             header.chain(columns.iter().map(|column| column.0.to_owned()))
@@ -62,8 +68,9 @@ impl Ablation {
             }
         }
         let legend = format!(
-            "Relative to {base}; geometric means over {} scenes or those with the figure. trace: all recorded \
-             rays under embree-grafted, and beside it under phr.\n",
+            "Relative to {base}; geometric means over {} scenes or those with the figure. steps: nodes visited and \
+             blocks tested by all recorded rays, exact. trace: the time of these rays under embree-grafted, and under \
+             phr.\n",
             scenes(rows).len()
         );
         Ok(Self { means, scenes: each, legend })
