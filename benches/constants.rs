@@ -1,6 +1,7 @@
 //! What neighbours of the constants that were chosen by looking at scenes give: a line of CSV for each constant, value and
-//! scene. `cargo bench --bench constants -- [--rounds=N] SCENE...`, generators' names or files; costs and counts are exact,
-//! build times are the least of N rounds (3) in which the preset and its variant take turns, none with `--rounds=0`.
+//! scene. `cargo bench --bench constants -- [--rounds=N] [--only=PRESET] SCENE...`, generators' names or files; costs and
+//! counts are exact, build times are the least of N rounds (3) in which the preset and its variant take turns, none with
+//! `--rounds=0`. Trees are 4-wide; the costs of a collapse are those of a width, and looked at for 8-wide trees too.
 
 #![allow(missing_docs)] // a program
 
@@ -8,7 +9,7 @@ use phr::builders::{
     Builder, Clusters, CollapseCosts, Extensions, LocalThreshold, OptimisedPhr, OptimisedPhrConfig, Phr,
     PhrConfig, PresplitConfig,
 };
-use phr::bvh::Bvh4;
+use phr::bvh::WideBvh;
 use phr::geometry::{Mesh, Ray};
 use phr::scene::{self, Scene};
 use phr::trace::{BvhTracer, PathSettings, RayKind, record};
@@ -24,11 +25,11 @@ struct Preset {
 }
 
 impl Preset {
-    fn builder(&self) -> Box<dyn Builder<4>> {
+    fn builder<const N: usize>(&self) -> Box<dyn Builder<N>> {
         if self.is_optimised {
-            Box::new(OptimisedPhr::new(self.name, self.config).expect("in range"))
+            Box::new(OptimisedPhr::<N>::new(self.name, self.config).expect("in range"))
         } else {
-            Box::new(Phr::new(self.name, self.config.phr).expect("in range"))
+            Box::new(Phr::<N>::new(self.name, self.config.phr).expect("in range"))
         }
     }
 }
@@ -64,6 +65,17 @@ const COSTS: [Constant; 3] = [
     ("collapse.leaf", &[0.25, 1.0], |c, v| costs(c).leaf = v),
     ("collapse.block", &[0.175, 0.7], |c, v| costs(c).block = v),
     ("collapse.max_leaf", &[8.0, 28.0], |c, v| costs(c).max_leaf = v as u32),
+];
+
+const TURBO: [Constant; 8] = [
+    ("alpha", &[0.4, 0.5], |c, v| c.phr.alpha = v),
+    ("delta", &[4.0, 6.0], |c, v| c.phr.delta = v),
+    ("spatial_threshold", &[1.5e-2, 6e-2], |c, v| c.phr.spatial_threshold = v),
+    ("max_cut", &[1024.0, 4096.0], |c, v| c.phr.max_cut = v as usize),
+    ("auxiliary_leaf", &[1.0, 2.0], |c, v| extensions(c).auxiliary.auxiliary_leaf = Some(v as u32)),
+    ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
+    ("own_threshold.references", &[16384.0, 65536.0], |c, v| local(c).references = v as u32),
+    ("own_threshold.area", &[1.0 / 512.0, 1.0 / 128.0], |c, v| local(c).area = v),
 ];
 
 const SPEED: [Constant; 13] = [
@@ -108,7 +120,7 @@ const BEST: [Constant; 7] = [
 ];
 
 /// What is exact of a tree: SAH cost, references per triangle, node visits and block tests per ray.
-fn measure(tree: &Bvh4, mesh: &Mesh, rays: &[(RayKind, Vec<Ray>)]) -> [f64; 4] {
+fn measure<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh, rays: &[(RayKind, Vec<Ray>)]) -> [f64; 4] {
     let tracer = BvhTracer::new(tree);
     let of = |(kind, rays): &(RayKind, Vec<Ray>)| {
         if kind.is_any_hit() { tracer.count_any(rays) } else { tracer.count_closest(rays) }
@@ -125,8 +137,8 @@ fn measure(tree: &Bvh4, mesh: &Mesh, rays: &[(RayKind, Vec<Ray>)]) -> [f64; 4] {
 }
 
 /// Milliseconds of a build, and what is exact of its tree where that is asked for.
-fn build(
-    builder: &mut dyn Builder<4>,
+fn build<const N: usize>(
+    builder: &mut dyn Builder<N>,
     mesh: &Mesh,
     of_tree: Option<&[(RayKind, Vec<Ray>)]>,
 ) -> (f64, Option<[f64; 4]>) {
@@ -138,14 +150,14 @@ fn build(
     (ms, exact)
 }
 
-fn compare(
+fn compare<const N: usize>(
     scene: &Scene,
     rays: &[(RayKind, Vec<Ray>)],
     preset: Preset,
     constants: &[Constant],
     rounds: usize,
 ) {
-    let mut base = preset.builder();
+    let mut base = preset.builder::<N>();
     let (_, exact) = build(&mut *base, &scene.mesh, Some(rays));
     let of_base = exact.expect("asked for");
     for (constant, values, set) in constants {
@@ -163,7 +175,7 @@ fn compare(
             let ratios =
                 std::array::from_fn::<_, 4, _>(|i| format!("{:.4}", exact[i] / of_base[i])).join(",");
             let build = if rounds == 0 { String::new() } else { format!("{:.3}", least / least_of_base) };
-            println!("{},{},{constant},{value},{ratios},{build}", scene.name, preset.name);
+            println!("{},{},{N},{constant},{value},{ratios},{build}", scene.name, preset.name);
         }
     }
 }
@@ -173,20 +185,21 @@ fn main() {
         std::env::args().skip(1).partition(|argument| argument.starts_with("--"));
     let rounds = options.iter().find_map(|option| option.strip_prefix("--rounds="));
     let rounds = rounds.map_or(3, |rounds| rounds.parse().expect("--rounds=N"));
+    let only = options.iter().find_map(|option| option.strip_prefix("--only="));
     let of = |phr| OptimisedPhrConfig { phr, ..OptimisedPhrConfig::DEFAULT };
-    let [speed, quality, best] = [
-        ("phr-speed", of(PhrConfig::SPEED), false),
-        ("phr-quality", of(PhrConfig::QUALITY), false),
-        ("phr-best", OptimisedPhrConfig::DEFAULT, true),
-    ]
-    .map(|(name, config, is_optimised)| Preset { name, config, is_optimised });
-    println!("scene,preset,constant,value,sah,refs_per_tri,node_visits,block_tests,build");
+    let presets = [
+        ("phr-turbo", of(PhrConfig::TURBO), false, &TURBO[..], &[][..]),
+        ("phr-speed", of(PhrConfig::SPEED), false, &SPEED, &COSTS),
+        ("phr-quality", of(PhrConfig::QUALITY), false, &QUALITY, &[]),
+        ("phr-best", OptimisedPhrConfig::DEFAULT, true, &BEST, &COSTS),
+    ];
+    println!("scene,preset,width,constant,value,sah,refs_per_tri,node_visits,block_tests,build");
     for name in names {
         let scene = match scene::generator(&name) {
             Some(generator) => generator.generate(),
             None => scene::load(Path::new(&name)).unwrap_or_else(|why| panic!("{why}")),
         };
-        let tree = speed.builder().build(&scene.mesh).tree;
+        let tree = Phr::<4>::new("", PhrConfig::SPEED).expect("in range").build(&scene.mesh).tree;
         let settings = PathSettings { width: 96, height: 96, ..PathSettings::default() };
         let views = scene.views.iter().take(3);
         let rays: Vec<(RayKind, Vec<Ray>)> = views
@@ -195,8 +208,13 @@ fn main() {
                 RayKind::ALL.map(|kind| (kind, batches.get(kind).to_vec()))
             })
             .collect();
-        compare(&scene, &rays, speed, &[&SPEED[..], &COSTS].concat(), rounds);
-        compare(&scene, &rays, quality, &QUALITY, rounds);
-        compare(&scene, &rays, best, &[&BEST[..], &COSTS].concat(), rounds);
+        for (name, config, is_optimised, constants, costs) in presets {
+            if only.is_none_or(|only| only == name) {
+                let preset = Preset { name, config, is_optimised };
+                compare::<4>(&scene, &rays, preset, constants, rounds);
+                compare::<4>(&scene, &rays, preset, costs, rounds);
+                compare::<8>(&scene, &rays, preset, costs, rounds);
+            }
+        }
     }
 }

@@ -10,6 +10,7 @@ use std::path::Path;
 #[derive(Clone, Debug, Deserialize)]
 struct Chosen {
     preset: String,
+    width: usize,
     constant: String,
     value: String,
     place: String,
@@ -21,6 +22,7 @@ struct Chosen {
 struct Neighbour {
     scene: String,
     preset: String,
+    width: usize,
     constant: String,
     value: f64,
     sah: f64,
@@ -39,13 +41,16 @@ pub fn constants(folder: &Path) -> Result<String, String> {
     let chosen: Vec<Chosen> = read(&folder.join("chosen.csv"))?;
     let path = folder.join("rows.csv");
     let neighbours: Vec<Neighbour> = read(&path)?;
-    let is_of = |of: &Neighbour, c: &Chosen| (&of.preset, &of.constant) == (&c.preset, &c.constant);
+    let is_of = |of: &Neighbour, c: &Chosen| {
+        (&of.preset, of.width, &of.constant) == (&c.preset, c.width, &c.constant)
+    };
     if let Some(stray) = neighbours.iter().find(|of| !chosen.iter().any(|c| is_of(of, c))) {
         let (path, Neighbour { preset, constant, .. }) = (path.display(), stray);
         return Err(format!("{path}: {constant} of {preset} is not in chosen.csv; add it there"));
     }
     let mut grid = Grid::new([
         "preset",
+        "width",
         "constant",
         "value",
         "in",
@@ -59,7 +64,15 @@ pub fn constants(folder: &Path) -> Result<String, String> {
         "most visits",
     ]);
     for constant in &chosen {
-        let head = [&constant.preset, &constant.constant, &constant.value, &constant.place, &constant.scenes];
+        let width = constant.width.to_string();
+        let head = [
+            &constant.preset,
+            &width,
+            &constant.constant,
+            &constant.value,
+            &constant.place,
+            &constant.scenes,
+        ];
         let head: Vec<String> = head.map(Clone::clone).into();
         let of: Vec<&Neighbour> = neighbours.iter().filter(|of| is_of(of, constant)).collect();
         let mut values: Vec<f64> = of.iter().map(|of| of.value).collect();
@@ -93,7 +106,7 @@ pub fn constants(folder: &Path) -> Result<String, String> {
     scenes.sort_unstable();
     scenes.dedup();
     Ok(format!(
-        "{}\nRelative to the preset: geometric means over {}, 4-wide trees. Costs and counts are exact, build times the least \
+        "{}\nRelative to the preset: geometric means over {}. Costs and counts are exact, build times the least \
          of three by turns. most visits: the scene whose node visits differ most.\n",
         grid.markdown(),
         scenes.join(", ")
@@ -128,15 +141,16 @@ mod tests {
     fn neighbours_stand_beside_their_constant() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
-        write("chosen.csv", "preset,constant,value,place,scenes\nspeed,delta,6,config.rs,two\n");
-        let header = "scene,preset,constant,value,sah,refs_per_tri,node_visits,block_tests,build\n";
-        let lines = "a,speed,delta,3,1,1,0.5,1,2\nb,speed,delta,3,1,1,1,1,0.5\n";
+        write("chosen.csv", "preset,width,constant,value,place,scenes\nspeed,4,delta,6,config.rs,two\n");
+        let header = "scene,preset,width,constant,value,sah,refs_per_tri,node_visits,block_tests,build\n";
+        let lines = "a,speed,4,delta,3,1,1,0.5,1,2\nb,speed,4,delta,3,1,1,1,1,0.5\n";
         write("rows.csv", &format!("{header}{lines}"));
         let text = constants(folder.path()).unwrap();
         let line = text.lines().find(|line| line.contains("config.rs")).unwrap();
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();
         let expected = [
             "speed",
+            "4",
             "delta",
             "6",
             "config.rs",
@@ -149,9 +163,11 @@ mod tests {
             "1.000",
             "0.50 a",
         ];
-        assert_eq!(&cells[1..13], expected, "{text}");
-        write("rows.csv", &format!("{header}a,speed,alpha,3,1,1,0.5,1,2\n"));
-        assert!(constants(folder.path()).unwrap_err().contains("alpha of speed"));
+        assert_eq!(&cells[1..14], expected, "{text}");
+        for stray in ["a,speed,4,alpha,3,1,1,0.5,1,2", "a,speed,8,delta,3,1,1,0.5,1,2"] {
+            write("rows.csv", &format!("{header}{stray}\n"));
+            assert!(constants(folder.path()).unwrap_err().contains("of speed is not in chosen.csv"));
+        }
     }
 
     #[test]
