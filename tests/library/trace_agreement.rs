@@ -119,7 +119,8 @@ fn over_intervals_of_one_point() {
     let rays = rays(&mesh, 3000, 12);
     for isa in Isa::available() {
         let watertight = WatertightTracer::with_isa(&tree, &mesh, isa);
-        for tracer in [&BvhTracer::with_isa(&tree, isa) as &dyn phr::geometry::Tracer, &watertight] {
+        let (single, batch) = (BvhTracer::with_isa(&tree, isa), BatchTracer::with_isa(&tree, isa));
+        for tracer in [&single as &dyn phr::geometry::Tracer, &batch, &watertight] {
             // At the very distance of a hit, too, nothing lies within an interval that is open at its start.
             let hits = closest(tracer, &rays);
             let points: Vec<Ray> = rays
@@ -146,17 +147,25 @@ fn over_invalid_rays() {
         x[random.below(6)] = bad[random.below(bad.len())];
         match random.below(4) {
             0 => x[6] = -1.0,
-            1 => x[6] = f32::NAN,
+            1 => x[6] = [f32::NAN, f32::INFINITY][random.below(2)],
             2 => x[7] = f32::NAN,
             _ => {}
         }
         Ray { org: Vec3::new(x[0], x[1], x[2]), tnear: x[6], dir: Vec3::new(x[3], x[4], x[5]), tfar: x[7] }
     });
     assert!(!rays.iter().any(Ray::is_valid));
+    // Valid, but without a direction nothing is hit either.
+    let still = rays.iter().map(|_| ray_of(Vec3::ZERO, Vec3::ZERO)).take(100);
+    let rays: Vec<Ray> = rays.iter().copied().chain(still).collect();
     for isa in Isa::available() {
         let watertight = WatertightTracer::with_isa(&eight, &mesh, isa);
-        let tracers: [&dyn phr::geometry::Tracer; 3] =
-            [&BvhTracer::with_isa(&four, isa), &BvhTracer::with_isa(&eight, isa), &watertight];
+        let tracers: [&dyn phr::geometry::Tracer; 5] = [
+            &BvhTracer::with_isa(&four, isa),
+            &BvhTracer::with_isa(&eight, isa),
+            &BatchTracer::with_isa(&four, isa),
+            &BatchTracer::with_isa(&eight, isa),
+            &watertight,
+        ];
         for tracer in tracers {
             assert!(closest(tracer, &rays).iter().all(|hit| *hit == Hit::MISS), "{isa}");
             assert!(!any(tracer, &rays).contains(&true), "{isa}");

@@ -81,6 +81,33 @@ fn rays_at_walls_from_afar() {
 }
 
 #[test]
+fn hits_at_the_very_end_of_the_interval_are_found() {
+    let mesh = walls(16);
+    let mut random = SplitMix64::new(9);
+    let scattered: Vec<Ray> = (0..4000)
+        .map(|_| ray((0.9 * random.point(-1.0, 1.0)).into(), random.point(-1.0, 1.0).into()))
+        .collect();
+    at_the_end::<4>(&mesh, &scattered);
+    at_the_end::<8>(&mesh, &scattered);
+}
+
+/// Holds the answers of batches to those of single rays that end where they hit.
+fn at_the_end<const N: usize>(mesh: &Mesh, rays: &[Ray]) {
+    let tree = median_tree::<N>(mesh, 4);
+    for isa in Isa::available() {
+        let (single, batch) = (BvhTracer::with_isa(&tree, isa), BatchTracer::with_isa(&tree, isa));
+        let hits = closest(&single, rays);
+        let ending: Vec<Ray> = rays.iter().zip(&hits).map(|(ray, hit)| Ray { tfar: hit.t, ..*ray }).collect();
+        let at_end = closest(&single, &ending);
+        // Rounding puts some hits before the flat boxes that hold them; of the others many are at the very entry of theirs.
+        assert!(at_end.iter().filter(|hit| hit.is_hit()).count() > rays.len() / 20, "{N} {isa}");
+        let distances = |hits: &[Hit]| hits.iter().map(|hit| hit.t).collect::<Vec<_>>();
+        assert_eq!(distances(&closest(&batch, &ending)), distances(&at_end), "{N} {isa}");
+        assert_eq!(any(&batch, &ending), any(&single, &ending), "{N} {isa}");
+    }
+}
+
+#[test]
 fn batches_of_any_length_and_hits_against_brute_force() {
     let mesh = soup(1000, 7);
     let all = [camera(Vec3::new(0.0, 0.1, 3.0), 40), rays(&mesh, 1500, 8)].concat();

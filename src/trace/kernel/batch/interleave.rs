@@ -46,7 +46,6 @@ pub(super) fn run<K: Kernel, const N: usize, const ANY: bool>(
     rays: &[Ray],
     mut answer: impl FnMut(usize, Hit),
 ) {
-    const { assert!(N == 4 || N == 8) };
     let mut next = 0;
     let mut start = |waiting: &mut Waiting| {
         while next < rays.len() {
@@ -158,8 +157,9 @@ fn visit<K: Kernel, const N: usize, const ANY: bool>(
     }
 }
 
-/// Writes the links of the children in `mask` and, unless `ANY`, where they are entered, the nearest last. Entries lose
-/// their lowest bits, which hold the slot while they are sorted: they are never greater than they were.
+/// Writes the links of the children in `mask` and, unless `ANY`, where they are entered, the nearest last. The lowest bits
+/// of entries hold the slot while they are sorted, and are zeros after it: no entry is greater than it was, so that a child
+/// entered at the very end of the interval is visited.
 ///
 /// # Safety
 /// `N` elements may be written at `links` and at `to`.
@@ -190,7 +190,7 @@ unsafe fn push<const N: usize, const ANY: bool>(
             let key = _mm256_or_si256(entry, _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
             let key = descending8(_mm256_blendv_epi8(_mm256_set1_epi32(-1), key, met));
             _mm256_storeu_si256(links, _mm256_permutevar8x32_epi32(from, key));
-            _mm256_storeu_si256(to, key);
+            _mm256_storeu_si256(to, _mm256_andnot_si256(_mm256_set1_epi32(7), key));
         } else {
             let from = _mm_loadu_ps(node.links.as_ptr().cast());
             if ANY {
@@ -204,7 +204,7 @@ unsafe fn push<const N: usize, const ANY: bool>(
             let key = _mm_or_si128(entry, _mm_setr_epi32(0, 1, 2, 3));
             let key = descending4(_mm_blendv_epi8(_mm_set1_epi32(-1), key, met));
             _mm_storeu_ps(links.cast(), _mm_permutevar_ps(from, key));
-            _mm_storeu_si128(to.cast(), key);
+            _mm_storeu_si128(to.cast(), _mm_andnot_si128(_mm_set1_epi32(3), key));
         }
     }
 }
