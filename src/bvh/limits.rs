@@ -5,6 +5,11 @@ use crate::geometry::Mesh;
 /// Most children of an inner node.
 pub(crate) const MAX_WIDTH: usize = 8;
 
+/// Stops the compiler where nodes would have another number of children than kernels and builders are made for.
+pub(crate) const fn check_width<const N: usize>() {
+    assert!(N == 4 || N == MAX_WIDTH, "nodes have four or eight children");
+}
+
 /// Triangles of a leaf block.
 pub(crate) const BLOCK: u32 = 4;
 

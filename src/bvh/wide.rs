@@ -3,6 +3,7 @@
 
 use super::block::{TriangleBlock, transposed};
 use super::id_block::LeafBlock;
+use super::limits::check_width;
 use super::link::Link;
 use crate::geometry::Aabb;
 use glam::Vec3A;
@@ -66,7 +67,7 @@ impl<const N: usize> WideNode<N> {
     /// A node of the given slots, the used ones of which come first.
     #[inline(always)]
     pub fn of_slots(boxes: &[Aabb; N], links: [Link; N]) -> Self {
-        const { assert!(N.is_multiple_of(4), "boxes are transposed four at a time") };
+        const { check_width::<N>() };
         let mut node = Self { links, ..Self::EMPTY };
         for slot in (0..N).step_by(4) {
             let [a, b, c, d] = [&boxes[slot], &boxes[slot + 1], &boxes[slot + 2], &boxes[slot + 3]];

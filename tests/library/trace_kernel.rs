@@ -40,7 +40,6 @@ fn check<const N: usize>(mesh: &Mesh, rays: &[Ray], edge: usize) {
 fn check_widths(mesh: &Mesh, rays: &[Ray], edge: usize) {
     check::<4>(mesh, rays, edge);
     check::<8>(mesh, rays, edge);
-    check::<3>(mesh, rays, edge);
 }
 
 #[test]

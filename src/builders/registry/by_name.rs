@@ -7,7 +7,11 @@ use crate::builders::builder::{BoxBuilder, Builder};
 
 /// The builder of trees of nodes of up to `N` children, 4 or 8, called `name`, or `None`; names are those of
 /// [`NAMES`](crate::builders::NAMES) and [`on_request`](crate::builders::on_request) and, with the feature `serde`, these with
-/// changes: `phr-hq[delta=8]`.
+/// changes: `phr-hq[delta=8]`. Another width is refused by the compiler:
+///
+/// ```compile_fail
+/// let builder = phr::builders::by_name::<12>("phr-speed");
+/// ```
 pub fn by_name<const N: usize>(name: &str) -> Option<Box<dyn Builder<N>>> {
     match config(name) {
         Some((name, config)) => make::over_triangles(name, config).ok(),

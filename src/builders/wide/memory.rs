@@ -1,6 +1,7 @@
 //! Memory of builds, kept from build to build.
 
 use super::treelet::WideTreelet;
+use crate::bvh::limits::check_width;
 use crate::bvh::{TriangleBlock, WideBvh, WideNode};
 use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
@@ -57,6 +58,7 @@ pub(crate) struct Memory<S, const N: usize, B = TriangleBlock> {
 
 impl<S, const N: usize, B> Default for Memory<S, N, B> {
     fn default() -> Self {
+        const { check_width::<N>() };
         Self { workers: Pool::default(), treelets: Pool::default(), tree: None }
     }
 }

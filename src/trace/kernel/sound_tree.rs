@@ -3,7 +3,7 @@
 
 #![allow(unsafe_code)]
 
-use crate::bvh::limits::MAX_BLOCKS;
+use crate::bvh::limits::{MAX_BLOCKS, check_width};
 use crate::bvh::saved::SavedError;
 use crate::bvh::{Child, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Mesh;
@@ -30,7 +30,7 @@ impl<const N: usize, B> Copy for SoundTree<'_, N, B> {}
 impl<'a, const N: usize, B> SoundTree<'a, N, B> {
     /// Walks `tree` from the root.
     pub(super) fn new(tree: &'a WideBvh<N, B>) -> Result<Self, String> {
-        const { assert!(2 <= N && N <= 8, "the stack has room for at most eight children per node") };
+        const { check_width::<N>() };
         let mut seen = vec![false; tree.nodes.len()];
         let mut pending = vec![(tree.root, 0)];
         while let Some((link, level)) = pending.pop() {

@@ -3,6 +3,7 @@
 #![allow(unsafe_code)]
 
 use crate::bvh::WideNode;
+use crate::bvh::limits::check_width;
 use crate::trace::kernel::traverse::Entries;
 use std::arch::x86_64::*;
 
@@ -34,6 +35,7 @@ impl Slabs {
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn meet<const N: usize>(&self, node: &WideNode<N>, tfar: f32) -> (u32, Entries<N>) {
+        const { check_width::<N>() };
         let planes = std::ptr::from_ref(node).cast::<f32>();
         let mut entries = Entries([0; N]);
         let mask = match N {
@@ -56,7 +58,8 @@ impl Slabs {
                 let missed = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmpgt_epi32(enter, leave)));
                 missed as u32 ^ 0xf
             }
-            8 => {
+            // 8, as is asserted.
+            _ => {
                 let plane = |axis: usize, side: usize, org_rdir: [f32; 3]| {
                     // SAFETY: axis < 3 and side is 0 or 3: one of the node's six planes of eight floats.
                     let plane = unsafe { _mm256_load_ps(planes.add(8 * (axis + side))) };
@@ -75,21 +78,6 @@ impl Slabs {
                 unsafe { _mm256_store_si256(entries.0.as_mut_ptr().cast(), enter) };
                 let missed = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(enter, leave)));
                 missed as u32 ^ 0xff
-            }
-            _ => {
-                let mut mask = 0;
-                for slot in 0..N {
-                    let (mut enter, mut leave) = (self.tnear, tfar);
-                    for axis in 0..3 {
-                        let planes = [node.lower[axis][slot], node.upper[axis][slot]];
-                        let (first, last) = if self.near[axis] == 0 { (0, 1) } else { (1, 0) };
-                        enter = enter.max(planes[first].mul_add(self.rdir[axis], -self.org_rdir[0][axis]));
-                        leave = leave.min(planes[last].mul_add(self.rdir[axis], -self.org_rdir[1][axis]));
-                    }
-                    entries.0[slot] = enter.to_bits();
-                    mask |= u32::from(enter <= leave) << slot;
-                }
-                mask
             }
         };
         (mask, entries)
