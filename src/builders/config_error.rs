@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 /// A parameter out of its range.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{field} = {value} is out of range; give {least} to {most}")]
+#[error("{field} = {value} is out of range; give {}", range(.least, .most))]
 pub struct ConfigError {
     /// The parameter.
     pub field: &'static str,
@@ -15,6 +15,10 @@ pub struct ConfigError {
     pub least: String,
     /// The greatest.
     pub most: String,
+}
+
+fn range(least: &str, most: &str) -> String {
+    if least == most { least.into() } else { format!("{least} to {most}") }
 }
 
 /// Refuses a value outside of `range`; NaN is outside of every range.

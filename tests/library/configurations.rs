@@ -4,8 +4,8 @@
 use glam::Vec3;
 use phr::builders::{
     Aac, AacConfig, AuxiliaryConfig, AuxiliaryTree, BinnedSahConfig, Build, Builder, Clusters, CollapseCosts,
-    ConfigError, Extensions, Hunt, HuntConfig, LocalThreshold, NAMES, OptimiseConfig, OptimisedPhr,
-    OptimisedPhrConfig, Phr, PhrConfig, Ploc, PlocConfig, PresplitConfig, by_name,
+    ConfigError, Extensions, Hunt, HuntConfig, LocalThreshold, MergedPhr, NAMES, OptimiseConfig,
+    OptimisedPhr, OptimisedPhrConfig, Phr, PhrConfig, Ploc, PlocConfig, PresplitConfig, by_name,
 };
 use phr::geometry::{Hit, Mesh, Ray, Tracer};
 use phr::random::SplitMix64;
@@ -224,4 +224,19 @@ fn refusals_name_the_parameter_its_value_and_its_range() {
     let extensions = Extensions { auxiliary_tree, ..Extensions::NONE };
     let error = refused(PhrConfig { extensions, ..PhrConfig::HQ });
     assert_eq!(error, "bins = 65 is out of range; give 2 to 64");
+    let extensions = Extensions { collapse: Some(CollapseCosts::EMBREE), ..Extensions::NONE };
+    let phr = PhrConfig { extensions, ..PhrConfig::HQ };
+    let config = OptimisedPhrConfig { phr, optimise: OptimiseConfig::DEFAULT };
+    let error = OptimisedPhr::<4>::new("", config).err().unwrap().to_string();
+    assert_eq!(error, "phr.collapse = on is out of range; give none");
+    let mut merged = MergedPhr::<4>::new(PhrConfig::SPEED).unwrap();
+    let mesh = mesh(&mut SplitMix64::new(1), 30, 1.0);
+    for (tree, error) in [
+        (auxiliary_tree, "bins = 65 is out of range; give 2 to 64"),
+        (AuxiliaryTree::BinnedSah(BinnedSahConfig { bins: 0 }), "bins = 0 is out of range; give 2 to 64"),
+        (AuxiliaryTree::Ploc(PlocConfig { radius: 0 }), "radius = 0 is out of range; give 1 to 128"),
+        (AuxiliaryTree::Aac(AacConfig { delta: 0, epsilon: 0.2 }), "delta = 0 is out of range; give 1 to 64"),
+    ] {
+        assert_eq!(merged.keep(&mesh, 20, tree).unwrap_err().to_string(), error);
+    }
 }

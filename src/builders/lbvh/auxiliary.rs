@@ -71,7 +71,7 @@ impl AuxiliaryConfig {
 
     /// Most references of a leaf.
     pub(crate) fn max_leaf(&self) -> u32 {
-        self.clusters.map_or(self.leaf(), |clusters| clusters.most)
+        self.clusters.map_or(0, |clusters| clusters.most).max(self.leaf())
     }
 
     fn rule(&self, scale: &AreaScale) -> LeafRule {
@@ -286,6 +286,14 @@ mod tests {
             stack.extend([(left, first), (right, middle)]);
         }
         assert!(halved > 10_000);
+    }
+
+    #[test]
+    fn clusters_are_no_smaller_than_leaves() {
+        let clusters = Some(Clusters { most: 1, area: 1.0 });
+        let config = AuxiliaryConfig { auxiliary_leaf: Some(4), clusters, ..AuxiliaryConfig::PAPER };
+        assert_eq!((config.max_leaf(), AuxiliaryConfig { clusters: None, ..config }.max_leaf()), (4, 4));
+        assert_eq!(AuxiliaryConfig { auxiliary_leaf: None, ..config }.max_leaf(), 1);
     }
 
     #[test]

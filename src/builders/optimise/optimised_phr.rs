@@ -5,7 +5,7 @@ use super::optimiser::Optimiser;
 use crate::builders::builder::{Build, Builder, Stopwatch};
 use crate::builders::config_error::ConfigError;
 use crate::builders::phr::memory::CutMemory;
-use crate::builders::phr::{Extensions, PhrConfig, begin};
+use crate::builders::phr::{PhrConfig, begin};
 use crate::builders::prims::geometry::Geometry;
 use crate::bvh::limits::BLOCK;
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
@@ -15,7 +15,8 @@ use crate::simd::Isa;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OptimisedPhrConfig {
-    /// Of the tree.
+    /// Of the tree; its `max_leaf` does not count, as that of [`OptimiseConfig::costs`] does, and for the same reason it has
+    /// no `collapse`.
     pub phr: PhrConfig,
     /// Of its optimisation.
     pub optimise: OptimiseConfig,
@@ -36,7 +37,7 @@ impl<const N: usize, B: LeafBlock> OptimisedPhr<N, B> {
     /// A builder called `name` in records.
     ///
     /// # Errors
-    /// A parameter out of range.
+    /// A parameter out of range, and `collapse`.
     pub fn new(name: &'static str, config: OptimisedPhrConfig) -> Result<Self, ConfigError> {
         Self::with_isa(name, config, Isa::best())
     }
@@ -49,8 +50,11 @@ impl<const N: usize, B: LeafBlock> OptimisedPhr<N, B> {
     ) -> Result<Self, ConfigError> {
         config.phr.check()?;
         config.optimise.check()?;
-        let extensions = Extensions { collapse: None, ..config.phr.extensions };
-        let phr = PhrConfig { max_leaf: BLOCK, extensions, ..config.phr };
+        if config.phr.extensions.collapse.is_some() {
+            let [value, none] = ["on", "none"].map(String::from);
+            return Err(ConfigError { field: "phr.collapse", value, least: none.clone(), most: none });
+        }
+        let phr = PhrConfig { max_leaf: BLOCK, ..config.phr };
         Ok(Self { name, config, phr, memory: CutMemory::default(), optimiser: Optimiser::default(), isa })
     }
 }

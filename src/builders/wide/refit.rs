@@ -4,6 +4,7 @@
 //! Trees come from anywhere, so nothing is known of the order of their nodes. Boxes are gathered depth first, where all
 //! builders have put neighbours, into an array of their own, and then written to the nodes in the order of these.
 
+use crate::builders::config_error::ConfigError;
 use crate::bvh::{Child, Invalid, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::{Aabb, Mesh};
 use crate::memory::huge_pages;
@@ -31,6 +32,9 @@ pub enum RefitError {
     /// Pieces of presplit needles have no vertices that could have moved.
     #[error("its needles were presplit, and pieces cannot be refitted; build it without `presplit`")]
     Presplit,
+    /// A parameter of the tree over the static part.
+    #[error(transparent)]
+    Parameter(#[from] ConfigError),
     /// The tree is no tree.
     #[error("{0}; build a new tree")]
     Malformed(#[from] Invalid),

@@ -66,13 +66,14 @@ impl<const N: usize> MergedPhr<N> {
     /// Builds the auxiliary tree of the static part, the first `triangles` of `mesh`, by `tree`, and keeps it.
     ///
     /// # Errors
-    /// A mesh of fewer triangles.
+    /// A mesh of fewer triangles, a parameter of `tree` out of range.
     pub fn keep(
         &mut self,
         mesh: &Mesh,
         triangles: usize,
         tree: AuxiliaryTree,
     ) -> Result<Vec<Phase>, RefitError> {
+        tree.check()?;
         if triangles > mesh.len() {
             return Err(RefitError::Triangles { tree: triangles, mesh: mesh.len() });
         }
