@@ -40,11 +40,12 @@ pub enum Opened<At> {
 /// The wide tree of a binary one over `mesh`; a box is that around the leaves below.
 ///
 /// # Errors
-/// A leaf that is too large or a tree that is too deep or does not hold every triangle, in one line.
+/// A leaf that is too large or of triangles that the mesh lacks, a tree that is too deep or does not hold every triangle, in
+/// one line.
 pub fn widened<const N: usize>(tree: &impl ForeignTree, mesh: &Mesh) -> Result<WideBvh<N>, String> {
     let mut subtrees = Subtrees::default();
     let Some(root) = tree.root() else { return Ok(WideBvh::default()) };
-    let Some(root) = copied(tree, root, 0, &mut subtrees)? else { return Ok(WideBvh::default()) };
+    let Some(root) = copied((tree, mesh), root, 0, &mut subtrees)? else { return Ok(WideBvh::default()) };
     let mut treelet = WideTreelet::<N>::default();
     let leaves = Leaves { geometry: mesh, max_leaf: MAX_LEAF, may_repeat: tree.may_repeat() };
     let (source, run) = (Foreign(&subtrees), NodeRun { node: root, first: 0 });
@@ -56,9 +57,9 @@ pub fn widened<const N: usize>(tree: &impl ForeignTree, mesh: &Mesh) -> Result<W
     Ok(wide)
 }
 
-/// Appends the subtree below a node.
+/// Appends the subtree below a node of a tree over a mesh.
 fn copied<T: ForeignTree>(
-    tree: &T,
+    (tree, mesh): (&T, &Mesh),
     at: T::At,
     level: u32,
     subtrees: &mut Subtrees,
@@ -67,14 +68,21 @@ fn copied<T: ForeignTree>(
     match tree.open(at, &mut subtrees.prims) {
         Opened::Children(_) if level == MOST_LEVELS => Err(format!("its tree has more than {level} levels")),
         Opened::Children([left, right]) => {
-            let left = copied(tree, left, level + 1, subtrees)?;
-            let right = copied(tree, right, level + 1, subtrees)?;
+            let left = copied((tree, mesh), left, level + 1, subtrees)?;
+            let right = copied((tree, mesh), right, level + 1, subtrees)?;
             Ok(subtrees.merge([left, right]))
         }
-        Opened::Leaf(bounds) => match subtrees.prims.len() - first {
-            0 => Ok(None),
-            count if count <= MAX_LEAF as usize => Ok(Some(Node::leaf(bounds, first, count as u32))),
-            count => Err(format!("a leaf of its tree has {count} triangles, ours at most {MAX_LEAF}")),
+        Opened::Leaf(bounds) => match &subtrees.prims[first..] {
+            [] => Ok(None),
+            prims if prims.len() > MAX_LEAF as usize => {
+                Err(format!("a leaf of its tree has {} triangles, ours at most {MAX_LEAF}", prims.len()))
+            }
+            prims => match prims.iter().find(|&&prim| prim as usize >= mesh.len()) {
+                Some(prim) => {
+                    Err(format!("a leaf of its tree has triangle {prim}, the mesh only {}", mesh.len()))
+                }
+                None => Ok(Some(Node::leaf(bounds, first, prims.len() as u32))),
+            },
         },
     }
 }
@@ -149,6 +157,8 @@ mod tests {
         assert_eq!(error, "a leaf of its tree has 100 triangles, ours at most 28");
         let error = widened::<4>(&Halves(&mesh, 0), &mesh).unwrap_err();
         assert_eq!(error, "its tree has more than 512 levels");
+        let error = widened::<4>(&Halves(&mesh, 4), &soup(99, 0.1, 1)).unwrap_err();
+        assert_eq!(error, "a leaf of its tree has triangle 99, the mesh only 99");
         let larger = soup(101, 0.1, 1);
         let error = widened::<4>(&Halves(&mesh, 4), &larger).unwrap_err();
         assert!(
