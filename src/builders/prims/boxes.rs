@@ -1,7 +1,7 @@
 //! Boxes of anything: spheres, curves, instances, objects of a game. Builders see their boxes alone, and split them in
 //! space where the caller tells how.
 
-use super::geometry::Geometry;
+use super::geometry::{Checked, Geometry};
 use crate::bvh::IdBlock;
 use crate::geometry::{Aabb, Mesh, Ray};
 use crate::memory::prefetch::line;
@@ -144,6 +144,8 @@ impl<'a> Boxes<'a> {
         &self.bounds
     }
 }
+
+impl Checked for Boxes<'_> {}
 
 impl Geometry for Boxes<'_> {
     type Block = IdBlock;

@@ -9,8 +9,9 @@ use crate::memory::stream::Vectors;
 use std::ops::Range;
 
 /// Primitives, numbered from 0, each with a box. Implemented by [`Mesh`] and [`Boxes`](super::boxes::Boxes); what other
-/// libraries call custom or user geometry becomes boxes.
-pub trait Geometry: Sync {
+/// libraries call custom or user geometry becomes boxes. Nobody else implements it: builders rely on boxes that were checked,
+/// finite and not empty.
+pub trait Geometry: Sync + Checked {
     /// What leaves hold of up to four of them.
     type Block: LeafBlock + Vectors;
     /// A primitive with what finds its box.
@@ -75,6 +76,11 @@ pub trait Geometry: Sync {
     /// Prefetches the corners of a triangle that was prefetched.
     fn prefetch_corners(&self, prim: u32);
 }
+
+/// Of geometries whose boxes were checked when they were made. It has a name in this crate alone.
+pub trait Checked {}
+
+impl Checked for Mesh {}
 
 impl Geometry for Mesh {
     type Block = TriangleBlock;
