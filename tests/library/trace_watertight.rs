@@ -54,7 +54,8 @@ fn inner_rays(mesh: &Mesh, centre: Vec3, reach: f32, count: usize, seed: u64) ->
 fn leaks<const N: usize>(mesh: &Mesh, rays: &[Ray], isa: Isa) -> usize {
     let tree = median_tree::<N>(mesh, 4);
     let tracer = WatertightTracer::with_isa(&tree, mesh, isa);
-    assert_eq!(tracer.isa(), isa);
+    // There is no code for AVX-512.
+    assert_eq!(tracer.isa().name(), if isa == Isa::Scalar { "scalar" } else { "avx2" });
     let missed = closest(&tracer, rays).iter().filter(|hit| !hit.is_hit()).count();
     missed + any(&tracer, rays).iter().filter(|&&hit| !hit).count()
 }

@@ -164,7 +164,6 @@ impl<'a> Tree<'a> {
 
     /// Our kernels.
     fn ours<'t, const N: usize>(&'t self, tree: &'t WideBvh<N>) -> Vec<Contestant<'t>> {
-        let best = Isa::best();
         let single = self.contestant("phr", kernel_isa().name(), Box::new(BvhTracer::new(tree)));
         if !self.by_all {
             return vec![single];
@@ -174,8 +173,8 @@ impl<'a> Tree<'a> {
         let portable = BvhTracer::with_isa(tree, Isa::Scalar);
         vec![
             single,
-            self.contestant("phr-batch", best.name(), Box::new(batch)),
-            self.contestant(WATERTIGHT, best.name(), Box::new(watertight)),
+            self.contestant("phr-batch", batch.isa().name(), Box::new(batch)),
+            self.contestant(WATERTIGHT, watertight.isa().name(), Box::new(watertight)),
             self.contestant("phr-portable", Isa::Scalar.name(), Box::new(portable)),
         ]
     }

@@ -41,10 +41,12 @@ impl<'a, const N: usize> WatertightTracer<'a, N> {
     /// As [`WatertightTracer::new`].
     pub fn with_isa(tree: &'a WideBvh<N>, mesh: &Mesh, isa: Isa) -> Self {
         let blocks = corner_blocks(tree, mesh);
+        // AVX-512 would add nothing.
+        let isa = isa.avx2().map_or(Isa::Scalar, Isa::Avx2);
         Self { tree: sound(tree), blocks, bounds: mesh.bounds(), isa }
     }
 
-    /// The instructions in use.
+    /// The instructions in use: those of choice, or AVX2's of a processor with AVX-512.
     pub fn isa(&self) -> Isa {
         self.isa
     }
