@@ -9,7 +9,7 @@ use glam::Vec3;
 pub struct Ray {
     /// Origin, scene units.
     pub org: Vec3,
-    /// Start of the segment, exclusive; >= 0.
+    /// Start of the segment, exclusive; >= 0 and finite.
     pub tnear: f32,
     /// Direction.
     pub dir: Vec3,
@@ -21,7 +21,7 @@ impl Ray {
     /// Largest coordinate that Embree accepts (its `FLT_LARGE`); anything larger aborts Debian's build.
     pub const LARGEST: f32 = 1.844e18;
 
-    /// True if Embree accepts the ray: finite origin and direction below [`Ray::LARGEST`], `tnear >= 0`,
+    /// True if Embree accepts the ray: components of origin and direction up to [`Ray::LARGEST`], `tnear` finite and >= 0,
     /// no NaN.
     pub fn is_valid(&self) -> bool {
         // Without short-circuits, so that checking a batch compiles to vector code.
