@@ -111,7 +111,9 @@ impl<const N: usize> ProvenTree<N, IdBlock> {
                 #[inline(always)]
                 || traversal.run(Custom::<'_, FastAvx2<_>, F>::new((token, test), ray), tree, ray.tfar),
             ),
-            _ => traversal.run(Custom::<'_, FastScalar, F>::new(((), test), ray), tree, ray.tfar),
+            Isa::Scalar => traversal.run(Custom::<'_, FastScalar, F>::new(((), test), ray), tree, ray.tfar),
+            #[cfg(not(target_arch = "x86_64"))]
+            Isa::Avx2(_) | Isa::Avx512(_) => unreachable!("tokens of x86-64 are made there alone"),
         }
     }
 }

@@ -108,7 +108,9 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
             Isa::Avx512(token) => {
                 avx2::run::<FastAvx2<_>, C, N>(token.avx2(), token, self.tree, query, counter);
             }
-            _ => traverse::run::<FastScalar, C, N>((), self.tree, query, counter),
+            Isa::Scalar => traverse::run::<FastScalar, C, N>((), self.tree, query, counter),
+            #[cfg(not(target_arch = "x86_64"))]
+            Isa::Avx2(_) | Isa::Avx512(_) => unreachable!("tokens of x86-64 are made there alone"),
         }
     }
 }

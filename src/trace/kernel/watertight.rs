@@ -53,12 +53,16 @@ impl<'a, const N: usize> WatertightTracer<'a, N> {
 
     fn run(&self, query: Query<'_>) {
         let tree = self.tree.over(&self.blocks);
-        match self.isa.avx2() {
+        match self.isa {
             #[cfg(target_arch = "x86_64")]
-            Some(token) => {
+            Isa::Avx2(token) => {
                 avx2::run::<WatertightAvx2, (), N>(token, (token, self.bounds), tree, query, &mut ());
             }
-            _ => traverse::run::<WatertightScalar, (), N>(self.bounds, tree, query, &mut ()),
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx512(_) => unreachable!("lowered to AVX2 when the tracer was made"),
+            Isa::Scalar => traverse::run::<WatertightScalar, (), N>(self.bounds, tree, query, &mut ()),
+            #[cfg(not(target_arch = "x86_64"))]
+            Isa::Avx2(_) | Isa::Avx512(_) => unreachable!("tokens of x86-64 are made there alone"),
         }
     }
 }

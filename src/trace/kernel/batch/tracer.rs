@@ -74,10 +74,12 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
                 self.batch::<FastAvx2<_>, ANY>(token.avx2(), token, rays, answer);
                 true
             }
-            _ => {
+            Isa::Scalar => {
                 let _ = (rays, answer);
                 false
             }
+            #[cfg(not(target_arch = "x86_64"))]
+            Isa::Avx2(_) | Isa::Avx512(_) => unreachable!("tokens of x86-64 are made there alone"),
         }
     }
 
