@@ -21,6 +21,18 @@ pub(crate) enum Division<T> {
 /// The tasks of a tree, each to be taken once.
 pub(crate) struct Tasks<T>(Vec<Mutex<Option<T>>>);
 
+impl<T> TaskTree<T> {
+    /// As [`Self::grow`], on this thread alone: where a division takes less time than a thread to wake.
+    pub fn divide(root: T, by: &impl Fn(T) -> Division<T>) -> Self {
+        match by(root) {
+            Division::Task(task) => Self::Task(task),
+            Division::Parts(parts) => {
+                Self::Node(parts.into_iter().map(|part| Self::divide(part, by)).collect())
+            }
+        }
+    }
+}
+
 impl<T: Send> TaskTree<T> {
     /// Divides `root` by `divide` until only tasks are left, parts in parallel.
     pub fn grow(root: T, divide: &(impl Fn(T) -> Division<T> + Sync)) -> Self {

@@ -8,7 +8,7 @@
 use super::area_scale::AreaScale;
 use super::key::MortonKey;
 use super::sort::{MortonOrder, SortBits};
-use super::top_tree::{TopTree, result_of};
+use super::top_tree::{Treelet, top_tree};
 use super::treelet::{LbvhTreelet, LeafRule};
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
@@ -153,18 +153,17 @@ fn linear<G: Geometry>(
     // Of leaves of several references about half are full.
     let most = keys.len().div_ceil(rule.always as usize) * if rule.always == 1 { 1 } else { 2 };
     huge_pages::reserve(pairs, most + most / 1000 + 64, "the auxiliary tree");
-    let top = TopTree::new(refs, keys, depth);
+    let (top, tasks) = top_tree(refs, keys, depth);
     let make = |i: usize, treelet: &mut LbvhTreelet| {
-        let (first, depth, mut keys) = top.treelet(i);
-        treelet.build(refs, &mut keys, first, depth, rule)
+        let Treelet { first, depth, keys } = tasks.take(i);
+        treelet.build(refs, keys, first, depth, rule)
     };
-    let built = ordered_append::append(top.len(), treelets, pairs, &mut Vec::new(), make);
+    let built = ordered_append::append(tasks.len(), treelets, pairs, &mut Vec::new(), make);
     let treelets: Vec<Node> = built.into_iter().map(|(root, offset)| root.moved(offset[0] as u32)).collect();
-    let top_pairs = top.fold(&treelets, |children| {
-        pairs.push(children);
-        Node::inner(&children, pairs.len() - 1)
-    });
-    *result_of(top.root(), &treelets, &top_pairs)
+    top.fold(&treelets, &mut |children| {
+        pairs.push([children[0], children[1]]);
+        Node::inner(&[children[0], children[1]], pairs.len() - 1)
+    })
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::treelet::DirectTreelet;
 use crate::builders::binary::kind::Kind;
 use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
 use crate::builders::lbvh::sort::MortonOrder;
-use crate::builders::lbvh::top_tree::{TopNode, TopTree, result_of};
+use crate::builders::lbvh::top_tree::{Treelet, top_tree};
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::memory::Memory;
 use crate::builders::wide::open_largest::{Priority, open_largest, replace};
@@ -74,48 +74,66 @@ impl<const N: usize, B: LeafBlock + Vectors, I: Copy + Default + Send> Lbvh<N, B
     ) -> (WideBvh<N, B>, usize) {
         let refs = &self.order.refs(geometry);
         let (mut nodes, mut blocks) = self.memory.arrays(geometry.len());
-        let top = TopTree::new(refs, keys, 0);
+        let (top, tasks) = top_tree(refs, keys, 0);
         let make = |i: usize, wide: &mut WideTreelet<N, B>| {
             let mut treelet = self.treelets.take();
-            let (_, depth, keys) = top.treelet(i);
-            let built = treelet.build(self.isa, geometry, &keys, depth, wide);
+            let Treelet { depth, keys, .. } = tasks.take(i);
+            let built = treelet.build(self.isa, geometry, keys, depth, wide);
             self.treelets.put(treelet);
             built
         };
-        let built = ordered_append::append(top.len(), &self.memory.treelets, &mut nodes, &mut blocks, make);
-        let pairs = built.iter().map(|((_, pairs), _)| pairs).sum::<usize>() + top.len() - 1;
+        let built = ordered_append::append(tasks.len(), &self.memory.treelets, &mut nodes, &mut blocks, make);
+        let pairs = built.iter().map(|((_, pairs), _)| pairs).sum::<usize>() + tasks.len() - 1;
         let subtrees = treelet::moved(built.into_iter().map(|((subtree, _), at)| (subtree, at)).collect());
-        let bounds: Vec<Aabb> =
-            subtrees.iter().map(|subtree| subtree.map_or(Aabb::EMPTY, |(b, _)| b)).collect();
-        let pair_bounds = top.fold(&bounds, |[left, right]| left.union(right));
-        let wide = WideTop { top: &top, subtrees: &subtrees, bounds: &bounds, pair_bounds: &pair_bounds };
-        let tree = wide.emit(top.root(), &mut nodes);
+        let treelets: Vec<TopNode> = subtrees.into_iter().map(TopNode::Treelet).collect();
+        let mut wide = WideTop { pairs: Vec::with_capacity(tasks.len()) };
+        let root = top.fold(&treelets, &mut |children| wide.parent([children[0], children[1]]));
+        let tree = wide.emit(root, &mut nodes);
         (tree.map_or_else(WideBvh::default, |(bounds, root)| WideBvh { root, bounds, nodes, blocks }), pairs)
     }
 }
 
-/// The top tree on its way to wide nodes.
-struct WideTop<'a> {
-    top: &'a TopTree<'a>,
-    subtrees: &'a [Subtree],
-    bounds: &'a [Aabb],
-    pair_bounds: &'a [Aabb],
+/// A node of the top tree.
+#[derive(Clone, Copy)]
+enum TopNode {
+    Treelet(Subtree),
+    /// Its box, and the place of its children.
+    Pair(Aabb, usize),
 }
 
-impl WideTop<'_> {
+impl TopNode {
+    fn bounds(&self) -> Aabb {
+        match self {
+            Self::Treelet(subtree) => subtree.map_or(Aabb::EMPTY, |(bounds, _)| bounds),
+            Self::Pair(bounds, _) => *bounds,
+        }
+    }
+}
+
+/// The top tree on its way to wide nodes.
+struct WideTop {
+    pairs: Vec<[TopNode; 2]>,
+}
+
+impl WideTop {
+    fn parent(&mut self, children: [TopNode; 2]) -> TopNode {
+        self.pairs.push(children);
+        TopNode::Pair(children[0].bounds().union(children[1].bounds()), self.pairs.len() - 1)
+    }
+
     /// Appends the wide nodes below `node`.
     fn emit<const N: usize>(&self, node: TopNode, nodes: &mut Vec<WideNode<N>>) -> Subtree {
-        if let TopNode::Treelet(treelet) = node {
-            return self.subtrees[treelet];
+        if let TopNode::Treelet(subtree) = node {
+            return subtree;
         }
         let priority = |node: &TopNode| {
-            let kind = if matches!(node, TopNode::Pair(_)) { Kind::Inner } else { Kind::Leaf };
-            Priority::new(kind, result_of(*node, self.bounds, self.pair_bounds).half_area())
+            let kind = if matches!(node, TopNode::Pair(..)) { Kind::Inner } else { Kind::Leaf };
+            Priority::new(kind, node.bounds().half_area())
         };
         let mut children = ArrayVec::<TopNode, N>::from_iter([node]);
         open_largest(&mut children, priority, |children, next| {
-            let TopNode::Pair(pair) = children[next] else { return None };
-            replace(children, next, self.top.children(pair));
+            let TopNode::Pair(_, pair) = children[next] else { return None };
+            replace(children, next, self.pairs[pair]);
             Some(())
         });
         let built: ArrayVec<(Aabb, Link), N> =
