@@ -79,6 +79,15 @@ impl Isa {
         }
     }
 
+    /// Calls `f`, compiled for AVX2 where the processor has it: as [`Avx2::run`].
+    #[inline(always)]
+    pub(crate) fn run<R>(self, f: impl FnOnce() -> R) -> R {
+        match self.avx2() {
+            Some(token) => token.run(f),
+            None => f(),
+        }
+    }
+
     #[cfg(target_arch = "x86_64")]
     fn detect() -> Self {
         use std::arch::is_x86_feature_detected as has;

@@ -114,13 +114,10 @@ impl SubtreeSweep {
 
     /// As [`Self::tree`], compiled for the instruction set; the operations are the same.
     fn compiled<const AS_CUT: bool>(&mut self, isa: Isa, levels: u32, done: &mut Subtrees) -> Node {
-        match isa.avx2() {
-            None => self.tree::<AS_CUT>(levels, done),
-            Some(token) => token.run(
-                #[inline(always)]
-                move || self.tree::<AS_CUT>(levels, done),
-            ),
-        }
+        isa.run(
+            #[inline(always)]
+            move || self.tree::<AS_CUT>(levels, done),
+        )
     }
 
     /// The tree over the references, which are in order if they are more than a block.

@@ -49,7 +49,10 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
             .partition(deltas, keys.len(), [depth, BLOCK], |i| geometry.bounds_of_item(&items[i]).center2());
         equal_codes.reorder(items, copied_items);
         deltas.leaves(BLOCK, leaves);
-        emit_leaves(isa, geometry, items, leaves, slots, &mut treelet.blocks);
+        isa.run(
+            #[inline(always)]
+            || emit_leaves(geometry, items, leaves, slots, &mut treelet.blocks),
+        );
         widen.pairs.clear();
         let leaves = slots.iter().zip(&*leaves).map(|(&slot, &begin)| (slot, deltas.before(begin as usize)));
         let root = cartesian_tree(Slot::NONE, leaves, |children| {
@@ -57,37 +60,17 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
             Slot::inner(&children, widen.pairs.len() - 1)
         });
         let nodes = &mut treelet.nodes;
-        let link = match isa.avx2() {
-            None => widen.write(&root, nodes),
-            Some(token) => token.run(
-                #[inline(always)]
-                || widen.write(&root, nodes),
-            ),
-        };
+        let link = isa.run(
+            #[inline(always)]
+            || widen.write(&root, nodes),
+        );
         (Some((root.bounds(), link)), widen.pairs.len())
     }
 }
 
 /// Makes leaf blocks and slots of the primitives between `leaves`.
-fn emit_leaves<G: Geometry>(
-    isa: Isa,
-    geometry: &G,
-    items: &[G::Item],
-    leaves: &[u32],
-    slots: &mut Vec<Slot>,
-    blocks: &mut Vec<G::Block>,
-) {
-    match isa.avx2() {
-        None => emit_leaves_with(geometry, items, leaves, slots, blocks),
-        Some(token) => token.run(
-            #[inline(always)]
-            move || emit_leaves_with(geometry, items, leaves, slots, blocks),
-        ),
-    }
-}
-
 #[inline(always)]
-fn emit_leaves_with<G: Geometry>(
+fn emit_leaves<G: Geometry>(
     geometry: &G,
     items: &[G::Item],
     leaves: &[u32],
@@ -124,10 +107,13 @@ mod tests {
         let leaves = [0, 1, 3, 6, 10, 14, 17, 20, 24, 25, 29, 32, 36, 40];
         let [mut slots, mut expected_slots] = [Vec::new(), Vec::new()];
         let [mut made, mut expected] = [Vec::new(), Vec::new()];
-        emit_leaves(Isa::Scalar, &mesh, &triangles, &leaves, &mut expected_slots, &mut expected);
+        emit_leaves(&mesh, &triangles, &leaves, &mut expected_slots, &mut expected);
         for isa in Isa::available() {
             made.clear();
-            emit_leaves(isa, &mesh, &triangles, &leaves, &mut slots, &mut made);
+            isa.run(
+                #[inline(always)]
+                || emit_leaves(&mesh, &triangles, &leaves, &mut slots, &mut made),
+            );
             assert_eq!(format!("{slots:?}{made:?}"), format!("{expected_slots:?}{expected:?}"), "{isa:?}");
         }
         for ((leaf, block), slot) in leaves.windows(2).zip(&made).zip(&slots) {
