@@ -2,17 +2,9 @@
 
 use super::config::MOST_BINS;
 use crate::builders::prims::refs::PrimInfo;
+use crate::builders::split::cost::{CountedBox, Weight};
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
-
-/// References that fall into a bin.
-#[derive(Clone, Copy)]
-struct Bin {
-    count: u32,
-    bounds: Aabb,
-}
-
-const EMPTY: Bin = Bin { count: 0, bounds: Aabb::EMPTY };
 
 /// Which bin a centroid is in.
 #[derive(Clone, Copy)]
@@ -47,7 +39,7 @@ pub(super) struct Plane {
 
 /// Bins along three axes.
 pub(super) struct Bins {
-    bins: Vec<Bin>,
+    bins: Vec<CountedBox>,
     /// Bins of an axis.
     len: usize,
 }
@@ -56,12 +48,10 @@ impl Bins {
     /// Of the boxes.
     pub fn of(binning: &Binning, boxes: impl Iterator<Item = Aabb>) -> Self {
         let len = binning.last + 1;
-        let mut bins = vec![EMPTY; 3 * len];
+        let mut bins = vec![CountedBox::EMPTY; 3 * len];
         for bounds in boxes {
             for (axis, bins) in bins.chunks_exact_mut(len).enumerate() {
-                let bin = &mut bins[binning.bin(bounds, axis)];
-                bin.count += 1;
-                bin.bounds = bin.bounds.union(bounds);
+                bins[binning.bin(bounds, axis)].add(bounds);
             }
         }
         Self { bins, len }
@@ -70,8 +60,7 @@ impl Bins {
     /// Those of both.
     pub fn union(mut self, other: &Self) -> Self {
         for (bin, other) in self.bins.iter_mut().zip(&other.bins) {
-            bin.count += other.count;
-            bin.bounds = bin.bounds.union(other.bounds);
+            *bin = bin.union(*other);
         }
         self
     }
@@ -80,23 +69,20 @@ impl Bins {
     pub fn cheapest(&self) -> Option<Plane> {
         let mut best = (f32::INFINITY, None);
         for (axis, bins) in self.bins.chunks_exact(self.len).enumerate() {
-            let cost = |bin: Bin| bin.bounds.half_area() * bin.count as f32;
-            let join = |a: Bin, b: &Bin| Bin { count: a.count + b.count, bounds: a.bounds.union(b.bounds) };
-            let mut right = EMPTY;
-            let right: ArrayVec<Bin, MOST_BINS> = bins
-                .iter()
-                .rev()
-                .map(|bin| {
-                    right = join(right, bin);
-                    right
-                })
-                .collect();
-            let mut left = EMPTY;
+            // What is right of each plane, the last first.
+            let join = |right: &mut CountedBox, bin: &CountedBox| {
+                *right = right.union(*bin);
+                Some(*right)
+            };
+            let right: ArrayVec<CountedBox, MOST_BINS> =
+                bins.iter().rev().scan(CountedBox::EMPTY, join).collect();
+            let mut left = CountedBox::EMPTY;
             for bin in 1..self.len {
-                left = join(left, &bins[bin - 1]);
+                left = left.union(bins[bin - 1]);
                 let right = right[self.len - 1 - bin];
-                if left.count > 0 && right.count > 0 && cost(left) + cost(right) < best.0 {
-                    best = (cost(left) + cost(right), Some(Plane { axis, bin }));
+                let cost = left.cost(0, Weight::Nodes) + right.cost(0, Weight::Nodes);
+                if left.count > 0 && right.count > 0 && cost < best.0 {
+                    best = (cost, Some(Plane { axis, bin }));
                 }
             }
         }
