@@ -1,7 +1,6 @@
 //! The fields of a configuration by name, as its JSON has them: `delta`, `presplit.filled`, `optimise.costs.leaf`.
 
-use crate::builders::optimise::OptimisedPhrConfig;
-use crate::builders::phr::{Extensions, PhrConfig};
+use crate::builders::phr::PhrConfig;
 use crate::builders::registry::Config;
 use serde_json::Value;
 
@@ -14,34 +13,26 @@ pub fn fields(config: &Config) -> Value {
 /// The fields of a configuration with every extension on, which has all names that there are; what is off in the
 /// configuration has the value of `phr-quality` or, where that has none, of `phr-speed`.
 pub fn with_everything_on(config: &Config) -> Value {
-    let on = |phr: PhrConfig| {
-        let (quality, speed) = (PhrConfig::QUALITY.extensions, PhrConfig::SPEED.extensions);
-        let had = phr.extensions;
-        let mut auxiliary = had.auxiliary;
-        auxiliary.presplit = auxiliary.presplit.or(quality.auxiliary.presplit);
-        auxiliary.auxiliary_leaf = auxiliary.auxiliary_leaf.or(speed.auxiliary.auxiliary_leaf);
-        auxiliary.clusters = auxiliary.clusters.or(quality.auxiliary.clusters);
-        auxiliary.calibration = auxiliary.calibration.or(quality.auxiliary.calibration);
-        let extensions = Extensions {
-            auxiliary,
-            auxiliary_tree: had.auxiliary_tree,
-            cut_share: had.cut_share.or(quality.cut_share),
-            local_threshold: had.local_threshold.or(quality.local_threshold),
-            spatial_bias: had.spatial_bias.or(quality.spatial_bias),
-            clip_triangles: had.clip_triangles,
-            triangle_counts: had.triangle_counts,
-            subtree_sweep: had.subtree_sweep.or(quality.subtree_sweep),
-            collapse: had.collapse.or(quality.collapse),
-        };
-        PhrConfig { extensions, ..phr }
+    let mut on = fields(config);
+    let phr = match config {
+        Config::Phr(_) => Some(&mut on),
+        Config::OptimisedPhr(_) => on.get_mut("phr"),
+        Config::Lbvh | Config::Aac(_) | Config::Ploc(_) | Config::Hunt(_) => None,
     };
-    fields(&match *config {
-        Config::Phr(phr) => Config::Phr(on(phr)),
-        Config::OptimisedPhr(OptimisedPhrConfig { phr, optimise }) => {
-            Config::OptimisedPhr(OptimisedPhrConfig { phr: on(phr), optimise })
-        }
-        other => other,
-    })
+    if let Some(phr) = phr {
+        fill(phr, &fields(&Config::Phr(PhrConfig::QUALITY)));
+        fill(phr, &fields(&Config::Phr(PhrConfig::SPEED)));
+    }
+    on
+}
+
+/// Gives what is null the value that `from` has there.
+fn fill(value: &mut Value, from: &Value) {
+    match value {
+        Value::Null => *value = from.clone(),
+        Value::Object(fields) => fields.iter_mut().for_each(|(name, value)| fill(value, at(from, name))),
+        _ => {}
+    }
 }
 
 /// The names of all single fields of `template`.
