@@ -31,13 +31,6 @@ impl TriangleBlock {
     pub const EMPTY: Self =
         Self { v0: [[0.0; 4]; 3], e1: [[0.0; 4]; 3], e2: [[0.0; 4]; 3], prims: [u32::MAX; 4] };
 
-    /// A block of one to four triangles of `mesh`.
-    #[inline]
-    pub fn of(mesh: &Mesh, prims: &[u32]) -> Self {
-        let last = prims.len() - 1;
-        Self::of_first(prims.len(), std::array::from_fn(|lane| prims[lane.min(last)]), mesh)
-    }
-
     /// A block of the first `count` triangles, one to four, of `prims`, all of them triangles of `mesh`.
     #[inline]
     pub fn of_first(count: usize, prims: [u32; 4], mesh: &Mesh) -> Self {

@@ -22,8 +22,6 @@ pub(super) struct RecordedChunk {
     prims: Vec<u32>,
 }
 
-impl RecordedChunk {}
-
 impl Chunk for RecordedChunk {
     type A = Pair;
     type B = u32;

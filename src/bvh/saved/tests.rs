@@ -1,4 +1,5 @@
 use super::*;
+use crate::builders::Geometry as _;
 use crate::bvh::{Bvh4, Bvh8, Link, TriangleBlock, WideNode};
 use crate::geometry::Mesh;
 
@@ -11,7 +12,7 @@ fn mesh(count: usize) -> Mesh {
 /// A chain of nodes, each with a leaf of up to four triangles and the next node.
 fn chain(mesh: &Mesh) -> Bvh4 {
     let ids: Vec<u32> = (0..mesh.len() as u32).collect();
-    let blocks: Vec<TriangleBlock> = ids.chunks(4).map(|ids| TriangleBlock::of(mesh, ids)).collect();
+    let blocks: Vec<TriangleBlock> = ids.chunks(4).map(|ids| mesh.block_of(ids)).collect();
     let mut nodes = vec![WideNode::<4>::EMPTY; blocks.len()];
     for (i, node) in nodes.iter_mut().enumerate() {
         node.set(0, mesh.bounds(), Link::leaf(i, 1));

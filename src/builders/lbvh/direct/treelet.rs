@@ -93,7 +93,6 @@ fn emit_leaves<G: Geometry>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvh::TriangleBlock;
     use crate::geometry::{Aabb, Mesh};
 
     #[test]
@@ -119,7 +118,7 @@ mod tests {
         for ((leaf, block), slot) in leaves.windows(2).zip(&made).zip(&slots) {
             assert!(block.ids().eq(leaf[0]..leaf[1]));
             let prims: Vec<u32> = block.ids().collect();
-            assert_eq!(*block, TriangleBlock::of(&mesh, &prims));
+            assert_eq!(*block, mesh.block_of(&prims));
             let bounds: Aabb = prims.iter().map(|&prim| mesh.bounds_of(prim)).collect();
             assert_eq!(format!("{:?}", slot.bounds()), format!("{bounds:?}"));
         }

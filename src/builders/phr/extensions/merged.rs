@@ -80,9 +80,6 @@ impl<const N: usize> MergedPhr<N> {
         let auxiliary = &mut self.memory.auxiliary;
         let config = &self.config.extensions.auxiliary;
         let phases = tree.build_part(auxiliary, (mesh, 0..triangles as u32), config, self.isa);
-        if triangles == 0 {
-            auxiliary.tree.pairs.clear();
-        }
         self.kept = Kept { triangles, pairs: auxiliary.tree.pairs.len(), root: auxiliary.tree.root };
         Ok(phases)
     }
@@ -119,10 +116,7 @@ impl<const N: usize> MergedPhr<N> {
         huge_pages::reserve(&mut order.keys, mesh.len(), "merged keys");
         order.keys.extend_from_slice(&self.dynamic.order.keys);
         tree.pairs.truncate(pairs);
-        let added: &[[Node; 2]] = match self.dynamic.tree.root {
-            Some(_) => &self.dynamic.tree.pairs,
-            None => &[],
-        };
+        let added = &self.dynamic.tree.pairs;
         huge_pages::reserve(&mut tree.pairs, pairs + added.len() + 1, "merged pairs");
         let appended = |node: Node| node.appended(pairs as u32, triangles as u32);
         tree.pairs.extend(added.iter().map(|pair| pair.map(appended)));
