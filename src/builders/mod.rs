@@ -10,13 +10,12 @@
 //! * `optimise`: `phr-best`;
 //! * `registry`: builders by name, with some fields of their configuration changed or none.
 //!
-//! `builder` and `config_error` are what they share, `naive` is the oracle of the tests, `steps` has single steps for
-//! benchmarks and the splits of a build for pictures.
+//! `api` is what they share, `naive` is the oracle of the tests, `steps` has single steps for benchmarks and the splits of a
+//! build for pictures.
 
+mod api;
 mod binary;
-mod builder;
 mod clusters;
-mod config_error;
 mod hunt;
 mod lbvh;
 #[cfg(test)]
@@ -33,10 +32,10 @@ mod testing;
 mod wide;
 
 pub use crate::memory::OutOfMemory;
-pub use builder::{BoxBuilder, Build, Builder, Counts, Phase};
+pub use api::builder::{BoxBuilder, Build, Builder, Counts, Phase};
+pub use api::config_error::ConfigError;
 pub use clusters::aac::{Aac, AacConfig};
 pub use clusters::ploc::{Ploc, PlocConfig};
-pub use config_error::ConfigError;
 pub use hunt::{Hunt, HuntConfig};
 pub use lbvh::auxiliary::{AuxiliaryConfig, Clusters};
 pub use lbvh::direct::Lbvh;

@@ -1,9 +1,9 @@
 //! The builders `hunt-*`.
 
 use super::constant_length::ConstantLength;
+use crate::builders::api::builder::{Build, Builder, Stopwatch};
+use crate::builders::api::config_error::{ConfigError, check};
 use crate::builders::binary::subtrees::Subtrees;
-use crate::builders::builder::{Build, Builder, Stopwatch};
-use crate::builders::config_error::{ConfigError, check};
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::phr::PhrConfig;
 use crate::builders::phr::cut::{Cut, OwnedCut};

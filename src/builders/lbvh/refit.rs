@@ -5,7 +5,7 @@ use super::area_scale::AreaScale;
 use super::auxiliary::{Auxiliary, AuxiliaryConfig};
 use super::key::reference;
 use super::prefetch;
-use crate::builders::builder::{Phase, Stopwatch};
+use crate::builders::api::builder::{Phase, Stopwatch};
 use crate::builders::wide::refit::RefitError;
 use crate::geometry::{Aabb, Mesh};
 

@@ -4,7 +4,7 @@
 
 use super::key::{MortonKey, key_of};
 use super::morton::MortonEncoder;
-use crate::builders::builder::Stopwatch;
+use crate::builders::api::builder::Stopwatch;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::presplit::{Presplit, PresplitConfig};
 use crate::builders::prims::refs::{GRAIN, PrimInfo, PrimRefs};

@@ -1,6 +1,6 @@
 //! How much a tree is optimised, and by which costs.
 
-use crate::builders::config_error::{ConfigError, check};
+use crate::builders::api::config_error::{ConfigError, check};
 use crate::builders::wide::optimal::CollapseCosts;
 
 /// Parameters of the optimisation.

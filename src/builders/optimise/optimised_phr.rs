@@ -2,8 +2,8 @@
 
 use super::OptimiseConfig;
 use super::optimiser::Optimiser;
-use crate::builders::builder::{Build, Builder, Stopwatch};
-use crate::builders::config_error::ConfigError;
+use crate::builders::api::builder::{Build, Builder, Stopwatch};
+use crate::builders::api::config_error::ConfigError;
 use crate::builders::phr::memory::CutMemory;
 use crate::builders::phr::{PhrConfig, begin};
 use crate::builders::prims::geometry::Geometry;

@@ -1,7 +1,7 @@
 //! The parameters of PHR: the paper's, and our extensions.
 
 use super::extensions::auxiliary_tree::AuxiliaryTree;
-use crate::builders::config_error::{ConfigError, check, check_option};
+use crate::builders::api::config_error::{ConfigError, check, check_option};
 use crate::builders::lbvh::auxiliary::{AuxiliaryConfig, Clusters};
 use crate::builders::prims::presplit::PresplitConfig;
 use crate::builders::wide::optimal::CollapseCosts;

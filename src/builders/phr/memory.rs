@@ -1,9 +1,9 @@
 //! The memory of builders over cuts, kept from build to build, and what they count.
 
 use super::cut::Side;
+use crate::builders::api::builder::{Build, Counts, Phase};
 use crate::builders::binary::node::Node;
 use crate::builders::binary::subtrees::Subtrees;
-use crate::builders::builder::{Build, Counts, Phase};
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::split::object::ObjectSweep;
 use crate::builders::split::spatial::SpatialSweep;

@@ -3,7 +3,7 @@
 #[cfg(feature = "serde")]
 use super::recipe::Recipe;
 use super::{config, make};
-use crate::builders::builder::{BoxBuilder, Builder};
+use crate::builders::api::builder::{BoxBuilder, Builder};
 
 /// The builder of trees of nodes of up to `N` children, 4 or 8, called `name`, or `None`; names are those of
 /// [`NAMES`](crate::builders::NAMES) and [`on_request`](crate::builders::on_request) and, with the feature `serde`, these with

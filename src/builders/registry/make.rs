@@ -1,10 +1,10 @@
 //! From a configuration to a builder, over triangles and over boxes: the same builders with other leaves.
 
 use super::Config;
-use crate::builders::builder::{BoxBuilder, Builder};
+use crate::builders::api::builder::{BoxBuilder, Builder};
+use crate::builders::api::config_error::ConfigError;
 use crate::builders::clusters::aac::Aac;
 use crate::builders::clusters::ploc::Ploc;
-use crate::builders::config_error::ConfigError;
 use crate::builders::hunt::Hunt;
 use crate::builders::lbvh::direct::Lbvh;
 use crate::builders::optimise::OptimisedPhr;

@@ -4,7 +4,7 @@
 pub mod split_boxes;
 pub mod watch;
 
-use super::builder::Phase;
+use super::api::builder::Phase;
 use crate::builders::binary::node::Node;
 use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};

@@ -2,7 +2,7 @@
 //! splits of PHR as boxes (Figures 3 and 5). Cuts that an extension splits down to their leaves in one go are not seen.
 
 use super::split_boxes::SplitBoxes;
-use crate::builders::config_error::ConfigError;
+use crate::builders::api::config_error::ConfigError;
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::phr::Extensions;
 use crate::builders::phr::cut::OwnedCut;

@@ -4,7 +4,7 @@
 //! Trees come from anywhere, so nothing is known of the order of their nodes. Boxes are gathered depth first, where all
 //! builders have put neighbours, into an array of their own, and then written to the nodes in the order of these.
 
-use crate::builders::config_error::ConfigError;
+use crate::builders::api::config_error::ConfigError;
 use crate::bvh::{Child, Invalid, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::{Aabb, Mesh};
 use crate::memory::huge_pages;

@@ -1,6 +1,6 @@
 //! The parameters of AAC.
 
-use crate::builders::config_error::{ConfigError, check};
+use crate::builders::api::config_error::{ConfigError, check};
 
 /// Parameters of AAC.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,11 +2,11 @@
 
 use super::clustering::cluster;
 use super::config::AacConfig;
+use crate::builders::api::builder::{Build, Builder, Counts, Stopwatch};
+use crate::builders::api::config_error::ConfigError;
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
-use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
 use crate::builders::clusters::collapse::ClusterTree;
-use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::sort::MortonOrder;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::build;

@@ -1,6 +1,6 @@
 //! The parameter of PLOC.
 
-use crate::builders::config_error::{ConfigError, check};
+use crate::builders::api::config_error::{ConfigError, check};
 
 /// The largest radius, that of the authors' own program.
 pub(crate) const MAX_RADIUS: usize = 128;

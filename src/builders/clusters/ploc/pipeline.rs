@@ -2,10 +2,10 @@
 
 use super::clustering::Clustering;
 use super::config::PlocConfig;
+use crate::builders::api::builder::{Build, Builder, Counts, Stopwatch};
+use crate::builders::api::config_error::ConfigError;
 use crate::builders::binary::tree::BinaryTree;
-use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
 use crate::builders::clusters::collapse::ClusterTree;
-use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::sort::MortonOrder;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::build;

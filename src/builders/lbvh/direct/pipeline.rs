@@ -2,8 +2,8 @@
 //! while they are in the cache; the tree over them is widened at the end.
 
 use super::treelet::DirectTreelet;
+use crate::builders::api::builder::{Build, Builder, Counts, Stopwatch};
 use crate::builders::binary::kind::Kind;
-use crate::builders::builder::{Build, Builder, Counts, Stopwatch};
 use crate::builders::lbvh::sort::MortonOrder;
 use crate::builders::lbvh::top_tree::{Treelet, top_tree};
 use crate::builders::prims::geometry::Geometry;

@@ -2,10 +2,10 @@
 //! threshold, and either side is a single node again. The binary splits are those of the auxiliary BVH. In
 //! scenes of much detail that is most of them, and nothing has to be refined.
 
+use crate::builders::api::builder::Counts;
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::{Node, NodeRun};
 use crate::builders::binary::tree::BinaryTree;
-use crate::builders::builder::Counts;
 use crate::builders::phr::clip::{RefOrder, is_whole};
 use crate::builders::phr::cut::{Cut, CutLevel};
 use crate::builders::phr::memory::CutScratch;

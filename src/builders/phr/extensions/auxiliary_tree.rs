@@ -1,13 +1,13 @@
 //! Other auxiliary trees than an LBVH (paper 5.5 tried AAC and binned SAH). They are over the same sorted references, and
 //! are brought into the form of an LBVH, with leaves by its rules, so that cuts need not know which tree they are of.
 
+use crate::builders::api::builder::Phase;
+use crate::builders::api::config_error::ConfigError;
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
-use crate::builders::builder::Phase;
 use crate::builders::clusters::aac::{self, AacConfig};
 use crate::builders::clusters::in_order::in_order;
 use crate::builders::clusters::ploc::{Clustering, PlocConfig};
-use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};
 use crate::builders::phr::extensions::binned::{BinnedSahConfig, binned_sah};
 use crate::builders::prims::geometry::Geometry;

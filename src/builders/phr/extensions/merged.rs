@@ -3,9 +3,9 @@
 //! the two become the children of one root, and PHR refines cuts of the whole.
 
 use super::auxiliary_tree::AuxiliaryTree;
+use crate::builders::api::builder::{Build, Phase, Stopwatch};
+use crate::builders::api::config_error::ConfigError;
 use crate::builders::binary::node::Node;
-use crate::builders::builder::{Build, Phase, Stopwatch};
-use crate::builders::config_error::ConfigError;
 use crate::builders::lbvh::area_scale::AreaScale;
 use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};
 use crate::builders::phr::config::{Extensions, PhrConfig};

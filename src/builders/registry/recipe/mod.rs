@@ -12,7 +12,7 @@ mod fields;
 
 pub use error::RecipeError;
 
-use crate::builders::builder::{BoxBuilder, Build, Builder};
+use crate::builders::api::builder::{BoxBuilder, Build, Builder};
 use crate::builders::phr::PhrConfig;
 use crate::builders::registry::{self, Config, make};
 use crate::bvh::WideBvh;

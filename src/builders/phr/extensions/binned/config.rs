@@ -1,6 +1,6 @@
 //! The parameter of binned SAH.
 
-use crate::builders::config_error::{ConfigError, check};
+use crate::builders::api::config_error::{ConfigError, check};
 
 /// Most bins along an axis.
 pub(crate) const MOST_BINS: usize = 64;

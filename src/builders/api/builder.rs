@@ -1,7 +1,7 @@
 //! What all builders have in common: a trait, a finished build, its phases and counts.
 
-use super::prims::boxes::Boxes;
-use super::prims::geometry::Geometry;
+use crate::builders::prims::boxes::Boxes;
+use crate::builders::prims::geometry::Geometry;
 use crate::bvh::{TriangleBlock, WideBvh};
 use crate::geometry::Mesh;
 use crate::memory::{self, OutOfMemory};
@@ -47,7 +47,7 @@ pub struct Build<const N: usize, B = TriangleBlock> {
 /// pool they are called from (`pool.install(|| builder.build(&mesh))`), and the tree is the same at any
 /// number of threads.
 ///
-/// Builders of the list build over [`Boxes`](super::Boxes) of anything, too: [`over_boxes`](super::over_boxes).
+/// Builders of the list build over [`Boxes`](crate::builders::Boxes) of anything, too: [`over_boxes`](crate::builders::over_boxes).
 pub trait Builder<const N: usize, G: Geometry = Mesh>: Send {
     /// The name used in commands and records, e.g. `phr-fast`.
     fn name(&self) -> &str;
