@@ -46,7 +46,7 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig, width: usize) -> Option<Wide> {
                 .collect()
         },
     };
-    let (above, len) = config.initial_cut(mesh.len(), &Threshold::new(scene, config));
+    let (above, len) = config.initial_cut_limits(mesh.len(), &Threshold::new(scene, config));
     let members = cut::initial(root, above, len);
     builder.subtree(&Cut::whole(members, config.max_references, mesh.len() * MAX_REFERENCES_PER_TRIANGLE))
 }

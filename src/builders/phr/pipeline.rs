@@ -112,7 +112,7 @@ pub(crate) fn begin<'a, G: Geometry>(
     isa: Isa,
 ) -> (CutRecursion<'a, Threshold, G>, Option<(OwnedCut, Subtrees)>) {
     let threshold = Threshold::new(auxiliary.scale.scene, config);
-    let (area, len) = config.initial_cut(geometry.len(), &threshold);
+    let (area, len) = config.initial_cut_limits(geometry.len(), &threshold);
     let cut = auxiliary.tree.root.map(|root| {
         let nodes = initial_cut(&auxiliary.tree, root, area, len);
         let most = geometry.len() * MAX_REFERENCES_PER_TRIANGLE;
@@ -123,7 +123,7 @@ pub(crate) fn begin<'a, G: Geometry>(
 
 impl PhrConfig {
     /// The threshold of half area and the length of the initial cut of a scene.
-    pub(crate) fn initial_cut(&self, triangles: usize, threshold: &Threshold) -> (f32, usize) {
+    pub(crate) fn initial_cut_limits(&self, triangles: usize, threshold: &Threshold) -> (f32, usize) {
         match self.extensions.cut_share {
             None => (threshold.at(0), self.max_cut),
             Some(share) => (0.0, ((triangles as f32 * share) as usize).max(2048).min(self.max_cut)),

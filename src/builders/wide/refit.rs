@@ -65,7 +65,7 @@ impl<const N: usize> WideBvh<N> {
         parallel::for_each(chunks, |(blocks, boxes)| {
             blocks.iter_mut().zip(boxes).for_each(|(block, bounds)| *bounds = refill(block, mesh));
         });
-        let boxes = Boxes { of_nodes: &of_nodes, of_blocks: &of_blocks };
+        let boxes = FittedBoxes { of_nodes: &of_nodes, of_blocks: &of_blocks };
         self.bounds = boxes.gather(&self.nodes, self.root, 0)?;
         parallel::for_each(self.nodes.par_chunks_mut(GRAIN), |nodes| {
             for node in nodes {
@@ -113,12 +113,12 @@ impl NodeBox {
 }
 
 /// The new boxes of nodes and blocks.
-struct Boxes<'a> {
+struct FittedBoxes<'a> {
     of_nodes: &'a [NodeBox],
     of_blocks: &'a [Aabb],
 }
 
-impl Boxes<'_> {
+impl FittedBoxes<'_> {
     /// The box of what a link refers to, with those of all nodes below.
     fn gather<const N: usize>(
         &self,

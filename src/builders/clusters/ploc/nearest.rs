@@ -26,13 +26,13 @@ pub(super) fn forced(position: usize) -> i16 {
 
 /// Planes of the boxes of clusters in order, three lower and three upper ones, and memory of the search.
 #[derive(Default)]
-pub(super) struct Boxes {
+pub(super) struct BoxPlanes {
     planes: [Vec<f32>; 6],
     distances: Vec<u32>,
     best: Vec<u32>,
 }
 
-impl Boxes {
+impl BoxPlanes {
     /// Those of `clusters`, from position `first` on, `len` of them; positions outside, negative ones too, have boxes
     /// that are far from everything.
     pub fn load(&mut self, clusters: &[Node], first: isize, len: usize) {
@@ -154,7 +154,7 @@ mod tests {
             for radius in [1, 2, 3, 25, 128] {
                 let expected = plain(clusters, radius);
                 for isa in Isa::available() {
-                    let (mut boxes, mut nearest) = (Boxes::default(), Vec::new());
+                    let (mut boxes, mut nearest) = (BoxPlanes::default(), Vec::new());
                     boxes.load(clusters, -(radius as isize) * 2, clusters.len() + 4 * radius);
                     boxes.search(isa, radius, &mut nearest);
                     let found = &nearest[radius..][..clusters.len()];

@@ -1,6 +1,6 @@
 //! A task of a pass over the clusters: a run of them is searched and merged.
 
-use super::nearest::{Boxes, forced};
+use super::nearest::{BoxPlanes, forced};
 use crate::builders::binary::node::Node;
 use crate::builders::lbvh::key::{MortonKey, reference};
 use crate::builders::lbvh::prefetch;
@@ -33,7 +33,7 @@ pub(super) struct Merged {
     pairs: Vec<[Node; 2]>,
     /// How many clusters are kept, and how many pairs.
     kept: Offset,
-    boxes: Boxes,
+    boxes: BoxPlanes,
     nearest: Vec<i16>,
 }
 
