@@ -1,4 +1,11 @@
 //! The builders `phr-*`: the pipeline from a mesh to a wide tree.
+//!
+//! 1. Needles are presplit (paper 5.3): [`crate::builders::prims::presplit`];
+//! 2. references are sorted by Morton codes (4.7): [`crate::builders::lbvh::sort`];
+//! 3. the auxiliary tree is built over them (4.7): [`crate::builders::lbvh::auxiliary`];
+//! 4. its initial cut (4.1): [`super::initial_cut`];
+//! 5. cuts are split and refined from there on (3.2, 4.2 to 4.4): [`super::recursion`];
+//! 6. splits become wide nodes (4.5), in parallel (4.6): [`crate::builders::wide::build`].
 
 use super::config::PhrConfig;
 use super::cut::{Cut, OwnedCut};
@@ -74,7 +81,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Phr<N, G::Block> {
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let Self { config, memory, isa, .. } = self;
-        // Presplit, Morton codes, sort, auxiliary BVH (4.7).
+        // Steps 1 to 3.
         let extensions = &config.extensions;
         let phases =
             extensions.auxiliary_tree.build(&mut memory.auxiliary, geometry, &extensions.auxiliary, *isa);
@@ -95,9 +102,9 @@ pub(crate) fn refine<const N: usize, G: Geometry>(
     mut phases: Vec<Phase>,
 ) -> Build<N, G::Block> {
     let mut watch = Stopwatch::start();
-    // Initial cut (4.1).
+    // Step 4.
     let (recursion, cut) = begin(&memory.auxiliary, geometry, config, isa);
-    // Split, refine, recurse (4.2 to 4.4), to a wide tree (4.5) in parallel (4.6).
+    // Steps 5 and 6: wide nodes are made on the way back from the recursion.
     let tree = build::build(&recursion, cut, geometry, &mut memory.recursion);
     watch.lap("cuts and nodes");
     phases.extend(watch.phases);
