@@ -21,8 +21,8 @@ impl Ray {
     /// Largest coordinate that Embree accepts (its `FLT_LARGE`); anything larger aborts Debian's build.
     pub const LARGEST: f32 = 1.844e18;
 
-    /// True if Embree accepts the ray: components of origin and direction up to [`Ray::LARGEST`], `tnear` finite and >= 0,
-    /// no NaN.
+    /// True if Embree accepts the ray: components of origin and direction up to [`Ray::LARGEST`], `tnear` finite and
+    /// not negative, no NaN.
     pub fn is_valid(&self) -> bool {
         // Without short-circuits, so that checking a batch compiles to vector code.
         let bounded = |v: Vec3| {

@@ -47,7 +47,8 @@ pub struct Build<const N: usize, B = TriangleBlock> {
 /// pool they are called from (`pool.install(|| builder.build(&mesh))`), and the tree is the same at any
 /// number of threads.
 ///
-/// Builders of the list build over [`Boxes`](crate::builders::Boxes) of anything, too: [`over_boxes`](crate::builders::over_boxes).
+/// Builders of the list build over [`Boxes`](crate::builders::Boxes) of anything, too:
+/// [`over_boxes`](crate::builders::over_boxes).
 pub trait Builder<const N: usize, G: Geometry = Mesh>: Send {
     /// The name used in commands and records, e.g. `phr-fast`.
     fn name(&self) -> &str;

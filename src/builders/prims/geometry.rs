@@ -9,8 +9,8 @@ use crate::memory::stream::Vectors;
 use std::ops::Range;
 
 /// Primitives, numbered from 0, each with a box. Implemented by [`Mesh`] and [`Boxes`](super::boxes::Boxes); what other
-/// libraries call custom or user geometry becomes boxes. Nobody else implements it: builders rely on boxes that were checked,
-/// finite and not empty.
+/// libraries call custom or user geometry becomes boxes. Nobody else implements it: builders rely on boxes that were
+/// checked, finite and not empty.
 pub trait Geometry: Sync + Checked {
     /// What leaves hold of up to four of them.
     type Block: LeafBlock + Vectors;

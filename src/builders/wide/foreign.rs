@@ -40,8 +40,8 @@ pub enum Opened<At> {
 /// The wide tree of a binary one over `mesh`; a box is that around the leaves below.
 ///
 /// # Errors
-/// A leaf that is too large or of triangles that the mesh lacks, a tree that is too deep or does not hold every triangle, in
-/// one line.
+/// A leaf that is too large or of triangles that the mesh lacks, a tree that is too deep or does not hold every triangle,
+/// in one line.
 pub fn widened<const N: usize>(tree: &impl ForeignTree, mesh: &Mesh) -> Result<WideBvh<N>, String> {
     let mut subtrees = Subtrees::default();
     let Some(root) = tree.root() else { return Ok(WideBvh::default()) };

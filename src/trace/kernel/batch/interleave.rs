@@ -157,9 +157,9 @@ fn visit<K: Kernel, const N: usize, const ANY: bool>(
     }
 }
 
-/// Writes the links of the children in `mask` and, unless `ANY`, where they are entered, the nearest last. The lowest bits
-/// of entries hold the slot while they are sorted, and are zeros after it: no entry is greater than it was, so that a child
-/// entered at the very end of the interval is visited.
+/// Writes the links of the children in `mask` and, unless `ANY`, where they are entered, the nearest last. The lowest
+/// bits of entries hold the slot while they are sorted, and are zeros after it: no entry is greater than it was, so that
+/// a child entered at the very end of the interval is visited.
 ///
 /// # Safety
 /// `N` elements may be written at `links` and at `to`.
