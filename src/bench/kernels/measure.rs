@@ -14,8 +14,17 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Rays that a thread hands to a kernel at once.
+/// Most rays that a thread hands to a kernel at once.
 const CHUNK: usize = 1 << 14;
+/// Chunks for each thread, at least: with fewer, threads wait for the one that got the last.
+const CHUNKS: usize = 8;
+
+/// Rays that each of `threads` threads hands to a kernel at once: a multiple of 1024, or of 64 where they are few.
+fn chunk(rays: usize, threads: usize) -> usize {
+    let most = rays / (CHUNKS * threads.max(1));
+    let step = if most >= 1024 { 1024 } else { 64 };
+    (most / step * step).clamp(step, CHUNK)
+}
 
 /// What is measured.
 #[derive(Clone, Debug)]
@@ -132,14 +141,16 @@ fn rounds(
     (times, answers)
 }
 
+/// On the threads of the current pool.
 fn fill(answers: &mut Answers, tracer: &dyn Tracer, rays: &[Ray]) {
-    let rays = rays.par_chunks(CHUNK);
+    let chunk = chunk(rays.len(), rayon::current_num_threads());
+    let rays = rays.par_chunks(chunk);
     match answers {
         Answers::Closest(hits) => {
-            rays.zip(hits.par_chunks_mut(CHUNK)).for_each(|(rays, hits)| tracer.closest(rays, hits));
+            rays.zip(hits.par_chunks_mut(chunk)).for_each(|(rays, hits)| tracer.closest(rays, hits));
         }
         Answers::Any(occluded) => {
-            rays.zip(occluded.par_chunks_mut(CHUNK)).for_each(|(rays, occluded)| tracer.any(rays, occluded));
+            rays.zip(occluded.par_chunks_mut(chunk)).for_each(|(rays, occluded)| tracer.any(rays, occluded));
         }
     }
 }
@@ -148,4 +159,19 @@ fn fill(answers: &mut Answers, tracer: &dyn Tracer, rays: &[Ray]) {
 fn ratio(single: &[f64], times: &[f64]) -> Option<Ratio> {
     let (a, b) = (Summary::of(single)?, Summary::of(times)?);
     Some(Ratio::cautious((&a, single), (&b, times), 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_thread_gets_several_chunks() {
+        let rays = 128 * 128;
+        assert_eq!([1, 2, 64].map(|threads| chunk(rays, threads)), [2048, 1024, 64]);
+        assert_eq!([0, 63, 64, 4000, 10_000_000].map(|rays| chunk(rays, 2)), [64, 64, 64, 192, CHUNK]);
+        for (rays, threads) in [(16_384, 2), (40_000, 3), (1 << 22, 16)] {
+            assert!(rays / chunk(rays, threads) >= CHUNKS * threads, "{rays} rays, {threads} threads");
+        }
+    }
 }
