@@ -25,7 +25,10 @@
 #                   the figures of README, RESULTS, METHODOLOGY and FINDINGS that come from the reference run, its
 #                   ablations, kernels and scaling, again: the runs of bench-builders into results/full, stopped and
 #                   resumed at will, reduced into results/reference and results/reference-ablation, tables, plots and pages
-#                   made from them; refuses to start on a busy machine
+#                   made from them; refuses to start on a busy machine. Left as they are: results/ndebug (make
+#                   embree-ndebug), constants (cargo bench --bench constants), advice (make bench-advice), tune (make
+#                   bench-tune), animation (make bench-animation), paper-protocol, saved and the other experiments, whose
+#                   commands stand beside their figures
 # cargo bench --bench steps
 #                   the steps of a build one by one (codes, sort, auxiliary tree, sweeps by length of the cut,
 #                   refining, leaf blocks, wide nodes), each beside a memcpy of as many bytes: some minutes
@@ -186,6 +189,7 @@ bench-reference: packages
 	./target/release/phr table $(REFERENCE) > $(REFERENCE)/table1.md
 	./target/release/phr plot $(REFERENCE)
 	./target/release/phr plot $(REFERENCE)/growth
+	./target/release/phr plot $(REFERENCE)/threads
 	./target/release/phr advise --fit $(REFERENCE) --model src/report/advice/model/model.json
 	for experiment in construction-speed trace-speed; do \
 		./target/release/phr experiment $$experiment --rows $(REFERENCE) || exit 1; \

@@ -59,6 +59,13 @@ pub struct KernelRow {
     pub verified: bool,
 }
 
+impl KernelRow {
+    /// True of our kernels.
+    pub fn is_ours(&self) -> bool {
+        self.kernel.starts_with("phr")
+    }
+}
+
 /// Writes the rows, whole.
 ///
 /// # Errors

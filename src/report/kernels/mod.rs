@@ -74,7 +74,7 @@ pub fn summary(rows: &[KernelRow]) -> String {
     }
     let about = rows.first().map_or_else(String::new, |row| {
         let isa = |ours: bool| {
-            rows.iter().find(|row| row.kernel.starts_with("phr") == ours).map_or("-", |row| &row.isa)
+            rows.iter().find(|row| row.is_ours() == ours).map_or("-", |row| &row.isa)
         };
         let unverified = rows.iter().filter(|row| !row.verified).count();
         let verified = if unverified == 0 {
