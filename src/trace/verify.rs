@@ -76,6 +76,20 @@ impl Verdict {
     }
 }
 
+/// Largest share of the rays that may differ at an edge or be a near miss.
+const EXCUSED: f64 = 1e-4;
+
+/// Why answers to `rays` rays cannot be accepted although none is wrong: `edges` differ where only rounding decides,
+/// `near_misses` on thin triangles, more than one ten-thousandth together, rounded up to whole rays.
+pub fn excess(rays: u64, edges: u64, near_misses: u64) -> Option<String> {
+    let most = (EXCUSED * rays as f64).ceil() as u64;
+    (edges + near_misses > most).then(|| {
+        format!(
+            "{edges} answers differ at edges, {near_misses} on thin triangles, of {rays}: more than {most}"
+        )
+    })
+}
+
 impl std::fmt::Display for Verdict {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { rays, equal, ties, edge, near_misses, mismatched, .. } = self;

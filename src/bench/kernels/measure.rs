@@ -9,7 +9,7 @@ use crate::bench::rays::Answers;
 use crate::bench::statistics::{Ratio, Summary, figures};
 use crate::geometry::{Ray, Tracer};
 use crate::scene::Scene;
-use crate::trace::{PathSettings, RayBatches, RayKind, record};
+use crate::trace::{PathSettings, RayBatches, RayKind, record, verify};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -70,9 +70,9 @@ pub fn measure(scene: &Scene, settings: &KernelSettings) -> Result<Vec<KernelRow
                 continue;
             }
             let (times, answers) = pool.install(|| rounds(&contestants, kind, rays, settings.rounds));
-            let verified = |index: usize| {
+            let verdict = |index: usize| {
                 let tracers = [&*reference.tracer, &*contestants[index].tracer];
-                answers[index].compare(&scene.mesh, rays, &answers[0], tracers).is_ok()
+                answers[index].compare(&scene.mesh, rays, &answers[0], tracers)
             };
             for (index, contestant) in contestants.iter().enumerate() {
                 let same_tree = |other: &Contestant<'_>| {
@@ -80,6 +80,9 @@ pub fn measure(scene: &Scene, settings: &KernelSettings) -> Result<Vec<KernelRow
                 };
                 let single = contestants.iter().position(|other| other.kernel == SINGLE && same_tree(other));
                 let ratio = single.and_then(|single| ratio(&times[single], &times[index]));
+                let verdict = verdict(index);
+                let (edges, near_misses) = (verdict.edge as u64, verdict.near_misses as u64);
+                let excess = verify::excess(rays.len() as u64, edges, near_misses);
                 let summary = Summary::of(&times[index]).ok_or("no rounds; give --rounds 1 or more")?;
                 rows.push(KernelRow {
                     builder: contestant.builder.into(),
@@ -93,7 +96,10 @@ pub fn measure(scene: &Scene, settings: &KernelSettings) -> Result<Vec<KernelRow
                     ratio: ratio.map(|ratio| figures(ratio.value)),
                     ratio_low: ratio.map(|ratio| figures(ratio.low)),
                     ratio_high: ratio.map(|ratio| figures(ratio.high)),
-                    verified: verified(index),
+                    verified: verdict.is_ok() && excess.is_none(),
+                    edges: Some(edges),
+                    near_misses: Some(near_misses),
+                    pass_ms: milliseconds(&times[index]),
                     ..about.clone()
                 });
             }
@@ -153,6 +159,12 @@ fn fill(answers: &mut Answers, tracer: &dyn Tracer, rays: &[Ray]) {
             rays.zip(occluded.par_chunks_mut(chunk)).for_each(|(rays, occluded)| tracer.any(rays, occluded));
         }
     }
+}
+
+/// As [`KernelRow::pass_ms`] has them.
+fn milliseconds(seconds: &[f64]) -> String {
+    let texts: Vec<String> = seconds.iter().map(|seconds| figures(1e3 * seconds).to_string()).collect();
+    texts.join(" ")
 }
 
 /// How much faster the second is than the first.

@@ -55,14 +55,29 @@ pub struct KernelRow {
     pub ratio_low: Option<f64>,
     /// Upper end of it.
     pub ratio_high: Option<f64>,
-    /// Whether all answers agree with those of the reference, Embree's single rays over the first tree.
+    /// Whether all answers agree with those of the reference, Embree's single rays over the first tree: none is wrong, and
+    /// no more than may be differ at edges or on thin triangles.
     pub verified: bool,
+    /// Answers that differ where only rounding decides; not in older files.
+    #[serde(default)]
+    pub edges: Option<u64>,
+    /// Answers that exact arithmetic refutes, but single precision gives; not in older files.
+    #[serde(default)]
+    pub near_misses: Option<u64>,
+    /// Milliseconds of each pass, with spaces between them; empty in older files.
+    #[serde(default)]
+    pub pass_ms: String,
 }
 
 impl KernelRow {
     /// True of our kernels.
     pub fn is_ours(&self) -> bool {
         self.kernel.starts_with("phr")
+    }
+
+    /// Milliseconds of each pass; none in older files.
+    pub fn passes(&self) -> Vec<f64> {
+        self.pass_ms.split_whitespace().filter_map(|ms| ms.parse().ok()).collect()
     }
 }
 
@@ -94,11 +109,27 @@ mod tests {
             scene: "rooms".into(),
             mrays_s: 3.25,
             ratio: Some(1.5),
+            edges: Some(2),
+            pass_ms: "1.5 2".into(),
             ..KernelRow::default()
         };
+        assert_eq!(row.passes(), [1.5, 2.0]);
         let rows = [row.clone(), KernelRow { ratio: None, verified: true, ..row }];
         write(&folder.path().join(KERNELS), &rows).unwrap();
         assert_eq!(read(folder.path()).unwrap(), rows);
+    }
+
+    #[test]
+    fn older_files_have_no_passes() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(KERNELS);
+        let row = KernelRow { schema: SCHEMA, ..KernelRow::default() };
+        write(&path, std::slice::from_ref(&row)).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let older = text.replace(",edges,near_misses,pass_ms", "").replace("false,,,", "false");
+        assert_ne!(older, text);
+        std::fs::write(&path, older).unwrap();
+        assert_eq!(read(folder.path()).unwrap(), [row]);
     }
 
     #[test]

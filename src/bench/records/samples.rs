@@ -8,7 +8,7 @@ use crate::bench::cell::{Cell, Kernel};
 use crate::bench::cpu_time::CpuTime;
 use crate::bench::memory::BuildMemory;
 use crate::geometry::Dropped;
-use crate::trace::RayKind;
+use crate::trace::{RayKind, verify};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -112,19 +112,10 @@ pub struct CellSamples {
 }
 
 impl KernelChecks {
-    /// Largest share of the rays that may differ at an edge or be a near miss.
-    pub const EXCUSED: f64 = 1e-4;
-    /// As many may in any case: fewer rays than a hundred thousand tell nothing of so small a share.
-    pub const EXCUSED_AT_LEAST: u64 = 10;
-
     /// Why its answers cannot be accepted, if too many of them are excused.
     pub fn excess(&self) -> Option<String> {
         let total = |value: fn(&Check) -> u64| self.checks.iter().map(value).sum::<u64>();
-        let (rays, edges, near) = (total(|c| c.rays), total(|c| c.edge), total(|c| c.near_misses));
-        let most = ((Self::EXCUSED * rays as f64) as u64).max(Self::EXCUSED_AT_LEAST);
-        (edges + near > most).then(|| {
-            format!("{edges} answers differ at edges, {near} on thin triangles, of {rays}: more than {most}")
-        })
+        verify::excess(total(|c| c.rays), total(|c| c.edge), total(|c| c.near_misses))
     }
 }
 
