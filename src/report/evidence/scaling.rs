@@ -25,7 +25,7 @@ pub fn scene_table(rows: &[ScalingRow], scene: &str) -> String {
     grid.markdown()
 }
 
-/// How many times faster than on one thread, geometric means over scenes, and the phase that takes most of the time of
+/// How many times faster than one thread or worker, geometric means over scenes, and the phase that takes most of the time of
 /// most workers.
 pub fn means(rows: &[ScalingRow]) -> String {
     let workers = numbers(rows.iter());
@@ -46,10 +46,9 @@ pub fn means(rows: &[ScalingRow]) -> String {
         let mut cells = vec![builder.to_owned(), width.to_string()];
         for column in &header {
             let (number, kind) = column.split_once(' ').unwrap_or_default();
-            let time = |row: &ScalingRow| {
-                if kind == "threads" { row.measured_ms } else { Some(row.scheduled_ms) }
-            };
-            let ratios = speedups(&of_tree, number.parse().unwrap_or(1), time);
+            let workers = number.parse().unwrap_or(1);
+            let ratios =
+                if kind == "threads" { measured(&of_tree, workers) } else { scheduled(&of_tree, workers) };
             cells.push(geometric_mean(&ratios).map_or_else(String::new, |mean| format!("{mean:.2}")));
         }
         if let Some((phase, share)) = longest(&of_tree, most) {
@@ -60,7 +59,9 @@ pub fn means(rows: &[ScalingRow]) -> String {
     let mut scenes: Vec<&str> = rows.iter().map(|row| &*row.scene).collect();
     scenes.dedup();
     format!(
-        "{}\n{}, revision {}, {}; {} scenes, medians of {} builds; how many times faster than one thread or worker.\n",
+        "{}\n{}, revision {}, {}; {} scenes, medians of {} builds. workers: how many times as \
+         long all tasks take as their schedule, of the same builds; threads: how many times faster builds were measured than on \
+         one.\n",
         grid.markdown(),
         first.utc,
         first.git_rev,
@@ -104,16 +105,23 @@ fn trees<'a>(rows: impl Iterator<Item = &'a ScalingRow>) -> Vec<(&'a str, u32)> 
     trees
 }
 
-/// Of each scene, the time of the least workers by that of `workers`.
-fn speedups(rows: &[&ScalingRow], workers: u32, time: impl Fn(&ScalingRow) -> Option<f64>) -> Vec<f64> {
-    let whole = |row: &&&ScalingRow| row.phase == ALL;
+/// Of each scene, the work of all tasks by their schedule on `workers`: both are of the same builds, so that none is faster
+/// than `workers` times.
+fn scheduled(rows: &[&ScalingRow], workers: u32) -> Vec<f64> {
+    let whole =
+        rows.iter().filter(|row| row.phase == ALL && row.workers == workers && row.scheduled_ms > 0.0);
+    whole.map(|row| row.work_ms / row.scheduled_ms).collect()
+}
+
+/// Of each scene, the time measured on the least threads by that on `threads`.
+fn measured(rows: &[&ScalingRow], threads: u32) -> Vec<f64> {
+    let whole = || rows.iter().filter(|row| row.phase == ALL);
     let least = rows.iter().map(|row| row.workers).min().unwrap_or(1);
     let ratio = |row: &&ScalingRow| {
-        let alone =
-            rows.iter().filter(whole).find(|other| other.scene == row.scene && other.workers == least)?;
-        Some(time(alone)? / time(row)?)
+        let alone = whole().find(|other| other.scene == row.scene && other.workers == least)?;
+        Some(alone.measured_ms? / row.measured_ms?)
     };
-    rows.iter().filter(whole).filter(|row| row.workers == workers).filter_map(ratio).collect()
+    whole().filter(|row| row.workers == threads).filter_map(ratio).collect()
 }
 
 /// The phase whose schedule on `workers` takes the largest share of the whole, in the mean of scenes, and that share.
@@ -144,6 +152,7 @@ mod tests {
             width: 4,
             workers,
             phase: phase.into(),
+            work_ms: 7.5,
             scheduled_ms,
             measured_ms,
             ..ScalingRow::default()
@@ -161,7 +170,7 @@ mod tests {
         ];
         let page = page(&rows);
         let line = page.lines().find(|line| line.starts_with("| lbvh")).unwrap().replace(' ', "");
-        assert_eq!(line, "|lbvh|4|1.50|1.60|4.00|sort|75%|", "{page}");
+        assert_eq!(line, "|lbvh|4|1.50|1.50|3.75|sort|75%|", "{page}");
         let scene = scene_table(&rows, "a");
         assert!(scene.contains("8.00 (9.00)") && scene.contains("2.00 |"), "{scene}");
     }
