@@ -86,6 +86,11 @@ impl Ratios {
         }
     }
 
+    /// The greatest as [`beside_mean`] shows it.
+    pub fn worst_shown(&self) -> Option<[String; 2]> {
+        Some(beside_mean(self.worst()?, self.geometric()?, 2))
+    }
+
     /// The least.
     pub fn least(&self) -> Option<&SceneRatio> {
         self.0.iter().reduce(|least, other| if other.value < least.value { other } else { least })
@@ -96,6 +101,23 @@ impl Ratios {
         self.0.iter().reduce(|worst, other| if other.value > worst.value { other } else { worst })
     }
 }
+
+/// A scene's ratio among those of all scenes, whose mean is `mean`, in two cells: the ratio with its own interval over
+/// rounds, where it has noise, and the scene, with a remark where that interval reaches the mean.
+pub fn beside_mean(ratio: &SceneRatio, mean: f64, digits: usize) -> [String; 2] {
+    let (value, interval) = (format!("{:.digits$}", ratio.value), ratio.interval());
+    if ratio.noise == Noise::NONE {
+        return [value, ratio.scene.clone()];
+    }
+    // A last bit tells nothing apart.
+    let (low, high) = (interval.low * (1.0 - 1e-9), interval.high * (1.0 + 1e-9));
+    let told = if low <= mean && mean <= high { NOT_TOLD_APART } else { "" };
+    [format!("{value} {}", interval.shown(digits)), format!("{}{told}", ratio.scene)]
+}
+
+const NOT_TOLD_APART: &str = ", not told apart";
+/// What [`beside_mean`] shows.
+pub const WORST: &str = "worst: the scene of the largest ratio, with its own 95 % interval over rounds; not told apart: from the mean, which that interval holds.";
 
 /// The tables of means: build time, cost, frame and trace time; nothing without Embree SAH.
 pub fn means(rows: &[Row], under: &Under) -> String {
@@ -121,12 +143,12 @@ pub fn means(rows: &[Row], under: &Under) -> String {
         return text;
     }
     format!(
-        "## Means relative to Embree SAH at width 4\n\n{text}{}{}",
-        by_kernel(rows),
-        "arith.: arithmetic mean, as in the paper's Figure 6. geo.: geometric mean. 95 %: its interval over scenes and \
+        "## Means relative to Embree SAH at width 4\n\n{text}{}\
+         arith.: arithmetic mean, as in the paper's Figure 6. geo.: geometric mean. 95 %: its interval over scenes and \
          rounds, what it would be over other scenes of the kind. noise: half its interval over rounds alone, what \
-         another measurement of these scenes would change. paper: the same mean over \
-         the paper's nine scenes, 16 threads, Embree 2.11; its trace time is that of frames.\n"
+         another measurement of these scenes would change. {WORST} paper: the same mean over \
+         the paper's nine scenes, 16 threads, Embree 2.11; its trace time is that of frames.\n",
+        by_kernel(rows),
     )
 }
 
@@ -139,7 +161,7 @@ fn table(rows: &[Row], figure: Figure, under: &Under) -> Grid {
         Grid::new(["method", "arith.", "paper", "geo.", "95 %", "noise", "paper", "worst", "in", "scenes"]);
     for tree in trees(rows) {
         let ratios = Ratios::of(rows, tree, figure, under);
-        let Some(worst) = ratios.worst() else { continue };
+        let Some([worst_value, worst_scene]) = ratios.worst_shown() else { continue };
         let is_base = tree == BASELINE;
         let interval = ratios.interval(Over::ScenesAndRounds).filter(|_| !is_base);
         // The paper's trees are all four wide.
@@ -153,8 +175,8 @@ fn table(rows: &[Row], figure: Figure, under: &Under) -> Grid {
             interval.map_or_else(String::new, |interval| interval.shown(3)),
             if is_base { String::new() } else { ratios.noise() },
             show(paper.geometric()),
-            format!("{:.2}", worst.value),
-            worst.scene.clone(),
+            worst_value,
+            worst_scene,
             ratios.0.len().to_string(),
         ]);
     }

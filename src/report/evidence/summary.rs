@@ -1,9 +1,13 @@
 //! The short table of the first page: a few trees relative to Embree SAH.
 
 use crate::bench::row::Row;
-use crate::report::figures::{BASELINE, Figure, Tree, Under, scenes, tree_name, trees};
+use crate::bench::statistics::Summary;
+use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, scenes, tree_name, trees};
 use crate::report::grid::Grid;
-use crate::report::means::Ratios;
+use crate::report::means::{Ratios, WORST};
+
+/// Rounds are far apart where the slowest takes so many times as long as the fastest.
+const FAR: f64 = 1.2;
 
 /// Geometric means of build time, trace time and SAH cost of the trees of `builders`, of every width that `rows` have or
 /// of the one named (`phr-speed/8`), and the scene whose trace time is worst. With rows of `withheld` scenes, their means
@@ -43,9 +47,7 @@ pub fn summary(
                     cells.extend(withheld.map(|rows| mean(rows, figure).unwrap_or_else(|| "-".into())));
                 }
                 let traces = Ratios(runs.iter().flat_map(|rows| ratios(rows, Figure::Trace).0).collect());
-                let worst = traces.worst().filter(|_| !is_base);
-                cells.push(worst.map_or_else(String::new, |worst| format!("{:.2}", worst.value)));
-                cells.push(worst.map_or_else(String::new, |worst| worst.scene.clone()));
+                cells.extend(traces.worst_shown().filter(|_| !is_base).unwrap_or_default());
                 cells.push(mean(rows, Figure::Cost)?);
                 Some(cells)
             })
@@ -65,9 +67,25 @@ pub fn summary(
     });
     Ok(format!(
         "{}\nRelative to Embree SAH, 4-wide: geometric means over {} scenes{withheld}, {threads} threads; in brackets 95 % \
-         intervals over scenes and rounds. 4-wide trees, and 8-wide ones (/ 8). Traces: {}.\n",
+         intervals over scenes and rounds. 4-wide trees, and 8-wide ones (/ 8). Traces: {}. {WORST}\n",
         grid.markdown(),
         scenes(rows).len(),
         under.about()
     ))
+}
+
+/// In how many builds and traces the slowest round took more than 1.2 times as long as the fastest: `50 % of all builds and 21 %
+/// of all traces`; `None` where no row has several rounds.
+pub fn spread(rows: &[Row], under: &Under) -> Option<String> {
+    let of_scenes = SceneFigures::all(rows);
+    let share = |figure| {
+        let times = trees(rows).into_iter().flat_map(|tree| {
+            of_scenes.iter().filter_map(move |scene| scene.figure(tree, figure, under).value())
+        });
+        let several: Vec<Summary> = times.filter(|times| times.count > 1).collect();
+        let far = several.iter().filter(|times| times.max > FAR * times.min).count();
+        (!several.is_empty()).then(|| 100.0 * far as f64 / several.len() as f64)
+    };
+    let (builds, traces) = share(Figure::Build).zip(share(Figure::Trace))?;
+    Some(format!("{builds:.0} % of all builds and {traces:.0} % of all traces"))
 }

@@ -63,7 +63,7 @@ pub fn means(rows: &[Row]) -> String {
             false if tree == BASELINE => "1".into(),
             false => ratios.shown().unwrap_or_default(),
         };
-        let worst = traces.worst().filter(|_| tree != BASELINE);
+        let [worst, worst_in] = traces.worst_shown().filter(|_| tree != BASELINE).unwrap_or_default();
         let is_whole = build.0.len().max(traces.0.len()) == field.scenes.len();
         are_whole &= is_whole;
         grid.push(vec![
@@ -71,8 +71,8 @@ pub fn means(rows: &[Row]) -> String {
             shown(&build),
             of(Figure::Cost).geometric().map_or_else(String::new, |cost| format!("{cost:.2}")),
             shown(&traces),
-            worst.map_or_else(String::new, |worst| format!("{:.2}", worst.value)),
-            worst.map_or_else(String::new, |worst| worst.scene.clone()),
+            worst,
+            worst_in,
         ]);
     }
     let fewer = if are_whole { "" } else { "* mean over fewer scenes\n" };
@@ -85,7 +85,8 @@ pub fn legend(rows: &[Row]) -> String {
     let Some(row) = rows.first() else { return String::new() };
     let rounds = super::rounds(rows.iter().filter(|row| row.error.is_empty()));
     let means = if scenes(rows).len() > 1 {
-        "; [ ] around means is the 95 % interval over scenes and rounds"
+        "; [ ] around means is the 95 % interval over scenes and rounds, behind the worst scene's ratio its own over rounds; not told \
+         apart: from the mean, which that holds"
     } else {
         ""
     };

@@ -3,7 +3,7 @@
 use super::list::{MORE_THAN, MORE_THAN_FOR_PEAK, Measure, Target};
 use crate::bench::rounds::paired;
 use crate::bench::row::Row;
-use crate::report::figures::interval::{Interval, Noise, Over, SceneRatio, of_worst};
+use crate::report::figures::interval::{Interval, Noise, Over, SceneRatio};
 use crate::report::figures::{Figure, GRAFTED, PHR, Place, SceneFigures, Under, only, scenes};
 use crate::report::means::Ratios;
 use crate::scene::scalable_triangles;
@@ -53,12 +53,12 @@ impl Verdict {
     }
 
     /// Whether a figure that lies in `interval` is at least `limit`.
-    fn at_least(limit: f64, interval: Interval) -> Self {
+    pub fn at_least(limit: f64, interval: Interval) -> Self {
         Self::at_most(1.0 / limit, Interval { low: 1.0 / interval.high, high: 1.0 / interval.low })
     }
 
     /// Of two verdicts on one target that which stands.
-    fn and(self, other: Self) -> Self {
+    pub fn and(self, other: Self) -> Self {
         match (self, other) {
             (Self::NotMet, _) | (_, Self::NotMet) => Self::NotMet,
             (Self::Undecided, _) | (_, Self::Undecided) => Self::Undecided,
@@ -107,6 +107,11 @@ impl Judge {
         Self { main: with(most), one_thread: with(Some(1)), two_threads: with(Some(2)) }
     }
 
+    /// Rows of large scenes with most threads.
+    pub fn main(&self) -> &[Row] {
+        &self.main
+    }
+
     /// The measured values of `target`, and the verdict.
     pub fn judge(&self, target: &Target) -> Judged {
         let names = self.scenes(target.measure);
@@ -128,8 +133,8 @@ impl Judge {
             (None, Some(mean)) => {
                 let exact = Interval { low: mean, high: mean };
                 let of_mean = verdict_on(target.measure, target.mean, interval.or(Some(exact)));
-                let worse = if is_at_least(target.measure) { f64::min } else { f64::max };
-                of_mean.and(verdict_on(target.measure, target.worst, of_worst(&values.0, worse)))
+                let of_worst = worst.as_ref().map(SceneRatio::interval);
+                of_mean.and(verdict_on(target.measure, target.worst, of_worst))
             }
         };
         let scenes = values.0.len();

@@ -6,6 +6,7 @@ pub mod judge;
 pub mod list;
 
 use super::grid::{Grid, short};
+use super::means::beside_mean;
 use super::table::{remarks, rounds};
 use crate::bench::row::Row;
 use growth::growth;
@@ -37,8 +38,9 @@ pub fn targets(rows: &[Row], is_complete: bool) -> String {
 const LEGEND: &str = "Trees of the same width on both sides; scenes of more than 100 k triangles (peak of memory: 1 M). build: medians of \
     builds on warm threads in fresh memory, both sides with equal threads. trace: all recorded rays of all views under embree-grafted, and beside \
     it under phr. mean: geometric of ratios, arithmetic of bytes. 95 %: interval of the mean over scenes and rounds. noise: half its \
-    interval over rounds alone. A target is met if the whole interval of the mean, and where it has a limit that of the \
-    worst scene over rounds, is within it; not met if one is wholly beyond; else undecided.\n";
+    interval over rounds alone. worst: of all scenes, with its own 95 % interval over rounds; not told apart: from the mean, which \
+    that interval holds. A target is met if the whole interval of the mean, and where it has a limit that of the \
+    worst scene, is within it; not met if one is wholly beyond; else undecided.\n";
 
 fn section(measure: Measure) -> &'static str {
     match measure {
@@ -70,6 +72,11 @@ fn grid(lines: &[Judged]) -> Grid {
         let Judged { target, mean, interval, noise, under_phr, worst, .. } = judged;
         let (figure, against) = names(target.measure);
         let show = |value: f64| show(target.measure, value);
+        let [worst_value, worst_scene] = match worst.as_ref().zip(*mean) {
+            Some((worst, _)) if is_of_bytes(target.measure) => [show(worst.value), worst.scene.clone()],
+            Some((worst, mean)) => beside_mean(worst, mean, 3),
+            None => Default::default(),
+        };
         let sign = if is_at_least(target.measure) { '≥' } else { '≤' };
         let digits = if is_of_bytes(target.measure) { 0 } else { 2 };
         let limit =
@@ -89,8 +96,8 @@ fn grid(lines: &[Judged]) -> Grid {
             interval.map_or_else(String::new, |interval| interval.shown(3)),
             noise.clone(),
             under_phr.map_or_else(String::new, show),
-            worst.as_ref().map_or_else(String::new, |worst| show(worst.value)),
-            worst.as_ref().map_or_else(String::new, |worst| worst.scene.clone()),
+            worst_value,
+            worst_scene,
             limit(target.worst),
             scenes,
             judged.verdict.cell(),

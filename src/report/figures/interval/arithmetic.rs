@@ -1,6 +1,6 @@
 //! The interval of an arithmetic mean, as the paper averages in its Figure 6.
 
-use super::{DRAWS, Interval, SEED, SceneRatio};
+use super::{DRAWS, Interval, SEED, SceneRatio, student};
 use crate::random::SplitMix64;
 
 /// The interval of the arithmetic mean of `ratios` over scenes and rounds; `None` for none.
@@ -12,22 +12,27 @@ pub fn of_arithmetic_mean(ratios: &[SceneRatio]) -> Option<Interval> {
     let mean = ratios.iter().map(|ratio| ratio.value).sum::<f64>() / count as f64;
     // As a factor is widened, but what is added.
     let wider = (count as f64 / (count as f64 - 1.0)).sqrt();
+    let student = student(ratios);
     let (mut random, mut scratch) = (SplitMix64::new(SEED), Vec::new());
     let mut draw = || {
         let (mut of_scenes, mut of_rounds) = (0.0, 0.0);
         for _ in 0..count {
             let SceneRatio { value, noise, .. } = &ratios[random.below(count)];
             of_scenes += (value - mean) / count as f64;
-            of_rounds += value * (noise.draw(&mut random, &mut scratch) - 1.0) / count as f64;
+            of_rounds += value * noise.draw(&mut random, &mut scratch, student).exp_m1() / count as f64;
         }
-        mean + wider * of_scenes + of_rounds
+        (wider * of_scenes, of_rounds)
     };
-    Some(Interval::of((0..DRAWS).map(|_| draw()).collect(), mean))
+    let drawn: Vec<(f64, f64)> = (0..DRAWS).map(|_| draw()).collect();
+    let centre = drawn.iter().map(|(_, of_rounds)| of_rounds).sum::<f64>() / DRAWS as f64;
+    let around = |(of_scenes, of_rounds)| mean + of_scenes + of_rounds - centre;
+    Some(Interval::of(drawn.into_iter().map(around).collect(), mean))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Noise, normal};
+    use super::super::Noise;
+    use super::super::noise::normal;
     use super::*;
 
     #[test]

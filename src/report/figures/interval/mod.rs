@@ -1,105 +1,20 @@
 //! 95 % intervals of means of ratios, by bootstrap: scenes are drawn with replacement, and in each drawn scene rounds.
-//! The times of two builders stay paired within a round, since rounds are interleaved and drift hits both. Generators
-//! are seeded, so that the same rows give the same interval.
+//! The times of two builders stay paired within a round, since rounds are interleaved and drift hits both. Draws are
+//! centred on the figure, and deviations known from few rounds are enlarged as Student's. Generators are seeded, so that
+//! the same rows give the same interval.
 
 mod arithmetic;
+mod noise;
 
 pub use arithmetic::of_arithmetic_mean;
+pub use noise::{LEAST_ROUNDS, Noise, Pairs};
 
-use crate::bench::statistics::Summary;
 use crate::random::SplitMix64;
+use noise::student;
 
 /// Draws behind an interval.
 const DRAWS: usize = 2000;
 const SEED: u64 = 0x9d2c_5680;
-/// Rounds below which nothing is said of noise: two that happen to be alike would make any difference sure.
-pub const LEAST_ROUNDS: usize = 3;
-
-/// What is known of the noise of a scene's ratio.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Noise {
-    /// Times of both builders in the same rounds.
-    Rounds(Pairs),
-    /// Only the standard error of the ratio's logarithm, as from medians and deviations; infinite if nothing is known.
-    Error(f64),
-}
-
-impl Noise {
-    /// Of a figure that is the same in every run.
-    pub const NONE: Self = Self::Error(0.0);
-
-    /// From the times in rounds that both builders have, else from their summaries. Fewer rounds than [`LEAST_ROUNDS`]
-    /// tell nothing.
-    pub fn of(a: &Summary, b: &Summary, pairs: Vec<[f64; 2]>) -> Self {
-        match pairs.len() {
-            0 if a.count.min(b.count) >= LEAST_ROUNDS => {
-                Self::Error(a.relative_error().hypot(b.relative_error()) / 1.96)
-            }
-            LEAST_ROUNDS.. => Self::Rounds(Pairs::new(pairs)),
-            _ => Self::Error(f64::INFINITY),
-        }
-    }
-
-    /// A factor by which the ratio might have come out otherwise.
-    fn draw(&self, random: &mut SplitMix64, scratch: &mut Vec<f64>) -> f64 {
-        match self {
-            Self::Error(error) if *error == 0.0 => 1.0,
-            Self::Error(error) => (error * normal(random)).exp(),
-            Self::Rounds(pairs) => pairs.draw(random, scratch),
-        }
-    }
-}
-
-/// Two builders' times by round, two rounds at least.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Pairs {
-    pairs: Vec<[f64; 2]>,
-    ratio: f64,
-}
-
-impl Pairs {
-    /// Of `pairs`, two at least.
-    pub fn new(pairs: Vec<[f64; 2]>) -> Self {
-        let of = |side: usize| median_of(&mut pairs.iter().map(|pair| pair[side]).collect::<Vec<_>>());
-        let ratio = of(0) / of(1);
-        Self { pairs, ratio }
-    }
-
-    /// The ratio of the medians of as many rounds, drawn with replacement, relative to that of all.
-    fn draw(&self, random: &mut SplitMix64, scratch: &mut Vec<f64>) -> f64 {
-        let count = self.pairs.len();
-        let seed = random.clone();
-        let mut median = |side: usize, mut random: SplitMix64| {
-            scratch.clear();
-            scratch.extend((0..count).map(|_| self.pairs[random.below(count)][side]));
-            (median_of(scratch), random)
-        };
-        let (above, _) = median(0, seed.clone());
-        let (below, after) = median(1, seed);
-        *random = after;
-        // Rounds drawn from the few that there are differ too little from each other.
-        widened(above / below / self.ratio, count)
-    }
-}
-
-/// A factor's deviation from 1 in a sample of `count`, two at least, enlarged to that in the population.
-fn widened(factor: f64, count: usize) -> f64 {
-    let count = count as f64;
-    factor.powf((count / (count - 1.0)).sqrt())
-}
-
-/// The median of some values, which it sorts.
-fn median_of(values: &mut [f64]) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
-}
-
-/// Normally distributed, of variance 1 (Box and Muller).
-fn normal(random: &mut SplitMix64) -> f64 {
-    let mut unit = || (random.next_u64() >> 11) as f64 * 2f64.powi(-53);
-    let (radius, angle) = ((-2.0 * (1.0 - unit()).ln()).sqrt(), std::f64::consts::TAU * unit());
-    radius * angle.cos()
-}
 
 /// A ratio in a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -167,45 +82,63 @@ pub enum Over {
 
 /// The interval of the geometric mean of `ratios`; `None` for none. Over scenes, one scene alone tells nothing.
 pub fn of_mean(ratios: &[SceneRatio], over: Over) -> Option<Interval> {
-    let count = ratios.len();
-    let logarithms: Vec<f64> = ratios.iter().map(|ratio| ratio.value.ln()).collect();
-    let mean = logarithms.iter().sum::<f64>() / count as f64;
-    match (count, over) {
-        (0, _) => return None,
-        (1, Over::ScenesAndRounds) => return Some(Interval::UNKNOWN),
-        _ => {}
-    }
-    let (mut random, mut scratch) = (SplitMix64::new(SEED), Vec::new());
-    let drawn = (0..DRAWS).map(|_| {
-        let mut factor = 1.0;
-        let mut of_scenes = 0.0;
-        for scene in 0..count {
-            let scene = if over == Over::Rounds { scene } else { random.below(count) };
-            of_scenes += (logarithms[scene] - mean) / count as f64;
-            factor *= ratios[scene].noise.draw(&mut random, &mut scratch);
+    match (ratios.len(), over) {
+        (0, _) => None,
+        (1, Over::ScenesAndRounds) => Some(Interval::UNKNOWN),
+        _ => {
+            let mean = mean_logarithm(ratios);
+            Some(Interval::of(logarithms(ratios, over, SEED).map(f64::exp).collect(), mean.exp()))
         }
-        let of_scenes = if over == Over::Rounds { 1.0 } else { widened(of_scenes.exp(), count) };
-        mean.exp() * of_scenes * factor.powf(1.0 / count as f64)
-    });
-    Some(Interval::of(drawn.collect(), mean.exp()))
+    }
 }
 
-/// The interval of the worst of `ratios`, which `worse` picks of two, over rounds; `None` for none.
-pub fn of_worst(ratios: &[SceneRatio], worse: fn(f64, f64) -> f64) -> Option<Interval> {
-    let worst = ratios.iter().map(|ratio| ratio.value).reduce(worse)?;
-    let (mut random, mut scratch) = (SplitMix64::new(SEED), Vec::new());
+/// The interval of the geometric mean of `ratios` relative to that of `others`, which are of other scenes: both are drawn
+/// again. `None` for none, unknown where one of them is of one scene.
+pub fn of_quotient(ratios: &[SceneRatio], others: &[SceneRatio]) -> Option<Interval> {
+    match ratios.len().min(others.len()) {
+        0 => None,
+        1 => Some(Interval::UNKNOWN),
+        _ => {
+            let over = Over::ScenesAndRounds;
+            let drawn = logarithms(ratios, over, SEED).zip(logarithms(others, over, !SEED));
+            let quotient = (mean_logarithm(ratios) - mean_logarithm(others)).exp();
+            Some(Interval::of(drawn.map(|(above, below)| (above - below).exp()).collect(), quotient))
+        }
+    }
+}
+
+fn mean_logarithm(ratios: &[SceneRatio]) -> f64 {
+    ratios.iter().map(|ratio| ratio.value.ln()).sum::<f64>() / ratios.len() as f64
+}
+
+/// Logarithms of the geometric mean of some ratios, as drawn again; their own mean is that of the ratios.
+fn logarithms(ratios: &[SceneRatio], over: Over, seed: u64) -> impl Iterator<Item = f64> {
+    let count = ratios.len();
+    let mean = mean_logarithm(ratios);
+    let (mut random, mut scratch) = (SplitMix64::new(seed), Vec::new());
+    // In a sample of few, deviations are too small.
+    let wider = (count as f64 / (count as f64 - 1.0)).sqrt();
+    let student = student(ratios);
     let mut draw = || {
-        let mut values = ratios.iter().map(|ratio| ratio.value * ratio.noise.draw(&mut random, &mut scratch));
-        let first = values.next().unwrap_or(f64::NAN);
-        // What is no number stays none.
-        values.fold(first, |a, b| if a.is_finite() && b.is_finite() { worse(a, b) } else { f64::NAN })
+        let (mut of_scenes, mut of_rounds) = (0.0, 0.0);
+        for scene in 0..count {
+            let scene = if over == Over::Rounds { scene } else { random.below(count) };
+            of_scenes += (ratios[scene].value.ln() - mean) / count as f64;
+            of_rounds += ratios[scene].noise.draw(&mut random, &mut scratch, student) / count as f64;
+        }
+        (if over == Over::Rounds { 0.0 } else { wider * of_scenes }, of_rounds)
     };
-    Some(Interval::of((0..DRAWS).map(|_| draw()).collect(), worst))
+    let drawn: Vec<(f64, f64)> = (0..DRAWS).map(|_| draw()).collect();
+    // The median of few rounds drawn again is not, on average, that of all.
+    let centre = drawn.iter().map(|(_, of_rounds)| of_rounds).sum::<f64>() / DRAWS as f64;
+    drawn.into_iter().map(move |(of_scenes, of_rounds)| mean + of_scenes + of_rounds - centre)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::noise::normal;
     use super::*;
+    use crate::bench::statistics::Summary;
 
     fn exact(values: &[f64]) -> Vec<SceneRatio> {
         let ratio =
@@ -270,6 +203,45 @@ mod tests {
         assert!((interval.half_width(2.0) / (1.96 * 0.01) - 1.0).abs() < 0.1, "{interval:?}");
     }
 
+    /// The same of a single scene, whose three rounds tell little of their own spread.
+    #[test]
+    fn intervals_of_a_scene_hold_the_truth_about_as_often_as_they_say() {
+        let holds = |seed: u64| {
+            let interval = drifting(3, 0.05, seed).interval();
+            interval.low <= 0.5 && 0.5 <= interval.high
+        };
+        let held = (0..400).filter(|&run| holds(7000 + run)).count();
+        assert!((365..=395).contains(&held), "{held}");
+    }
+
+    #[test]
+    fn draws_are_centred_on_the_figure() {
+        // The median is the least of three: drawn again it can only grow.
+        let pairs = Pairs::new(vec![[1.0, 1.0], [1.0, 1.0], [1.5, 1.0]]);
+        let scene = SceneRatio { scene: "s".into(), value: 1.0, noise: Noise::Rounds(pairs) };
+        let scenes = vec![scene; 40];
+        for interval in [of_mean(&scenes, Over::Rounds).unwrap(), of_arithmetic_mean(&scenes).unwrap()] {
+            assert!(interval.high - interval.low > 0.05, "{interval:?}");
+            assert!(((interval.low * interval.high).sqrt() - 1.0).abs() < 0.01, "{interval:?}");
+        }
+    }
+
+    #[test]
+    fn quotients_are_as_unsure_as_both_means() {
+        let mut random = SplitMix64::new(8);
+        let mut run = |centre: f64, count: usize| {
+            exact(&(0..count).map(|_| centre * (0.2 * normal(&mut random)).exp()).collect::<Vec<_>>())
+        };
+        let (a, b) = (run(2.0, 40), run(1.0, 30));
+        let [of_a, of_b] = [&a, &b].map(|run| of_mean(run, Over::ScenesAndRounds).unwrap());
+        let quotient = of_quotient(&a, &b).unwrap();
+        let wide = |interval: &Interval| (interval.high / interval.low).ln();
+        assert!((wide(&quotient) / wide(&of_a).hypot(wide(&of_b)) - 1.0).abs() < 0.1, "{quotient:?}");
+        assert!(quotient.low < 2.0 && 2.0 < quotient.high && quotient.low > 1.7, "{quotient:?}");
+        assert_eq!(of_quotient(&a, &[]), None);
+        assert_eq!(of_quotient(&a, &b[..1]), Some(Interval::UNKNOWN));
+    }
+
     #[test]
     fn what_is_not_known_is_not_claimed() {
         assert_eq!(of_mean(&[], Over::Rounds), None);
@@ -278,18 +250,6 @@ mod tests {
         let single = Summary::of(&[5.0]).unwrap();
         let unknown = SceneRatio { noise: Noise::of(&single, &single, Vec::new()), ..one[0].clone() };
         assert_eq!(of_mean(std::slice::from_ref(&unknown), Over::Rounds), Some(Interval::UNKNOWN));
-        assert_eq!(of_worst(&[one[0].clone(), unknown], f64::max), Some(Interval::UNKNOWN));
         assert_eq!(Interval::UNKNOWN.shown(2), "[?]");
-    }
-
-    #[test]
-    fn the_worst_is_as_sure_as_its_scene() {
-        let mut ratios = exact(&[0.9, 1.2]);
-        assert_eq!(of_worst(&ratios, f64::max), Some(Interval { low: 1.2, high: 1.2 }));
-        ratios[1].noise = Noise::Error(0.05);
-        let interval = of_worst(&ratios, f64::max).unwrap();
-        assert!(interval.low < 1.12 && interval.high > 1.28 && interval.high < 1.4, "{interval:?}");
-        assert_eq!(of_worst(&ratios, f64::max), Some(interval), "the same again");
-        assert_eq!(interval.shown(1), "[1.1, 1.3]");
     }
 }
