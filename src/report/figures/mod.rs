@@ -213,7 +213,7 @@ impl<'a> SceneFigures<'a> {
     }
 
     /// The run behind a figure and its times by round; costs have none.
-    fn rounds(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Option<(&'a str, &'a ByRound)> {
+    pub fn rounds(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Option<(&'a str, &'a ByRound)> {
         let traced = || self.trace(tree, under.kernel_of(tree.0)).value();
         let (row, times) = match figure {
             Figure::Build => self.build(tree).value().map(|row| (row, &row.by_round.build)),

@@ -130,3 +130,5 @@ pub const GROWTH: f64 = 1.25;
 pub const GROWTH_BUILDERS: [&str; 2] = ["phr-fast", "phr-speed"];
 /// Triangles between which growth is judged.
 pub const GROWTH_SIZES: (u64, u64) = (1_000_000, 32_000_000);
+/// Scenes in which a tree of Embree's may be on the front of build and trace time, at most.
+pub const MOST_ON_FRONT: usize = 2;

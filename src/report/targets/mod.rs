@@ -1,6 +1,7 @@
 //! The targets of the builders, and whether a run meets them: build and trace time against Embree's builders,
 //! memory, one thread against two.
 
+mod fronts;
 pub mod growth;
 pub mod judge;
 pub mod list;
@@ -28,6 +29,10 @@ pub fn targets(rows: &[Row], is_complete: bool) -> String {
     for of_section in judged.chunk_by(|a, b| section(a.target.measure) == section(b.target.measure)) {
         text +=
             &format!("### {}\n\n{}\n", section(of_section[0].target.measure), grid(of_section).markdown());
+    }
+    let fronts = fronts::fronts(judge.main());
+    if !fronts.is_empty() {
+        text += &format!("### Embree's trees on the front\n\n{fronts}\n");
     }
     if !is_complete {
         text += "**Part of a run: it was stopped before its end.**\n\n";
