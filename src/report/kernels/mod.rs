@@ -1,11 +1,11 @@
 //! Tables of kernels: each scene in full, and the targets over scenes.
 
+mod speed;
 mod targets;
 
 use super::grid::{Grid, short};
 use crate::bench::kernels::row::KernelRow;
-use crate::bench::statistics::geometric_mean;
-use crate::random::SplitMix64;
+use crate::report::means::beside_mean;
 use targets::{TARGETS, ratios};
 
 /// The figures of one scene: million rays per second, and relative to Embree's single rays over the same tree.
@@ -51,10 +51,9 @@ pub fn summary(rows: &[KernelRow]) -> String {
     for target in &TARGETS {
         for &threads in &threads {
             let ratios = ratios(rows, target, threads);
-            let values: Vec<f64> = ratios.iter().map(|ratio| ratio.1).collect();
-            let Some(mean) = geometric_mean(&values) else { continue };
-            let (low, high) = interval(&values);
-            let Some(worst) = ratios.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+            let (Some(mean), Some(least)) = (ratios.geometric(), ratios.least()) else { continue };
+            let Some(interval) = ratios.interval(ratios.over()) else { continue };
+            let [worst, worst_in] = beside_mean(least, mean, 2);
             grid.push(vec![
                 target.ours.0.into(),
                 target.what.into(),
@@ -63,19 +62,17 @@ pub fn summary(rows: &[KernelRow]) -> String {
                 target.against(),
                 format!("{:.2}", target.at_least),
                 format!("{mean:.2}"),
-                format!("{low:.2} to {high:.2}"),
+                interval.shown(2),
                 target.worst.map_or_else(String::new, |limit| format!("{limit:.2}")),
-                format!("{:.2}", worst.1),
-                worst.0.to_owned(),
-                values.len().to_string(),
-                target.verdict((low, high), worst.1).into(),
+                worst,
+                worst_in,
+                ratios.0.len().to_string(),
+                target.verdict(interval, least.interval()).cell(),
             ]);
         }
     }
     let about = rows.first().map_or_else(String::new, |row| {
-        let isa = |ours: bool| {
-            rows.iter().find(|row| row.is_ours() == ours).map_or("-", |row| &row.isa)
-        };
+        let isa = |ours: bool| rows.iter().find(|row| row.is_ours() == ours).map_or("-", |row| &row.isa);
         let unverified = rows.iter().filter(|row| !row.verified).count();
         let verified = if unverified == 0 {
             "all hits verified".to_owned()
@@ -91,8 +88,21 @@ pub fn summary(rows: &[KernelRow]) -> String {
             isa(false)
         )
     });
-    if grid.is_empty() { about } else { grid.markdown() + &about }
+    if grid.is_empty() {
+        return about;
+    }
+    let noise = if rows.iter().any(|row| row.pass_ms.is_empty()) {
+        " These rows have no passes: the errors of their ratios stand for them, that of our single rays over Embree's tree for \
+         those over other trees."
+    } else {
+        ""
+    };
+    format!("{}\n{LEGEND}{noise}\n{about}", grid.markdown())
 }
+
+const LEGEND: &str = "mean: geometric, over scenes; 95 %: its interval over scenes and passes, paired within a round. worst: the least of all scenes, \
+    with its own 95 % interval over passes; not told apart: from the mean, which that interval holds. met: the whole interval of the mean, \
+    and where it has a limit that of the worst scene, is beyond what is aimed at; not met: one is wholly below; else undecided.";
 
 /// For a page: the targets, with every scene folded away.
 pub fn page(rows: &[KernelRow]) -> String {
@@ -103,22 +113,10 @@ pub fn page(rows: &[KernelRow]) -> String {
     format!("{}\n<details><summary>Every scene</summary>\n\n{legend}\n\n{each}</details>\n", summary(rows))
 }
 
-/// The middle 95 % of geometric means over scenes drawn again; seeded, so that the table is always the same.
-fn interval(values: &[f64]) -> (f64, f64) {
-    const DRAWS: usize = 2000;
-    let mut random = SplitMix64::new(1);
-    let mut draw = || (0..values.len()).map(|_| values[random.below(values.len())]).collect::<Vec<_>>();
-    let mut means: Vec<f64> = (0..DRAWS).filter_map(|_| geometric_mean(&draw())).collect();
-    means.sort_by(f64::total_cmp);
-    match means.len() {
-        0 => (0.0, f64::INFINITY),
-        count => (means[count / 40], means[count - 1 - count / 40]),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::targets::{BATCH, OURS};
+    use super::speed::OURS;
+    use super::targets::BATCH;
     use super::*;
     use crate::bench::kernels::row::SINGLE;
 
@@ -134,6 +132,7 @@ mod tests {
             rays: 1000,
             mrays_s,
             ratio: Some(mrays_s / 2.0),
+            pass_ms: [1, 1, 1].map(|pass| (f64::from(pass) / mrays_s).to_string()).join(" "),
             verified: true,
             ..KernelRow::default()
         }
@@ -155,9 +154,42 @@ mod tests {
             .collect();
         let summary = summary(&rows);
         let line = |what: &str| summary.lines().find(|line| line.contains(what)).unwrap().replace(' ', "");
-        assert!(line("batches of shadow rays").contains("|1.25|1.50|1.50to1.50||1.50|a|2|met|"), "{summary}");
-        assert!(line("any hit of shadow").contains("|1.15|1.25|1.25to1.25|1.00|1.25|a|2|met|"), "{summary}");
+        assert!(
+            line("batches of shadow rays")
+                .contains("|1.25|1.50|[1.50,1.50]||1.50[1.50,1.50]|a,nottoldapart|2|met|"),
+            "{summary}"
+        );
+        assert!(
+            line("any hit of shadow")
+                .contains("|1.15|1.25|[1.25,1.25]|1.00|1.25[1.25,1.25]|a,nottoldapart|2|met|"),
+            "{summary}"
+        );
         assert!(!summary.contains("bounce") && summary.contains("all hits verified"), "{summary}");
+        let beside =
+            |line: &&str| line.contains("shadow") && line.contains(" phr |") && line.contains("0.97");
+        assert!(summary.lines().any(|line| beside(&line) && line.contains("2.40")), "{summary}");
+        assert!(!summary.contains("no passes"), "{summary}");
+    }
+
+    #[test]
+    fn a_worst_scene_in_noise_decides_nothing() {
+        let noisy = |scene: &str, kernel: &str, speed: f64, passes: &str| KernelRow {
+            pass_ms: passes.into(),
+            ..row(scene, kernel, speed)
+        };
+        let rows: Vec<KernelRow> = ["a", "b", "c"]
+            .iter()
+            .flat_map(|scene| [noisy(scene, SINGLE, 2.0, "1 1 1"), noisy(scene, OURS, 2.6, "0.77 0.77 0.77")])
+            .chain([noisy("d", SINGLE, 2.0, "1 1 1"), noisy("d", OURS, 1.9, "1.05 0.7 1.3")])
+            .collect();
+        let line = |text: &str| text.lines().find(|line| line.contains("any hit of")).unwrap().to_owned();
+        let told = line(&summary(&rows));
+        assert!(told.contains("d, not told apart") && told.contains("undecided"), "{told}");
+        let sure = rows
+            .into_iter()
+            .map(|row| KernelRow { pass_ms: row.pass_ms.replace("0.7 1.3", "1.05 1.05"), ..row });
+        let told = line(&summary(&sure.collect::<Vec<_>>()));
+        assert!(told.contains(" d |") && told.contains("not met"), "{told}");
     }
 
     #[test]
@@ -179,7 +211,10 @@ mod tests {
         ];
         let summary = summary(&rows);
         let line = summary.lines().find(|line| line.contains("phr-speed")).unwrap().replace(' ', "");
-        assert!(line.contains("|embree-sah/8|1.15|2.00|2.00to2.00|2.00|a|1|met|"), "{summary}");
+        assert!(
+            line.contains("|embree-sah/8|1.15|2.00|[2.00,2.00]|2.00[2.00,2.00]|a,nottoldapart|1|met|"),
+            "{summary}"
+        );
     }
 
     #[test]

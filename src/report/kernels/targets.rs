@@ -1,14 +1,15 @@
 //! What our kernels are to reach, and what they reach in every scene.
 
+use super::speed::{ALL, OURS, Speed};
 use crate::bench::kernels::row::{KernelRow, ROBUST, SINGLE, WATERTIGHT};
+use crate::report::figures::interval::Interval;
+use crate::report::means::Ratios;
+use crate::report::targets::judge::Verdict;
 
-/// Our single rays and our batches.
-pub(super) const OURS: &str = "phr";
+/// Our batches.
 pub(super) const BATCH: &str = "phr-batch";
 /// Whose trees all kernels trace.
 const SAH: &str = "embree-sah";
-/// Rays of all kinds together.
-const ALL: &str = "all";
 
 /// A target: a speed of ours against one of another.
 pub(super) struct Target {
@@ -67,8 +68,14 @@ const fn preset(builder: &'static str, against: &'static str, at_least: f64) -> 
     Target { what: "all rays, best width", ours, width: None, kind: ALL, against, at_least, worst: None }
 }
 
+/// Batches never lose more than that to single rays.
+const fn batch_beside_single(what: &'static str, kind: &'static str, width: u32) -> Target {
+    let (ours, width, against) = ((SAH, BATCH), Some(width), Against::Kernel(OURS));
+    Target { what, ours, width, kind, against, at_least: 0.97, worst: Some(0.97) }
+}
+
 /// All of them, in the order of the report.
-pub(super) const TARGETS: [Target; 17] = [
+pub(super) const TARGETS: [Target; 23] = [
     single("closest hit of bounce rays", "bounce", 8, 1.2),
     single("any hit of shadow rays", "shadow", 8, 1.15),
     single("closest hit of bounce rays", "bounce", 4, 1.15),
@@ -82,6 +89,12 @@ pub(super) const TARGETS: [Target; 17] = [
     batch("batches of camera rays", "primary", 4, 1.0),
     batch("batches of bounce rays", "bounce", 4, 1.25),
     batch("batches of shadow rays", "shadow", 4, 1.25),
+    batch_beside_single("batches of camera rays", "primary", 8),
+    batch_beside_single("batches of bounce rays", "bounce", 8),
+    batch_beside_single("batches of shadow rays", "shadow", 8),
+    batch_beside_single("batches of camera rays", "primary", 4),
+    batch_beside_single("batches of bounce rays", "bounce", 4),
+    batch_beside_single("batches of shadow rays", "shadow", 4),
     kernel("all rays, watertight", WATERTIGHT, 8, ROBUST, 1.0),
     kernel("all rays, watertight", WATERTIGHT, 4, ROBUST, 1.0),
     kernel("all rays, portable", "phr-portable", 8, OURS, 0.35),
@@ -100,26 +113,21 @@ impl Target {
         }
     }
 
-    /// The verdict on a mean in an interval and the worst of all scenes.
-    pub fn verdict(&self, (low, high): (f64, f64), worst: f64) -> &'static str {
-        if high < self.at_least || self.worst.is_some_and(|limit| worst < limit) {
-            "not met"
-        } else if low >= self.at_least {
-            "met"
-        } else {
-            "undecided"
-        }
+    /// The verdict on the mean in its interval and the worst of all scenes in its own.
+    pub fn verdict(&self, mean: Interval, worst: Interval) -> Verdict {
+        let of_mean = Verdict::at_least(self.at_least, mean);
+        self.worst.map_or(of_mean.clone(), |limit| of_mean.and(Verdict::at_least(limit, worst)))
     }
 }
 
 /// Our speed relative to the other by scene.
-pub(super) fn ratios<'r>(rows: &'r [KernelRow], target: &Target, threads: u32) -> Vec<(&'r str, f64)> {
+pub(super) fn ratios(rows: &[KernelRow], target: &Target, threads: u32) -> Ratios {
     let mut scenes: Vec<&str> = rows.iter().map(|row| row.scene.as_str()).collect();
     scenes.dedup();
-    let ratio = |scene: &'r str| {
+    let ratio = |scene: &str| {
         let of_scene: Vec<&KernelRow> =
             rows.iter().filter(|row| row.scene == scene && row.threads == threads).collect();
-        let speed = |builder, kernel, width| speed(&of_scene, builder, kernel, width, target.kind);
+        let speed = |builder, kernel, width| Speed::of(&of_scene, (builder, kernel, width), target.kind);
         let (builder, kernel) = target.ours;
         let widths = target.width.map_or(vec![4, 8], |width| vec![width]);
         let ours = |width: &u32| {
@@ -130,24 +138,13 @@ pub(super) fn ratios<'r>(rows: &'r [KernelRow], target: &Target, threads: u32) -
                 Against::Fastest => {
                     let all = of_scene.iter().map(|row| row.kernel.as_str());
                     let all = all.filter(|kernel| kernel.starts_with("embree-") && *kernel != ROBUST);
-                    all.filter_map(|kernel| speed(builder, kernel, *width)).max_by(f64::total_cmp)
+                    let speeds = all.filter_map(|kernel| speed(builder, kernel, *width));
+                    speeds.max_by(|a, b| a.mrays_s.total_cmp(&b.mrays_s))
                 }
             };
-            Some(speed(builder, kernel, *width)? / theirs?)
+            Some(speed(builder, kernel, *width)?.relative_to(&theirs?, scene))
         };
-        Some((scene, widths.iter().filter_map(ours).max_by(f64::total_cmp)?))
+        widths.iter().filter_map(ours).max_by(|a, b| a.value.total_cmp(&b.value))
     };
-    scenes.into_iter().filter_map(ratio).collect()
-}
-
-/// Million rays of a kind per second, or of all kinds together.
-fn speed(rows: &[&KernelRow], builder: &str, kernel: &str, width: u32, kind: &str) -> Option<f64> {
-    let same = |row: &&&KernelRow| {
-        (row.builder.as_str(), row.kernel.as_str(), row.width) == (builder, kernel, width)
-            && (kind == ALL || row.ray_kind == kind)
-    };
-    let (rays, seconds) = rows.iter().filter(same).fold((0.0, 0.0), |(rays, seconds), row| {
-        (rays + row.rays as f64, seconds + row.rays as f64 / row.mrays_s)
-    });
-    (rays > 0.0).then(|| rays / seconds)
+    Ratios(scenes.into_iter().filter_map(ratio).collect())
 }
