@@ -23,8 +23,9 @@ use paper::{animate, arguments, experiment, heatmap};
 use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
-    ablation, advise, advise::tune, bench, build, child::memory, child::turns, compare, kernels, pages,
-    pages::table, plot, records::merge, records::reduce, render, scaling, scenes, targets, verify,
+    ablation, advise, advise::tune, bench, build, child::memory, child::turns, compare, kernels,
+    kernels::leaks, pages, pages::table, plot, records::merge, records::reduce, render, scaling, scenes,
+    targets, verify,
 };
 
 /// Progressive Hierarchical Refinement: BVH builders, measured beside Embree's with the same rays.
@@ -57,6 +58,7 @@ enum Verb {
     Ablation(ablation::Arguments),
     Compare(compare::Arguments),
     Kernels(kernels::Arguments),
+    Leaks(leaks::Arguments),
     Scaling(scaling::Arguments),
     Reduce(reduce::Arguments),
     Merge(merge::Arguments),
@@ -121,6 +123,7 @@ fn dispatch(verb: &Verb) -> Result<(), failure::Failure> {
         Verb::Merge(arguments) => merge::run(arguments),
         Verb::Compare(arguments) => compare::run(arguments),
         Verb::Kernels(arguments) => kernels::run(arguments),
+        Verb::Leaks(arguments) => leaks::run(arguments),
         Verb::Scaling(arguments) => scaling::run(arguments),
         Verb::Readme(arguments) => pages::readme::run(arguments),
         Verb::Report(arguments) => pages::report::run(arguments),

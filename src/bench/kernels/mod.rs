@@ -2,6 +2,7 @@
 //! by turns in one process. Ray queries are all that is timed.
 
 mod contestants;
+pub mod leaks;
 mod measure;
 pub mod row;
 

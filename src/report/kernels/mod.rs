@@ -1,7 +1,10 @@
 //! Tables of kernels: each scene in full, and the targets over scenes.
 
+mod leaks;
 mod speed;
 mod targets;
+
+pub use leaks::leaks_table;
 
 use super::grid::{Grid, short};
 use crate::bench::kernels::row::KernelRow;

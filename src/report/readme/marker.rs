@@ -15,9 +15,9 @@ use crate::report::evidence::constants::constants;
 use crate::report::evidence::fronts::fronts;
 use crate::report::evidence::holdout::holdout;
 use crate::report::figures::{Figure, Under, scenes, tree_named};
-use crate::report::kernels::page;
+use crate::report::kernels::{leaks_table, page};
 use crate::report::means::{Ratios, means};
-use crate::report::summary::summary;
+use crate::report::summary::{spread, summary};
 use crate::report::table::details;
 use crate::report::table::table1::table1;
 use crate::report::table::{document_under, heading, remarks};
@@ -25,7 +25,7 @@ use crate::report::{self, targets};
 use std::path::Path;
 
 /// The kinds of markers, each with the words that follow; `...` stands for more of the last.
-pub(super) const KINDS: [(&str, &str); 21] = [
+pub(super) const KINDS: [(&str, &str); 23] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
@@ -33,6 +33,7 @@ pub(super) const KINDS: [(&str, &str); 21] = [
     ("run", "RESULTS"),
     ("value", "RESULTS MEAN FIGURE BUILDER"),
     ("summary", "RESULTS BUILDER..."),
+    ("spread", "RESULTS"),
     ("holdout", "RESULTS WITHHELD"),
     ("fronts", "RESULTS WITHHELD"),
     ("constants", "CONSTANTS"),
@@ -42,6 +43,7 @@ pub(super) const KINDS: [(&str, &str); 21] = [
     ("growth", "RESULTS"),
     ("ablation", "RESULTS BASE BUILDER..."),
     ("kernels", "RESULTS"),
+    ("leaks", "RESULTS"),
     ("scaling", "RESULTS"),
     ("findings", "EXPERIMENT"),
     ("advice", "RESULTS..."),
@@ -49,7 +51,7 @@ pub(super) const KINDS: [(&str, &str); 21] = [
     ("tuned", "SEARCHES"),
 ];
 /// Kinds with fixed kernels, which take no `--kernel`.
-const OF_FIXED_KERNELS: [&str; 13] = [
+const OF_FIXED_KERNELS: [&str; 14] = [
     "targets",
     "bars",
     "growth",
@@ -58,6 +60,7 @@ const OF_FIXED_KERNELS: [&str; 13] = [
     "constants",
     "assertions",
     "kernels",
+    "leaks",
     "scaling",
     "findings",
     "advice",
@@ -133,6 +136,11 @@ impl<'a> Marker<'a> {
                 let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
                 Ok(page(&rows))
             }
+            "leaks" => {
+                let rows = kernels::leaks::read(&folder.join(self.words[0]));
+                let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
+                Ok(leaks_table(&rows))
+            }
             "scaling" => {
                 let rows = scaling::row::read(&folder.join(self.words[0]));
                 let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
@@ -191,6 +199,9 @@ impl<'a> Marker<'a> {
             "scenes" => scenes(&rows).iter().map(|scene| details::scene(&rows, scene) + "\n").collect(),
             "run" => run(&rows, environment.as_ref()),
             "value" => self.value(&rows, &under)?,
+            "spread" => {
+                spread(&rows, &under).ok_or_else(|| self.wrong("no row has several rounds".into()))?
+            }
             "summary" => {
                 let withheld = self.withheld.map(read).transpose()?;
                 summary(&rows, withheld.as_deref(), &self.words[1..], &under)

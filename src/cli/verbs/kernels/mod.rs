@@ -1,5 +1,7 @@
 //! `phr kernels`: single rays, packets, streams and batches over the same trees, side by side, and single rays over trees
-//! of other builders.
+//! of other builders; and how many rays leak.
+
+pub mod leaks;
 
 use crate::bench::files::new_folder;
 use crate::bench::kernels::row::{self, KERNELS, KernelRow};
@@ -118,7 +120,8 @@ mod tests {
 
     #[test]
     fn wrong_hits_of_others_are_told() {
-        let row = |kernel: &str, verified| KernelRow { kernel: kernel.into(), verified, ..KernelRow::default() };
+        let row =
+            |kernel: &str, verified| KernelRow { kernel: kernel.into(), verified, ..KernelRow::default() };
         let rows = [row(ROBUST, false), row(ROBUST, true), row("phr-batch", false)];
         let told = others_wrong(&rows);
         assert_eq!(told.lines().count(), 1, "{told}");
