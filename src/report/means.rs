@@ -88,7 +88,7 @@ impl Ratios {
 
     /// The greatest as [`beside_mean`] shows it.
     pub fn worst_shown(&self) -> Option<[String; 2]> {
-        Some(beside_mean(self.worst()?, self.geometric()?, 2))
+        Some(beside_mean(self.worst()?, self.0.len(), self.geometric()?, 2))
     }
 
     /// The least.
@@ -102,16 +102,16 @@ impl Ratios {
     }
 }
 
-/// A scene's ratio among those of all scenes, whose mean is `mean`, in two cells: the ratio with its own interval over
-/// rounds, where it has noise, and the scene, with a remark where that interval reaches the mean.
-pub fn beside_mean(ratio: &SceneRatio, mean: f64, digits: usize) -> [String; 2] {
+/// A scene's ratio among those of `scenes` scenes, whose mean is `mean`, in two cells: the ratio with its own interval over
+/// rounds, where it has noise, and the scene, with a remark where that interval reaches the mean of several.
+pub fn beside_mean(ratio: &SceneRatio, scenes: usize, mean: f64, digits: usize) -> [String; 2] {
     let (value, interval) = (format!("{:.digits$}", ratio.value), ratio.interval());
     if ratio.noise == Noise::NONE {
         return [value, ratio.scene.clone()];
     }
     // A last bit tells nothing apart.
     let (low, high) = (interval.low * (1.0 - 1e-9), interval.high * (1.0 + 1e-9));
-    let told = if low <= mean && mean <= high { NOT_TOLD_APART } else { "" };
+    let told = if scenes > 1 && low <= mean && mean <= high { NOT_TOLD_APART } else { "" };
     [format!("{value} {}", interval.shown(digits)), format!("{}{told}", ratio.scene)]
 }
 

@@ -56,7 +56,7 @@ impl Speed {
 }
 
 /// The standard error of the logarithm of a row's time, worked out from the interval of its ratio to Embree's single rays,
-/// whose own error is in their ratio to themselves twice. That of our single rays over Embree's tree stands for rows
+/// whose own error is in their ratio to themselves twice; at least an even share of it. That of our single rays over Embree's tree stands for rows
 /// without such a ratio. Infinite where nothing is known.
 fn error(row: &KernelRow, rows: &[&KernelRow]) -> f64 {
     let like = |kernel: &str, needs_ratio: bool| {
@@ -69,7 +69,11 @@ fn error(row: &KernelRow, rows: &[&KernelRow]) -> f64 {
     let of = |row: &KernelRow| {
         let both = of_ratio(row)?;
         let single = of_ratio(like(SINGLE, false)?)? / 2f64.sqrt();
-        Some(if row.kernel == SINGLE { single } else { (both * both - single * single).max(0.0).sqrt() })
+        Some(if row.kernel == SINGLE {
+            single
+        } else {
+            (both * both - single * single).max(0.5 * both * both).sqrt()
+        })
     };
     let of_row = of(row).or_else(|| like(OURS, true).filter(|_| row.kernel == OURS).and_then(of_ratio));
     of_row.filter(|error| error.is_finite()).unwrap_or(f64::INFINITY)

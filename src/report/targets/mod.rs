@@ -79,7 +79,7 @@ fn grid(lines: &[Judged]) -> Grid {
         let show = |value: f64| show(target.measure, value);
         let [worst_value, worst_scene] = match worst.as_ref().zip(*mean) {
             Some((worst, _)) if is_of_bytes(target.measure) => [show(worst.value), worst.scene.clone()],
-            Some((worst, mean)) => beside_mean(worst, mean, 3),
+            Some((worst, mean)) => beside_mean(worst, judged.scenes, mean, 3),
             None => Default::default(),
         };
         let sign = if is_at_least(target.measure) { '≥' } else { '≤' };
