@@ -10,7 +10,7 @@
 #                   of memory
 # make bench-kernel our kernels and Embree's, single rays and batches, over the same trees, and single rays over trees of
 #                   our presets, on the files SCENES and the built-in scenes of 100,000 triangles and more, into
-#                   results/kernel: half an hour on two cores
+#                   results/kernel: half an hour on two cores; and 10^8 rays at vertices and edges, into results/leaks
 # make bench-scaling
 #                   the tasks of our builders on the files SCENES and the built-in scenes, timed one by one and scheduled on
 #                   up to 64 workers, into results/scaling: ten minutes
@@ -145,6 +145,7 @@ bench-kernel: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr kernels $(KERNEL_SCENES) $(SCENES) --least 100000 --size $(SIZE) --threads 1 --threads 2 \
 		--out results/kernel $(ARGS)
+	./target/release/phr leaks --out results/leaks
 
 bench-scaling: packages
 	$(CARGO) build --release --bin phr
