@@ -167,6 +167,38 @@ fn what_is_no_triangle_is_counted() {
     assert!(scene.remarks()[0].contains("1 points, 3 lines, 2 without"), "{:?}", scene.remarks());
 }
 
+/// A small file may have as many primitives as places for them: each is looked at once.
+#[test]
+fn what_is_no_triangle_counts_in_each_of_its_places() {
+    let scene = read(
+        "x.glb",
+        changed(|d| {
+            let mut primitives = vec![json!({"attributes": {"POSITION": 0}, "mode": 0}); 3000];
+            primitives.push(json!({"attributes": {"POSITION": 0}, "indices": 1}));
+            d["meshes"][0]["primitives"] = primitives.into();
+            d["nodes"] = vec![json!({"mesh": 0}); 3000].into();
+            d["scenes"] = json!([{"nodes": (0..3000).collect::<Vec<_>>()}]);
+        }),
+    );
+    assert_eq!((scene.contents.objects, scene.contents.points), (3000 * 3001, 3000 * 3000));
+    assert_eq!((scene.mesh.len(), scene.mesh.vertices().len()), (3000 * 2, 3000 * 4));
+}
+
+/// What an application adds may be any value.
+#[test]
+fn extras_are_passed_over() {
+    for extras in
+        [json!({"a": [1, {"b": 2}]}), json!("text"), json!(5), json!([[1], 2]), json!(true), json!(null)]
+    {
+        let file = changed(|d| {
+            d["extras"] = extras.clone();
+            d["asset"]["extras"] = extras.clone();
+            d["nodes"][0]["extras"] = extras.clone();
+        });
+        assert_eq!(corners(&read("x.glb", file)), two(), "{extras}");
+    }
+}
+
 #[test]
 fn nodes_place_their_meshes() {
     let half = 0.5f64.sqrt();

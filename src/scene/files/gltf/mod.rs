@@ -59,6 +59,6 @@ fn read<'a>(container: Container, path: &Path, guard: &'a Guard) -> Result<RawMe
     let buffers = buffers::Buffers::load(&root, &plan.accessors, binary, path, guard)?;
     raw.held = buffers.bytes();
     raw.announce(plan.vertices, plan.triangles)?;
-    primitives::append(&root, &placed, &buffers, &mut raw)?;
+    primitives::append(&root, &placed, &plan, &buffers, &mut raw)?;
     Ok(raw)
 }

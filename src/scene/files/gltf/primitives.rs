@@ -10,15 +10,28 @@ use glam::{DMat4, DVec3};
 use gltf::json::Root;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
-use std::collections::BTreeSet;
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// How much the scene is.
+/// How much the scene is, and what of its meshes is in it.
 #[derive(Default)]
 pub(super) struct Plan {
     pub vertices: u64,
     pub triangles: u64,
     /// The accessors in use.
     pub accessors: BTreeSet<usize>,
+    /// The primitives with triangles of each mesh that is placed. A mesh may stand in many places.
+    meshes: BTreeMap<usize, MeshPlan>,
+}
+
+/// What a mesh adds in each of its places.
+#[derive(Default)]
+struct MeshPlan {
+    faces: Vec<Faces>,
+    vertices: u64,
+    triangles: u64,
+    contents: Contents,
+    morphed: usize,
 }
 
 /// Sums the sizes that the file declares, and counts what is no triangle.
@@ -26,25 +39,21 @@ pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) 
     let mut plan = Plan::default();
     let mut morphed = 0;
     for placed in placed {
-        let mut seen = BTreeSet::new();
-        for primitive in primitives(root, placed)? {
-            contents.objects += 1;
-            let Some(faces) = Faces::of(root, primitive)? else {
-                match &primitive.mode {
-                    Checked::Valid(Mode::Points) => contents.points += 1,
-                    Checked::Valid(Mode::Lines | Mode::LineLoop | Mode::LineStrip) => contents.lines += 1,
-                    _ => contents.empty += 1,
-                }
-                continue;
-            };
-            contents.empty += usize::from(!faces.are_whole());
-            morphed += usize::from(primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()));
-            if seen.insert(faces.positions) {
-                plan.vertices = plan.vertices.saturating_add(accessor(root, faces.positions)?.0.count.0);
+        let mesh = match plan.meshes.entry(placed.mesh) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(place) => {
+                let mesh = MeshPlan::of(root, placed)?;
+                plan.accessors.extend(mesh.faces.iter().flat_map(Faces::accessors));
+                place.insert(mesh)
             }
-            plan.triangles = plan.triangles.saturating_add(faces.triangles());
-            plan.accessors.extend([faces.positions].into_iter().chain(faces.indices));
-        }
+        };
+        plan.vertices = plan.vertices.saturating_add(mesh.vertices);
+        plan.triangles = plan.triangles.saturating_add(mesh.triangles);
+        contents.objects += mesh.contents.objects;
+        contents.points += mesh.contents.points;
+        contents.lines += mesh.contents.lines;
+        contents.empty += mesh.contents.empty;
+        morphed += mesh.morphed;
     }
     if morphed > 0 {
         contents.remarks.push(format!("{morphed} primitives with morph targets have their base shape"));
@@ -52,22 +61,50 @@ pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) 
     Ok(plan)
 }
 
+impl MeshPlan {
+    fn of(root: &Root, placed: &PlacedMesh) -> Result<Self, Fault> {
+        let mut mesh = Self::default();
+        let mut seen = BTreeSet::new();
+        for primitive in primitives(root, placed)? {
+            mesh.contents.objects += 1;
+            let Some(faces) = Faces::of(root, primitive)? else {
+                match &primitive.mode {
+                    Checked::Valid(Mode::Points) => mesh.contents.points += 1,
+                    Checked::Valid(Mode::Lines | Mode::LineLoop | Mode::LineStrip) => {
+                        mesh.contents.lines += 1
+                    }
+                    _ => mesh.contents.empty += 1,
+                }
+                continue;
+            };
+            mesh.contents.empty += usize::from(!faces.are_whole());
+            mesh.morphed +=
+                usize::from(primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()));
+            if seen.insert(faces.positions) {
+                mesh.vertices = mesh.vertices.saturating_add(accessor(root, faces.positions)?.0.count.0);
+            }
+            mesh.triangles = mesh.triangles.saturating_add(faces.triangles());
+            mesh.faces.push(faces);
+        }
+        Ok(mesh)
+    }
+}
+
 /// Appends the triangles of all placed meshes, in the scene's space.
 pub(super) fn append(
     root: &Root,
     placed: &[PlacedMesh],
+    plan: &Plan,
     buffers: &Buffers,
     raw: &mut RawMesh<'_>,
 ) -> Result<(), Fault> {
     let mut corners = Vec::new();
     for placed in placed {
         // Primitives of a mesh often share their vertices.
-        let mut known: Vec<(usize, u32, u32)> = Vec::new();
-        for primitive in primitives(root, placed)? {
-            let Some(faces) = Faces::of(root, primitive)? else { continue };
-            let found = known.iter().find(|(accessor, ..)| *accessor == faces.positions);
-            let (first, count) = match found {
-                Some(&(_, first, count)) => (first, count),
+        let mut known: HashMap<usize, (u32, u32)> = HashMap::new();
+        for faces in plan.meshes.get(&placed.mesh).into_iter().flat_map(|mesh| &mesh.faces) {
+            let (first, count) = match known.get(&faces.positions) {
+                Some(&range) => range,
                 None => {
                     let begin = raw.vertices.len();
                     append_vertices(root, buffers, faces.positions, &placed.transform, raw)?;
@@ -75,7 +112,7 @@ pub(super) fn append(
                     let (first, end) = range.ok_or_else(|| {
                         Fault::new("its size", "more than 2^32 vertices", "split the scene")
                     })?;
-                    known.push((faces.positions, first, end - first));
+                    known.insert(faces.positions, (first, end - first));
                     (first, end - first)
                 }
             };
@@ -157,6 +194,10 @@ impl Faces {
         let corners = accessor(root, indices.unwrap_or(positions))?.0.count.0;
         let faces = Self { mode, positions, indices, corners };
         Ok((faces.triangles() > 0).then_some(faces))
+    }
+
+    fn accessors(&self) -> impl Iterator<Item = usize> {
+        [self.positions].into_iter().chain(self.indices)
     }
 
     fn triangles(&self) -> u64 {
