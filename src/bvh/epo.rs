@@ -6,6 +6,7 @@
 
 use super::{Child, Link, WideBvh};
 use crate::geometry::{Mesh, Polygon};
+use crate::memory::huge_pages;
 use rayon::prelude::*;
 use std::cell::Cell;
 
@@ -18,6 +19,9 @@ const SAMPLES: usize = 1 << 16;
 const VISITS: u64 = 1 << 29;
 /// Samples, evenly spaced, that tell how many nodes each visits; none fewer are taken.
 const PILOTS: usize = 64;
+
+/// What memory is asked for.
+const ARRAYS: &str = "the end-point overlap";
 
 /// The end-point overlap of `tree` over `mesh`; 0 for trees of one leaf and surfaces without area.
 pub fn epo<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh) -> f64 {
@@ -59,10 +63,10 @@ fn spaced(samples: &[(u32, f64)], count: usize) -> Vec<(u32, f64)> {
 
 /// Triangles and their share of the whole area (which add up to 1).
 fn samples(mesh: &Mesh) -> Vec<(u32, f64)> {
-    let areas: Vec<f64> = (0..mesh.len() as u32)
-        .into_par_iter()
-        .map(|prim| Polygon::triangle(mesh.corners(prim)).area())
-        .collect();
+    let mut areas = huge_pages::filled(mesh.len(), 0.0, ARRAYS);
+    areas.par_iter_mut().enumerate().for_each(|(prim, area)| {
+        *area = Polygon::triangle(mesh.corners(prim as u32)).area();
+    });
     let total: f64 = areas.iter().sum();
     if !(total > 0.0 && total.is_finite()) {
         return Vec::new();
@@ -100,11 +104,12 @@ struct LeafOrder {
 impl LeafOrder {
     fn of<const N: usize>(tree: &WideBvh<N>, triangles: usize) -> Self {
         let mut order = Self {
-            interval: vec![(0, 0); tree.nodes.len()],
-            leaf_of_block: vec![0; tree.blocks.len()],
-            leaf_of: Vec::with_capacity(triangles),
-            first_of: vec![0; triangles + 1],
+            interval: huge_pages::filled(tree.nodes.len(), (0, 0), ARRAYS),
+            leaf_of_block: huge_pages::filled(tree.blocks.len(), 0, ARRAYS),
+            leaf_of: Vec::new(),
+            first_of: huge_pages::filled(triangles + 1, 0, ARRAYS),
         };
+        huge_pages::reserve(&mut order.leaf_of, triangles, ARRAYS);
         let mut leaves = 0;
         order.number(tree, tree.root, &mut leaves);
         order.leaf_of.par_sort_unstable();
@@ -129,7 +134,8 @@ impl LeafOrder {
             }
             Child::Leaf { first, count } => {
                 self.leaf_of_block[first] = *leaves;
-                self.leaf_of.extend(tree.leaf_ids(first, count).map(|prim| (prim, *leaves)));
+                let ids = tree.leaf_ids(first, count);
+                ids.for_each(|prim| huge_pages::push(&mut self.leaf_of, (prim, *leaves), ARRAYS));
                 *leaves += 1;
             }
         }

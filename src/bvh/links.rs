@@ -3,8 +3,9 @@
 #![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
-use super::validate::Invalid;
+use super::validate::{ARRAYS, Invalid};
 use super::{Child, LeafBlock, Link, MAX_DEPTH, WideBvh};
+use crate::memory::{OutOfMemory, huge_pages};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
@@ -24,8 +25,8 @@ impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
     pub fn validate_links(&self, primitives: usize) -> Result<(), Invalid> {
         let walk = Walk {
             tree: self,
-            nodes: Seen::new("node", self.nodes.len()),
-            blocks: Seen::new("block", self.blocks.len()),
+            nodes: Seen::new("node", self.nodes.len())?,
+            blocks: Seen::new("block", self.blocks.len())?,
         };
         // From the root level by level, until there is enough to do for all threads.
         let mut level = vec![(self.root, 0)];
@@ -39,14 +40,14 @@ impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
             while let Some(item) = pending.pop() {
                 walk.enter(item, &mut pending)?;
             }
-            Ok(())
+            Ok::<_, Invalid>(())
         })?;
         for seen in [&walk.nodes, &walk.blocks] {
             if let Some(index) = seen.first_unseen() {
                 return Err(Invalid::Unreached { what: seen.what, index });
             }
         }
-        let prims = Seen::new("primitive", primitives);
+        let prims = Seen::new("primitive", primitives)?;
         self.blocks.par_chunks(GRAIN).enumerate().try_for_each(|(chunk, blocks)| {
             for (i, block) in blocks.iter().enumerate() {
                 for prim in block.ids() {
@@ -54,7 +55,7 @@ impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
                     there.store(true, Relaxed);
                 }
             }
-            Ok(())
+            Ok::<_, Invalid>(())
         })?;
         prims.first_unseen().map_or(Ok(()), |prim| Err(Invalid::Missing(prim as u32)))
     }
@@ -95,10 +96,11 @@ struct Seen {
 }
 
 impl Seen {
-    fn new(what: &'static str, len: usize) -> Self {
+    fn new(what: &'static str, len: usize) -> Result<Self, OutOfMemory> {
         let mut places = Vec::new();
+        huge_pages::try_reserve(&mut places, len, ARRAYS)?;
         places.resize_with(len, AtomicBool::default);
-        Self { what, places }
+        Ok(Self { what, places })
     }
 
     /// Notes that a place is reached, the first time.

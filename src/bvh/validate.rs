@@ -2,6 +2,7 @@
 
 use super::{Child, Link, MAX_DEPTH, TriangleBlock, WideBvh};
 use crate::geometry::{Aabb, Mesh, Polygon};
+use crate::memory::{OutOfMemory, huge_pages};
 use glam::Vec3A;
 
 /// Why a tree is invalid.
@@ -49,6 +50,20 @@ pub enum Invalid {
     /// A triangle sticks out of the boxes of all leaves that hold it.
     #[error("triangle {0} is not covered by the boxes of its leaves")]
     Uncovered(u32),
+    /// No memory to look at it.
+    #[error(transparent)]
+    OutOfMemory(#[from] OutOfMemory),
+}
+
+/// What memory is asked for.
+pub(super) const ARRAYS: &str = "the check of a tree";
+
+/// As many places that were not seen yet.
+fn seen(len: usize) -> Result<Vec<bool>, OutOfMemory> {
+    let mut seen = Vec::new();
+    huge_pages::try_reserve(&mut seen, len, ARRAYS)?;
+    seen.resize(len, false);
+    Ok(seen)
 }
 
 impl<const N: usize> WideBvh<N> {
@@ -62,10 +77,11 @@ impl<const N: usize> WideBvh<N> {
         let mut walk = Walk {
             tree: self,
             mesh,
-            node_seen: vec![false; self.nodes.len()],
-            block_seen: vec![false; self.blocks.len()],
-            references: Vec::with_capacity(mesh.len()),
+            node_seen: seen(self.nodes.len())?,
+            block_seen: seen(self.blocks.len())?,
+            references: Vec::new(),
         };
+        huge_pages::try_reserve(&mut walk.references, mesh.len(), ARRAYS)?;
         walk.visit(self.root, self.bounds, 0)?;
         for (what, seen) in [("node", &walk.node_seen), ("block", &walk.block_seen)] {
             if let Some(index) = seen.iter().position(|seen| !seen) {
@@ -113,6 +129,10 @@ impl<const N: usize> Walk<'_, N> {
                 for index in first..first + count {
                     mark(&mut self.block_seen, "block", index)?;
                     self.check_block(index)?;
+                    if self.references.len() + 4 > self.references.capacity() {
+                        let len = 2 * self.references.len() + 4;
+                        huge_pages::try_reserve(&mut self.references, len, ARRAYS)?;
+                    }
                     self.references.extend(self.tree.blocks[index].ids().map(|prim| (prim, bounds)));
                 }
                 let mut ids: Vec<u32> = self.references[begin..].iter().map(|&(prim, _)| prim).collect();
@@ -153,7 +173,8 @@ fn mark(seen: &mut [bool], what: &'static str, index: usize) -> Result<(), Inval
 /// Every triangle is in some leaf and covered by the boxes of its leaves.
 fn covered(mesh: &Mesh, mut references: Vec<(u32, Aabb)>) -> Result<(), Invalid> {
     use rayon::slice::ParallelSliceMut;
-    references.par_sort_by_key(|&(prim, _)| prim);
+    // A stable sort would take as much memory again.
+    references.par_sort_unstable_by_key(|&(prim, _)| prim);
     let mut expected = 0;
     for group in references.chunk_by(|a, b| a.0 == b.0) {
         let prim = group[0].0;

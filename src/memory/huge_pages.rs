@@ -37,6 +37,31 @@ pub(crate) fn resize<T: Clone>(array: &mut Vec<T>, len: usize, value: T, what: &
     array.resize(len, value);
 }
 
+/// An array of `len` times `value`; unwinds likewise.
+pub(crate) fn filled<T: Clone>(len: usize, value: T, what: &'static str) -> Vec<T> {
+    let mut array = Vec::new();
+    resize(&mut array, len, value, what);
+    array
+}
+
+/// Appends to an array of which nobody knows how long it gets: it doubles where it is full. Unwinds likewise.
+#[inline]
+pub(crate) fn push<T>(array: &mut Vec<T>, value: T, what: &'static str) {
+    if array.len() == array.capacity() {
+        make_room(array, 1, what);
+    }
+    array.push(value);
+}
+
+/// Room for `more` elements beyond those of the array, which at least doubles where there is none. Unwinds likewise.
+#[cold]
+pub(crate) fn make_room<T>(array: &mut Vec<T>, more: usize, what: &'static str) {
+    if array.capacity() - array.len() < more {
+        let len = array.len() + more.max(array.len());
+        reserve(array, len, what);
+    }
+}
+
 /// Room for `len` others in the memory of an empty array, until it is filled.
 pub(crate) fn lend<'a, T, U: Copy>(
     array: &'a mut Vec<T>,
@@ -81,6 +106,10 @@ mod tests {
         super::resize(&mut array, 2, 0, "numbers");
         super::reserve(&mut array, 10, "numbers");
         assert_eq!(array, [1, 2]);
+        (3..100).for_each(|i| super::push(&mut array, i, "numbers"));
+        assert_eq!(array, (1..100).collect::<Vec<_>>());
+        array.truncate(2);
+        assert_eq!(super::filled(2, 5u8, "numbers"), [5, 5]);
         assert_eq!(super::lend::<u64, u16>(&mut array, 5, "numbers").len(), 5);
         assert_eq!(super::lend::<u64, [u64; 3]>(&mut array, 50, "numbers").len(), 50);
         assert!(array.is_empty());

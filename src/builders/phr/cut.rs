@@ -3,6 +3,7 @@
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::Node;
 use crate::geometry::Aabb;
+use crate::memory::huge_pages;
 use glam::Vec3A;
 
 /// All of space: the clip box above the first spatial split.
@@ -75,7 +76,7 @@ impl<'a> CutBuilder<'a> {
     pub fn push(&mut self, node: Node) {
         self.bounds = self.bounds.union(node.bounds());
         self.count += node.count();
-        self.arena.push(node);
+        huge_pages::push(self.arena, node, "cuts");
     }
 
     /// The cut, otherwise as `like`.
@@ -150,6 +151,7 @@ impl OwnedCut {
     /// Copies the cut to the end of `arena`.
     pub fn import(self, arena: &mut Vec<Node>) -> Cut {
         let first = arena.len() as u32;
+        huge_pages::make_room(arena, self.nodes.len(), "cuts");
         arena.extend(self.nodes);
         Cut { first, ..self.cut }
     }
@@ -179,7 +181,7 @@ impl Side {
     #[inline]
     pub fn push(&mut self, node: Node) {
         self.count += node.count();
-        self.nodes.push(node);
+        huge_pages::push(&mut self.nodes, node, "cuts");
     }
 
     /// Half area of the union of the nodes' boxes, and the number of references.

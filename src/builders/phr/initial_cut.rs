@@ -7,6 +7,7 @@
 
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
+use crate::memory::huge_pages;
 use crate::parallel;
 use rayon::prelude::*;
 
@@ -89,15 +90,15 @@ impl Opened {
             while let Some(node) = stack.pop() {
                 let area = node.bounds().half_area();
                 if node.is_leaf() {
-                    self.nodes.push(node);
+                    huge_pages::push(&mut self.nodes, node, "cuts");
                 } else if is_opened(area) {
-                    self.areas.push(area);
+                    huge_pages::push(&mut self.areas, area, "cuts");
                     let [left, right] = *tree.children(&node);
                     tree.prefetch(&right);
                     stack.extend([right, left]);
                 } else {
                     self.largest = self.largest.max(area);
-                    self.nodes.push(node);
+                    huge_pages::push(&mut self.nodes, node, "cuts");
                 }
             }
         }

@@ -6,6 +6,7 @@ use crate::builders::prims::geometry::Geometry;
 use crate::bvh::limits::{BLOCK, MAX_LEAF};
 use crate::bvh::{IdBlock, Link, TriangleBlock, WideNode};
 use crate::geometry::Aabb;
+use crate::memory::huge_pages;
 use crate::memory::stream::{self, Vectors};
 use crate::parallel::ordered_append::{Chunk, Offset};
 use glam::Vec4;
@@ -32,7 +33,7 @@ pub(crate) fn append_node<const N: usize>(
         [only] => Some(*only),
         _ => {
             let bounds = children.iter().map(|(bounds, _)| *bounds).collect();
-            nodes.push(WideNode::of(children));
+            huge_pages::push(nodes, WideNode::of(children), "nodes");
             Some((bounds, Link::inner(nodes.len() - 1)))
         }
     }

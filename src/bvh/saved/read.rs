@@ -4,6 +4,7 @@ use super::CHUNK;
 use super::SavedError;
 use super::header::{BYTES, Header, checksum, step};
 use crate::bvh::record::Record;
+use crate::bvh::validate::Invalid;
 use crate::bvh::{WideBvh, WideNode};
 use crate::geometry::Mesh;
 use crate::memory::huge_pages;
@@ -74,9 +75,12 @@ impl<const N: usize> WideBvh<N> {
             return Err(SavedError::unusable(path, "damaged nodes or blocks"));
         }
         let tree = Self { root: header.root, bounds: header.bounds, nodes, blocks };
-        tree.validate_links(mesh.len())
-            .map_err(|source| SavedError::Invalid { path: path.to_owned(), source })?;
-        Ok(tree)
+        let path = path.to_owned();
+        match tree.validate_links(mesh.len()) {
+            Ok(()) => Ok(tree),
+            Err(Invalid::OutOfMemory(source)) => Err(SavedError::OutOfMemory { path, source }),
+            Err(source) => Err(SavedError::Invalid { path, source }),
+        }
     }
 }
 

@@ -3,7 +3,11 @@
 use super::frame::Frame;
 use super::part::{Draft, Part, Shape};
 use super::random::{Random, mix};
+use crate::memory::huge_pages;
 use rayon::prelude::*;
+
+/// What memory is asked for.
+const ARRAYS: &str = "a generated scene";
 
 /// The list of parts of a scene, laid out for a given detail.
 #[derive(Debug)]
@@ -40,7 +44,7 @@ impl Layout {
         let part = Part { shape, frame: *frame, n };
         self.triangles += part.triangles();
         if self.triangles <= self.limit {
-            self.parts.push(part);
+            huge_pages::push(&mut self.parts, part, ARRAYS);
         }
     }
 
@@ -81,14 +85,19 @@ pub fn draw(triangles: usize, seed: u64, lay: &dyn Fn(&mut Layout)) -> Draft {
         .par_chunks(chunk)
         .map(|parts| {
             let mut draft = Draft::default();
-            draft.triangles.reserve(parts.iter().map(Part::triangles).sum());
-            parts.iter().for_each(|part| part.draw(&mut draft));
+            huge_pages::reserve(&mut draft.triangles, parts.iter().map(Part::triangles).sum(), ARRAYS);
+            for part in parts {
+                // No more than a corner of each cell for each triangle and each side of it.
+                huge_pages::make_room(&mut draft.vertices, 2 * part.triangles(), ARRAYS);
+                part.draw(&mut draft);
+            }
             draft
         })
         .collect();
     let mut whole = Draft::default();
-    whole.vertices.reserve(drafts.iter().map(|d| d.vertices.len()).sum::<usize>() + triangles / 8);
-    whole.triangles.reserve(triangles);
+    let vertices = drafts.iter().map(|draft| draft.vertices.len()).sum::<usize>();
+    huge_pages::reserve(&mut whole.vertices, vertices + triangles / 8, ARRAYS);
+    huge_pages::reserve(&mut whole.triangles, triangles, ARRAYS);
     for draft in drafts {
         let first = whole.vertices.len() as u32;
         whole.vertices.extend(draft.vertices);
@@ -145,6 +154,8 @@ fn halve_evenly(draft: &mut Draft, wanted: usize) {
     while draft.triangles.len() < wanted && !draft.triangles.is_empty() {
         let given = draft.triangles.len();
         let missing = (wanted - given).min(given);
+        huge_pages::make_room(&mut draft.vertices, missing, ARRAYS);
+        huge_pages::make_room(&mut draft.triangles, missing, ARRAYS);
         for k in 0..missing {
             let victim = (k as u64 * given as u64 / missing as u64) as usize;
             let t = draft.triangles[victim];
