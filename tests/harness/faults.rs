@@ -2,6 +2,7 @@
 //! and no part of a file is taken for the whole. `make faults` kills fifty times, this three times.
 use phr::bench::environment::{ENVIRONMENT, Environment};
 use phr::bench::files::{RecordsError, read_json};
+use phr::bench::phases::{self, PHASES};
 use phr::bench::rounds::ROUNDS;
 use phr::bench::row::{self, ROWS};
 use phr::bench::samples::{SAMPLES, Samples};
@@ -180,10 +181,13 @@ fn a_cut_file_is_refused() {
     let out = folder.path().join("out");
     let (rows, samples) = (row::read(&out).unwrap(), Samples::read(&out).unwrap());
     let environment: Environment = read_json(&out.join(ENVIRONMENT), "").unwrap();
-    for file in [ROWS, ROUNDS, SAMPLES, ENVIRONMENT] {
+    let of_phases = phases::read(&out).unwrap();
+    assert!(of_phases.len() > 1, "a cut may be at a row's end");
+    for file in [ROWS, ROUNDS, PHASES, SAMPLES, ENVIRONMENT] {
         let whole = std::fs::read(out.join(file)).unwrap();
         let is_read = || -> Result<bool, RecordsError> {
             Ok(match file {
+                PHASES => phases::read(&out)? == of_phases,
                 SAMPLES => Samples::read(&out)? == samples,
                 ENVIRONMENT => read_json::<Environment>(&out.join(file), "")? == environment,
                 _ => row::read(&out)? == rows,
@@ -224,6 +228,24 @@ fn made_up_records_end_in_one_line_or_are_read() {
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.success() || output.status.code() == Some(2), "{to}: {told}");
         assert!(!told.contains("panicked"), "{to}: {told}");
+    }
+}
+
+/// What is named on the command line may be a pipe, which would be waited for without end.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused() {
+    let folder = workplace();
+    assert!(Command::new("mkfifo").arg(folder.path().join("pipe")).status().unwrap().success());
+    for all in [
+        &["build", "x.obj", "--config", "pipe"][..],
+        &["bench", "x.obj", "--config", "/dev/zero", "--list"],
+        &["bench", "x.obj", "--tree", "pipe"],
+        &["readme", "pipe"],
+        &["table", "pipe"],
+        &["build", "pipe"],
+    ] {
+        assert!(refused(&phr(folder.path(), all)).contains("not a regular file"), "{all:?}");
     }
 }
 

@@ -39,11 +39,12 @@ pub struct PlannedScene {
 }
 
 /// `name` as records and tables can hold it: `_` for control characters and for what divides the cells of Markdown, and
-/// before what a spreadsheet takes for a formula.
+/// before what a spreadsheet takes for a formula, or where nothing is left.
 pub fn plain_name(name: &str) -> String {
     let is_plain = |c: char| !c.is_control() && !matches!(c, '|' | '`' | '<' | '>' | '\u{2028}' | '\u{2029}');
     let name: String = name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect();
-    if name.starts_with(['=', '+', '-', '@']) { format!("_{name}") } else { name }
+    let needs_more = name.trim().is_empty() || name.starts_with(['=', '+', '-', '@']);
+    if needs_more { format!("_{name}") } else { name }
 }
 
 impl PlannedScene {
@@ -128,6 +129,8 @@ mod tests {
             ("a|b", "a_b"),
             ("two\nlines", "two_lines"),
             ("-x", "_-x"),
+            ("", "_"),
+            (" ", "_ "),
             ("San Miguel-2", "San Miguel-2"),
             ("Häuser", "Häuser"),
         ] {

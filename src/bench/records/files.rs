@@ -11,7 +11,13 @@ pub struct Written {
     pub rows: usize,
     /// Lines of `rounds.csv` without its header.
     pub rounds: usize,
+    /// Rows of `phases.csv`; older runs do not tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub phases: Option<usize>,
 }
+
+/// No figure is larger: as milliseconds, thirty thousand years.
+pub const MOST: f64 = 1e15;
 
 /// Makes a folder for records, if there is none yet.
 ///
@@ -98,7 +104,7 @@ pub enum RecordsError {
         /// The line, from 1.
         line: usize,
         /// The column.
-        column: &'static str,
+        column: String,
         /// Its value.
         value: f64,
     },
@@ -154,12 +160,28 @@ pub fn read_lines(path: &Path, remedy: &'static str) -> Result<Vec<u8>, RecordsE
     }
 }
 
-/// Reads a regular file; a pipe might never end.
 fn read(path: &Path, remedy: &'static str) -> Result<Vec<u8>, RecordsError> {
-    let no_file = || std::io::Error::new(std::io::ErrorKind::InvalidInput, "not a regular file");
-    let is_file = std::fs::metadata(path).map(|metadata| metadata.is_file());
-    let bytes = is_file.and_then(|is_file| if is_file { std::fs::read(path) } else { Err(no_file()) });
-    bytes.map_err(|source| RecordsError::Io { path: path.to_owned(), source, remedy })
+    content(path).map_err(|source| RecordsError::Io { path: path.to_owned(), source, remedy })
+}
+
+/// The content of a regular file; a pipe or a device might never end.
+///
+/// # Errors
+/// No such file, or one that cannot be read.
+pub fn content(path: &Path) -> std::io::Result<Vec<u8>> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "not a regular file"));
+    }
+    std::fs::read(path)
+}
+
+/// The same of a text.
+///
+/// # Errors
+/// The same, or bytes that are no UTF-8.
+pub fn text(path: &Path) -> std::io::Result<String> {
+    String::from_utf8(content(path)?)
+        .map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error()))
 }
 
 /// Writes `value` as JSON to the file `path`, whole or not at all.
@@ -192,8 +214,8 @@ pub fn write_csv<T: Serialize>(path: &Path, rows: &[T]) -> Result<(), RecordsErr
 /// and `remedy` how to come by the file.
 ///
 /// # Errors
-/// No such file, other columns, no rows.
-pub fn read_csv<T: for<'a> Deserialize<'a>>(
+/// No such file, other columns, no rows, figures that cannot be.
+pub fn read_csv<T: for<'a> Deserialize<'a> + Serialize>(
     results: &Path,
     name: &str,
     (schema, expected): (impl Fn(&T) -> u32, u32),
@@ -202,8 +224,17 @@ pub fn read_csv<T: for<'a> Deserialize<'a>>(
     let path = if results.is_dir() { results.join(name) } else { results.to_owned() };
     let bytes = read_lines(&path, remedy)?;
     let malformed = |source| RecordsError::Malformed { path: path.clone(), source, remedy };
-    let rows: Vec<T> =
-        csv::Reader::from_reader(&bytes[..]).deserialize().collect::<Result<_, _>>().map_err(malformed)?;
+    let mut reader = csv::Reader::from_reader(&bytes[..]);
+    let headers = reader.headers().map_err(malformed)?.clone();
+    let mut rows: Vec<T> = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(malformed)?;
+        let row = record.deserialize(Some(&headers)).map_err(malformed)?;
+        if let Some((column, value)) = absurd(&row, headers.iter().zip(&record)) {
+            return Err(RecordsError::Figure { path, line: rows.len() + 2, column: column.into(), value });
+        }
+        rows.push(row);
+    }
     if rows.is_empty() {
         return Err(RecordsError::Empty { path, remedy });
     }
@@ -213,11 +244,28 @@ pub fn read_csv<T: for<'a> Deserialize<'a>>(
     }
 }
 
+/// The first number among the fields of a row that no figure can be: NaN, beyond [`MOST`], or a negative time (`ms`). Fields
+/// that the row keeps as text are none, nor are coordinates of boxes, which are infinite where a box is empty.
+fn absurd<'a, T: Serialize>(
+    row: &T,
+    mut fields: impl Iterator<Item = (&'a str, &'a str)>,
+) -> Option<(&'a str, f64)> {
+    let row = serde_json::to_value(row).ok()?;
+    fields.find_map(|(column, field)| {
+        let value: f64 = field.parse().ok()?;
+        let least = if column.split('_').any(|word| word == "ms") { 0.0 } else { -MOST };
+        let is_other = row.get(column).is_none_or(serde_json::Value::is_string)
+            || column.starts_with("min_")
+            || column.starts_with("max_");
+        (!is_other && !(least..=MOST).contains(&value)).then_some((column, value))
+    })
+}
+
 /// As [`read_csv`], of a file whose rows tell no schema.
 ///
 /// # Errors
-/// No such file, other columns, no rows.
-pub fn read_csv_file<T: for<'a> Deserialize<'a>>(
+/// No such file, other columns, no rows, figures that cannot be.
+pub fn read_csv_file<T: for<'a> Deserialize<'a> + Serialize>(
     path: &Path,
     remedy: &'static str,
 ) -> Result<Vec<T>, RecordsError> {

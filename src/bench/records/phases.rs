@@ -1,6 +1,7 @@
 //! `phases.csv`: what the parts of each build took. `results/README.md` describes the columns.
 
 use super::files::{MEASURE, RecordsError, read_csv_file, write_csv};
+use super::row::written_beside;
 use super::samples::{CellSamples, Samples};
 use super::statistics::{Summary, figures};
 use serde::{Deserialize, Serialize};
@@ -71,21 +72,32 @@ fn medians(cell: &CellSamples) -> Vec<(String, f64)> {
     all.into_iter().filter_map(median).collect()
 }
 
-/// Writes the phases to `folder`, if there are any.
+/// Writes the phases to `folder`, if there are any. Returns how many.
 ///
 /// # Errors
 /// An unwritable place.
-pub fn write(folder: &Path, rows: &[PhaseRow]) -> Result<(), RecordsError> {
-    if rows.is_empty() { Ok(()) } else { write_csv(&folder.join(PHASES), rows) }
+pub fn write(folder: &Path, rows: &[PhaseRow]) -> Result<usize, RecordsError> {
+    if !rows.is_empty() {
+        write_csv(&folder.join(PHASES), rows)?;
+    }
+    Ok(rows.len())
 }
 
 /// Reads the phases beside the rows in the folder, or beside the file, `path`; none of runs that have no such file.
 ///
 /// # Errors
-/// A malformed or empty file.
+/// A malformed, cut or empty file, and figures that cannot be.
 pub fn read(path: &Path) -> Result<Vec<PhaseRow>, RecordsError> {
     let path = if path.is_dir() { path.join(PHASES) } else { path.with_file_name(PHASES) };
-    if path.is_file() { read_csv_file(&path, MEASURE) } else { Ok(Vec::new()) }
+    if !path.is_file() {
+        return Ok(Vec::new());
+    }
+    let rows = read_csv_file(&path, MEASURE)?;
+    let found = rows.len();
+    match written_beside(&path)?.and_then(|written| written.phases) {
+        Some(written) if written != found => Err(RecordsError::Cut { path, found, written }),
+        _ => Ok(rows),
+    }
 }
 
 #[cfg(test)]
@@ -120,5 +132,15 @@ mod tests {
         write(folder.path(), &rows).unwrap();
         assert_eq!(read(folder.path()).unwrap(), rows);
         assert_eq!(read(&folder.path().join("rows.csv")).unwrap(), rows);
+        let path = folder.path().join(PHASES);
+        let whole = std::fs::read_to_string(&path).unwrap();
+        for ms in ["NaN", "inf", "1e308", "-1"] {
+            std::fs::write(&path, whole.replace("3.0", ms)).unwrap();
+            let error = read(folder.path()).unwrap_err().to_string();
+            assert!(error.contains("line 2: ms is "), "{error}");
+        }
+        // A name may look like a number.
+        std::fs::write(&path, whole.replace(",s,", ",inf,")).unwrap();
+        assert_eq!(read(folder.path()).unwrap()[0].scene, "inf");
     }
 }

@@ -1,6 +1,7 @@
 //! Pictures and tables that lie in a results folder beside the rows, or in other folders: heat maps, experiments and other
 //! figures.
 
+use crate::bench::files::{content, text};
 use crate::bench::phases::PHASES;
 use crate::bench::rounds::ROUNDS;
 use crate::bench::row::ROWS;
@@ -94,8 +95,9 @@ impl Attachment {
     fn read(&mut self, file: &Path) -> Result<(), Box<dyn Error>> {
         match file.extension().and_then(|ending| ending.to_str()) {
             Some("csv") => {
+                let bytes = content(file)?;
                 let mut reader =
-                    csv::ReaderBuilder::new().has_headers(false).flexible(true).from_path(file)?;
+                    csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(&bytes[..]);
                 let lines: Result<Vec<Vec<String>>, csv::Error> =
                     reader.records().map(|line| Ok(line?.iter().map(Into::into).collect())).collect();
                 let mut lines = lines?;
@@ -103,10 +105,10 @@ impl Attachment {
                 lines.truncate(LINES + 1);
                 self.table = Some(lines);
             }
-            Some("md") => self.text = Some(std::fs::read_to_string(file)?),
+            Some("md") => self.text = Some(text(file)?),
             ending => {
                 let kind = if ending == Some("svg") { "svg+xml" } else { "png" };
-                let bytes = BASE64_STANDARD.encode(std::fs::read(file)?);
+                let bytes = BASE64_STANDARD.encode(content(file)?);
                 self.image = Some(format!("data:image/{kind};base64,{bytes}"));
             }
         }

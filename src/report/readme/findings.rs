@@ -1,6 +1,6 @@
 //! What an experiment told of all its scenes together, out of the text beside its rows.
 
-use crate::bench::files::RecordsError;
+use crate::bench::files::{RecordsError, text};
 use std::path::Path;
 
 /// The text's file in a results folder.
@@ -15,7 +15,7 @@ pub const EVERY_SCENE: &str = "## Every scene";
 pub fn findings(folder: &Path) -> Result<String, RecordsError> {
     let path = folder.join(FINDINGS);
     let remedy = "run `phr experiment NAME --redraw`";
-    let text = std::fs::read_to_string(&path).map_err(|source| RecordsError::Io { path, source, remedy })?;
+    let text = text(&path).map_err(|source| RecordsError::Io { path, source, remedy })?;
     Ok(told_of_all(&text))
 }
 

@@ -3,6 +3,7 @@
 
 use crate::bench::cell::ORDER;
 use crate::bench::error::PlanError;
+use crate::bench::files::text;
 use crate::builders::{Recipe, on_request};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -48,7 +49,7 @@ impl ConfigFile {
     /// A file that is missing or has another content, in one line.
     pub fn read(path: &Path) -> Result<Self, PlanError> {
         let refused = |reason: String| PlanError::Config { path: path.into(), reason };
-        let text = std::fs::read_to_string(path).map_err(|error| refused(error.to_string()))?;
+        let text = text(path).map_err(|error| refused(error.to_string()))?;
         let read = serde_json::from_str(&text).map_err(|error| refused(error.to_string()))?;
         let file = Self { path: path.into(), ..read };
         file.check().map_err(refused)?;

@@ -2,13 +2,10 @@
 
 use super::{ROWS, Row, SCHEMA};
 use crate::bench::environment::{self, ENVIRONMENT, State};
-use crate::bench::files::{MEASURE, RecordsError, TELL, Written, read_json, read_lines, write_whole};
+use crate::bench::files::{MEASURE, MOST, RecordsError, TELL, Written, read_json, read_lines, write_whole};
 use crate::bench::rounds::{self, ROUNDS, RowKey, RowRounds};
 use std::collections::HashMap;
 use std::path::Path;
-
-/// No figure is larger: as milliseconds, thirty thousand years.
-const MOST: f64 = 1e15;
 
 /// Reads `rows.csv`, or that file in the results folder `path`, with the `rounds.csv` beside it.
 ///
@@ -29,7 +26,7 @@ pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
         if let Some((column, Some(value))) =
             row.figures().into_iter().find(|(_, value)| value.is_some_and(unusable))
         {
-            return Err(RecordsError::Figure { path, line: rows.len() + 2, column, value });
+            return Err(RecordsError::Figure { path, line: rows.len() + 2, column: column.into(), value });
         }
         rows.push(row);
     }
@@ -38,7 +35,7 @@ pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
     for row in rows.iter_mut().filter(|row| row.is_total()) {
         row.by_round = by_round.remove(&row.key()).unwrap_or_default();
     }
-    check_whole(&path, Written { rows: rows.len(), rounds: lines }, by_round.keys().next())?;
+    check_whole(&path, Written { rows: rows.len(), rounds: lines, phases: None }, by_round.keys().next())?;
     if rows.is_empty() { Err(RecordsError::Empty { path, remedy }) } else { Ok(rows) }
 }
 
@@ -50,13 +47,28 @@ struct Ended {
     written: Option<Written>,
 }
 
+impl Ended {
+    /// Of the environment beside the file `path`; nothing where there is none.
+    fn beside(path: &Path) -> Result<Option<Self>, RecordsError> {
+        let path = path.with_file_name(ENVIRONMENT);
+        path.is_file().then(|| read_json(&path, environment::REMEDY)).transpose()
+    }
+}
+
+/// What the run that made the file `path` wrote when it had ended; nothing of a run under way, or an older one.
+///
+/// # Errors
+/// An environment of another content.
+pub fn written_beside(path: &Path) -> Result<Option<Written>, RecordsError> {
+    let ended = Ended::beside(path)?.filter(|ended| ended.state != State::Running);
+    Ok(ended.and_then(|ended| ended.written))
+}
+
 /// Refuses files with fewer lines than were written, and rounds of a row that is not there. Of a run under way neither
 /// is known; an older one tells of its rounds only.
 fn check_whole(path: &Path, found: Written, left_over: Option<&RowKey>) -> Result<(), RecordsError> {
-    let environment_path = path.with_file_name(ENVIRONMENT);
-    let is_results = path.file_name().is_some_and(|name| name == ROWS) && environment_path.is_file();
-    let environment: Option<Ended> =
-        is_results.then(|| read_json(&environment_path, environment::REMEDY)).transpose()?;
+    let is_results = path.file_name().is_some_and(|name| name == ROWS);
+    let environment = if is_results { Ended::beside(path)? } else { None };
     if environment.as_ref().is_some_and(|environment| environment.state == State::Running) {
         return Ok(());
     }
@@ -89,7 +101,7 @@ pub fn write_all(folder: &Path, rows: &[Row]) -> Result<Written, RecordsError> {
         rows.iter().filter(|row| row.is_total()).map(|row| (row.key(), &row.by_round)).collect();
     let rounds = rounds::write(folder, &totals)?;
     write(&folder.join(ROWS), rows)?;
-    Ok(Written { rows: rows.len(), rounds })
+    Ok(Written { rows: rows.len(), rounds, phases: None })
 }
 
 /// Writes `rows` to the file `path`, whole or not at all.

@@ -1,6 +1,6 @@
 //! `phr readme`: regenerates the figures in Markdown files from committed rows.
 
-use crate::bench::files::write_whole;
+use crate::bench::files::{text, write_whole};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use crate::report::readme::{differences, regenerate};
@@ -22,8 +22,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut stale = Vec::new();
     for path in &arguments.files {
         let name = path.display();
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| Failure::Bad(format!("{name}: {error}; give Markdown files")))?;
+        let text =
+            text(path).map_err(|error| Failure::Bad(format!("{name}: {error}; give Markdown files")))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let new = regenerate(&text, folder).map_err(|error| Failure::Bad(format!("{name}: {error}")))?;
         if new == text {
