@@ -47,7 +47,7 @@ fn means_are_those_worked_out_by_hand() {
     );
     assert_eq!(
         means(&text, "### Trace time", "phr-hq"),
-        ["1.025", "0.977", "1.000", "0.975", "1.25", "yard", "2"]
+        ["1.025", "0.977", "1.000", "0.975", "1.25 [1.24, 1.26]", "yard", "2"]
     );
     assert_eq!(cells(&text, "### SAH cost", "phr-hq")[1..3], ["1.250", "0.947"]);
 }

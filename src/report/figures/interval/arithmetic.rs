@@ -12,7 +12,7 @@ pub fn of_arithmetic_mean(ratios: &[SceneRatio]) -> Option<Interval> {
     let mean = ratios.iter().map(|ratio| ratio.value).sum::<f64>() / count as f64;
     // As a factor is widened, but what is added.
     let wider = (count as f64 / (count as f64 - 1.0)).sqrt();
-    let student = student(ratios);
+    let student = student(ratios.iter().map(|ratio| &ratio.noise));
     let (mut random, mut scratch) = (SplitMix64::new(SEED), Vec::new());
     let mut draw = || {
         let (mut of_scenes, mut of_rounds) = (0.0, 0.0);

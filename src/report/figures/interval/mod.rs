@@ -118,7 +118,7 @@ fn logarithms(ratios: &[SceneRatio], over: Over, seed: u64) -> impl Iterator<Ite
     let (mut random, mut scratch) = (SplitMix64::new(seed), Vec::new());
     // In a sample of few, deviations are too small.
     let wider = (count as f64 / (count as f64 - 1.0)).sqrt();
-    let student = student(ratios);
+    let student = student(ratios.iter().map(|ratio| &ratio.noise));
     let mut draw = || {
         let (mut of_scenes, mut of_rounds) = (0.0, 0.0);
         for scene in 0..count {

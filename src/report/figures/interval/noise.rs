@@ -1,6 +1,5 @@
 //! What rounds tell of a ratio's noise.
 
-use super::SceneRatio;
 use crate::bench::statistics::{Summary, student95};
 use crate::random::SplitMix64;
 
@@ -91,8 +90,8 @@ pub(super) fn normal(random: &mut SplitMix64) -> f64 {
 
 /// By how much deviations of rounds are to be enlarged, since their size is known from so few: Student's factor by the
 /// normal one, of the degrees of freedom that all scenes have together.
-pub(super) fn student(ratios: &[SceneRatio]) -> f64 {
-    let degrees = ratios.iter().map(|ratio| match &ratio.noise {
+pub(super) fn student<'a>(of_scenes: impl Iterator<Item = &'a Noise>) -> f64 {
+    let degrees = of_scenes.map(|noise| match noise {
         Noise::Rounds(pairs) => pairs.pairs.len() - 1,
         // The error is Student's already.
         Noise::Error(_) => 0,
