@@ -101,7 +101,13 @@ fn every_field_of_every_builder_can_be_set_to_what_it_is() {
         let template = fields::with_everything_on(&plain.config);
         for field in fields::names(&template) {
             let mut changed = plain.clone();
-            changed.set(&field, fields::at(&template, &field)).unwrap_or_else(|error| panic!("{error}"));
+            let set = changed.set(&field, fields::at(&template, &field));
+            // `phr-best` collapses its tree once, after optimization.
+            if field.starts_with("phr.collapse") {
+                assert!(set.unwrap_err().to_string().contains("give none"), "{base}, {field}");
+                continue;
+            }
+            set.unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(Recipe::parse(&changed.name()).unwrap().name(), changed.name());
             let of = |recipe: &Recipe| recipe.builder::<4>().config();
             assert_eq!(of(&Recipe::parse(&changed.name()).unwrap()), of(&changed));
