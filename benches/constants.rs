@@ -164,7 +164,7 @@ fn compare<const N: usize>(
         for &value in *values {
             let mut config = preset.config;
             set(&mut config, value as f32);
-            let mut variant = Preset { config, ..preset }.builder();
+            let mut variant = Preset { config, ..preset }.builder::<N>();
             let (_, exact) = build(&mut *variant, &scene.mesh, Some(rays));
             let (mut least, mut least_of_base) = (f64::INFINITY, f64::INFINITY);
             for _ in 0..rounds {
