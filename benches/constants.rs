@@ -67,11 +67,17 @@ const COSTS: [Constant; 3] = [
     ("collapse.max_leaf", &[8.0, 28.0], |c, v| costs(c).max_leaf = v as u32),
 ];
 
+/// The length of the initial cut, whatever share of the triangles it is.
+fn max_cut(config: &mut OptimisedPhrConfig, most: f32) {
+    config.phr.max_cut = most as usize;
+    extensions(config).cut_share = Some(1.0 / 32.0);
+}
+
 const TURBO: [Constant; 8] = [
     ("alpha", &[0.4, 0.5], |c, v| c.phr.alpha = v),
     ("delta", &[4.0, 6.0], |c, v| c.phr.delta = v),
     ("spatial_threshold", &[1.5e-2, 6e-2], |c, v| c.phr.spatial_threshold = v),
-    ("max_cut", &[1024.0, 4096.0], |c, v| c.phr.max_cut = v as usize),
+    ("max_cut", &[1024.0, 4096.0], max_cut),
     ("auxiliary_leaf", &[1.0, 2.0], |c, v| extensions(c).auxiliary.auxiliary_leaf = Some(v as u32)),
     ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
     ("own_threshold.references", &[16384.0, 65536.0], |c, v| local(c).references = v as u32),
@@ -80,10 +86,7 @@ const TURBO: [Constant; 8] = [
 
 const SPEED: [Constant; 13] = [
     ("spatial_threshold", &[5e-3, 2e-2], |c, v| c.phr.spatial_threshold = v),
-    ("max_cut", &[1024.0, 4096.0], |c, v| {
-        c.phr.max_cut = v as usize;
-        c.phr.extensions.cut_share = Some(1.0 / 32.0);
-    }),
+    ("max_cut", &[1024.0, 4096.0], max_cut),
     ("auxiliary_leaf", &[1.0, 2.0], |c, v| extensions(c).auxiliary.auxiliary_leaf = Some(v as u32)),
     ("clusters.most", &[16.0, 64.0], |c, v| clusters(c).most = v as u32),
     ("clusters.area", &[5e-4, 2e-3], |c, v| clusters(c).area = v),
