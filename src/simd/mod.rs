@@ -28,7 +28,7 @@ pub enum Isa {
     Avx512(Avx512),
 }
 
-/// Proves that the processor has AVX2, FMA, BMI1, BMI2 and LZCNT.
+/// Proves that the processor has AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Avx2(());
 
@@ -91,7 +91,8 @@ impl Isa {
     #[cfg(target_arch = "x86_64")]
     fn detect() -> Self {
         use std::arch::is_x86_feature_detected as has;
-        let avx2 = has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt");
+        let avx2 =
+            has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt");
         let avx512 = has!("avx512f") && has!("avx512vl") && has!("avx512bw") && has!("avx512dq");
         match (avx2, avx512) {
             (true, true) => Self::Avx512(Avx512(())),
@@ -147,7 +148,7 @@ impl Avx2 {
     /// and all functions inlined into it are compiled for AVX2, too.
     #[inline(always)]
     pub(crate) fn run<R>(self, f: impl FnOnce() -> R) -> R {
-        #[cfg_attr(target_arch = "x86_64", target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt"))]
+        #[cfg_attr(target_arch = "x86_64", target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt"))]
         #[inline]
         fn enabled<R>(f: impl FnOnce() -> R) -> R {
             f()
@@ -172,7 +173,7 @@ impl Avx512 {
     pub(crate) fn run<R>(self, f: impl FnOnce() -> R) -> R {
         #[cfg_attr(
             target_arch = "x86_64",
-            target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,fma,bmi1,bmi2,lzcnt")
+            target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,fma,bmi1,bmi2,lzcnt,popcnt")
         )]
         #[inline]
         fn enabled<R>(f: impl FnOnce() -> R) -> R {
@@ -220,6 +221,17 @@ mod tests {
             error,
             "PHR_ISA=AVX3 names no instruction set; unset it or use one of scalar, avx2, avx512"
         );
+    }
+
+    #[test]
+    #[cfg(target_arch = "x86_64")]
+    fn columns_of_bytes_are_their_bits() {
+        let Some(token) = Isa::best().avx2() else { return };
+        let mut random = crate::random::SplitMix64::new(1);
+        let bytes: [u8; 64] = std::array::from_fn(|_| random.next_u64() as u8);
+        let column = |bit: usize| (0..64).map(|i| u64::from(bytes[i] >> bit & 1) << i).sum::<u64>();
+        assert_eq!(token.columns::<8>(&bytes), [0, 1, 2, 3, 4, 5, 6, 7].map(column));
+        assert_eq!(token.columns::<4>(&bytes), [0, 1, 2, 3].map(column));
     }
 
     #[test]

@@ -9,6 +9,8 @@
 use super::Avx512;
 
 /// Vectors of [`Lanes::N`] floats, implemented by the proof that the processor has them.
+// Elsewhere nobody makes a proof; some of this is for kernels that are compiled for x86-64 alone.
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 pub(crate) trait Lanes: Copy {
     /// The floats.
     type F: Copy;
@@ -31,7 +33,19 @@ pub(crate) trait Lanes: Copy {
     fn sub(self, a: Self::F, b: Self::F) -> Self::F;
     /// `a * b`.
     fn mul(self, a: Self::F, b: Self::F) -> Self::F;
-    /// The greater; `b` if they are equal.
+    /// `a * b + c`, rounded once.
+    fn fmadd(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// `a * b - c`, rounded once.
+    fn fmsub(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// `c - a * b`, rounded once.
+    fn fnmadd(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// The processor's estimate of `1 / x`: to 14 bits with sixteen lanes, else to 12.
+    fn reciprocal(self, x: Self::F) -> Self::F;
+    /// `x` with the sign bit of `sign` flipped into its own.
+    fn flip(self, x: Self::F, sign: Self::F) -> Self::F;
+    /// The lesser; `b` if they are equal or either is no number.
+    fn min(self, a: Self::F, b: Self::F) -> Self::F;
+    /// The greater; `b` if they are equal or either is no number.
     fn max(self, a: Self::F, b: Self::F) -> Self::F;
     /// The least of all lanes.
     fn least(self, x: Self::F) -> f32;
@@ -125,6 +139,13 @@ mod x86 {
                 add(a: __m256, b: __m256) -> __m256, _mm256_add_ps(a, b);
                 sub(a: __m256, b: __m256) -> __m256, _mm256_sub_ps(a, b);
                 mul(a: __m256, b: __m256) -> __m256, _mm256_mul_ps(a, b);
+                fmadd(a: __m256, b: __m256, c: __m256) -> __m256, _mm256_fmadd_ps(a, b, c);
+                fmsub(a: __m256, b: __m256, c: __m256) -> __m256, _mm256_fmsub_ps(a, b, c);
+                fnmadd(a: __m256, b: __m256, c: __m256) -> __m256, _mm256_fnmadd_ps(a, b, c);
+                reciprocal(x: __m256) -> __m256, _mm256_rcp_ps(x);
+                flip(x: __m256, sign: __m256) -> __m256,
+                    _mm256_xor_ps(x, _mm256_and_ps(sign, _mm256_set1_ps(-0.0)));
+                min(a: __m256, b: __m256) -> __m256, _mm256_min_ps(a, b);
                 max(a: __m256, b: __m256) -> __m256, _mm256_max_ps(a, b);
                 floor(x: __m256) -> __m256, _mm256_floor_ps(x);
                 least(x: __m256) -> f32, {
@@ -164,6 +185,12 @@ mod x86 {
             add(a: __m512, b: __m512) -> __m512, _mm512_add_ps(a, b);
             sub(a: __m512, b: __m512) -> __m512, _mm512_sub_ps(a, b);
             mul(a: __m512, b: __m512) -> __m512, _mm512_mul_ps(a, b);
+            fmadd(a: __m512, b: __m512, c: __m512) -> __m512, _mm512_fmadd_ps(a, b, c);
+            fmsub(a: __m512, b: __m512, c: __m512) -> __m512, _mm512_fmsub_ps(a, b, c);
+            fnmadd(a: __m512, b: __m512, c: __m512) -> __m512, _mm512_fnmadd_ps(a, b, c);
+            reciprocal(x: __m512) -> __m512, _mm512_rcp14_ps(x);
+            flip(x: __m512, sign: __m512) -> __m512, _mm512_xor_ps(x, _mm512_and_ps(sign, _mm512_set1_ps(-0.0)));
+            min(a: __m512, b: __m512) -> __m512, _mm512_min_ps(a, b);
             max(a: __m512, b: __m512) -> __m512, _mm512_max_ps(a, b);
             least(x: __m512) -> f32, _mm512_reduce_min_ps(x);
             floor(x: __m512) -> __m512, _mm512_roundscale_ps::<_MM_FROUND_TO_NEG_INF>(x);
@@ -213,6 +240,25 @@ mod x86 {
         pub(crate) fn deposit(self, x: u32, mask: u32) -> u32 {
             // SAFETY: the token proves BMI2.
             unsafe { _pdep_u32(x, mask) }
+        }
+
+        /// Bit `i` of each of the bytes, the first byte's the lowest, for the first `N` of eight.
+        #[inline(always)]
+        pub(crate) fn columns<const N: usize>(self, bytes: &[u8; 64]) -> [u64; N] {
+            let mut columns = [0; N];
+            // SAFETY: the token proves AVX2; both halves are of 32 bytes.
+            unsafe {
+                let [mut low, mut high] = [0, 32].map(|at| _mm256_loadu_si256(bytes.as_ptr().add(at).cast()));
+                // The signs are the bits wanted: those of column 7 first.
+                for column in (0..8).rev() {
+                    if column < N {
+                        let bits = |half| u64::from(_mm256_movemask_epi8(half) as u32);
+                        columns[column] = bits(low) | bits(high) << 32;
+                    }
+                    (low, high) = (_mm256_add_epi8(low, low), _mm256_add_epi8(high, high));
+                }
+            }
+            columns
         }
     }
 }
