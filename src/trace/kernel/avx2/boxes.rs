@@ -25,6 +25,12 @@ impl Slabs {
         Self { rdir, org_rdir, near: rdir.map(|x| if x >= 0.0 { 0 } else { 3 }), tnear }
     }
 
+    /// The same where the planes met first are known.
+    #[inline(always)]
+    pub(super) fn of_signs(rdir: [f32; 3], org_rdir: [[f32; 3]; 2], near: [usize; 3], tnear: f32) -> Self {
+        Self { rdir, org_rdir, near, tnear }
+    }
+
     /// Start of the interval.
     #[inline(always)]
     pub(super) fn tnear(&self) -> f32 {

@@ -15,10 +15,10 @@ use std::arch::x86_64::*;
 #[derive(Clone, Copy)]
 pub(in crate::trace::kernel) struct FastAvx2<R> {
     /// Proves the features that the tests are compiled for.
-    token: R,
-    slabs: Slabs,
-    org: [f32; 3],
-    dir: [f32; 3],
+    pub(super) token: R,
+    pub(super) slabs: Slabs,
+    pub(super) org: [f32; 3],
+    pub(super) dir: [f32; 3],
 }
 
 impl<R: Reciprocal> Kernel for FastAvx2<R> {
@@ -101,6 +101,19 @@ impl<R: Reciprocal> FastAvx2<R> {
         let valid = _mm_and_ps(inside, _mm_and_ps(beyond, before));
         (_mm_movemask_ps(valid) != 0).then_some(Crossing { t, u, v, den: abs_den, valid })
     }
+}
+
+/// The normals of a block's triangles, as [`FastAvx2`] computes them.
+#[inline(always)]
+pub(super) fn normals(block: &TriangleBlock) -> [[f32; 4]; 3] {
+    let mut normals = [[0.0; 4]; 3];
+    for (axis, normal) in normals.iter_mut().enumerate() {
+        let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
+        for (lane, out) in normal.iter_mut().enumerate() {
+            *out = block.e2[y][lane].mul_add(block.e1[z][lane], -(block.e2[z][lane] * block.e1[y][lane]));
+        }
+    }
+    normals
 }
 
 #[inline]

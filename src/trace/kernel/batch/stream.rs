@@ -1,18 +1,20 @@
-//! A stream of rays that go down the tree together: a node is visited once for all rays that reach it, each of which is
-//! tested against all its children, so that a branch is taken for many rays at a time (Barringer and Akenine-Moeller,
-//! "Dynamic Ray Stream Traversal", 2014; Embree's streams for shadow rays do the same).
+//! A stream of rays that go down the tree together: a node is visited once for all rays that reach it, so that a branch is
+//! taken for many rays at a time (Barringer and Akenine-Moeller, "Dynamic Ray Stream Traversal", 2014; Embree's streams for
+//! shadow rays do the same). Where many rays are left, each child is tested against all of them, as a [`Packet`]; where few
+//! are, each of them against all children; a last one goes on by itself.
 
 #![allow(unsafe_code)]
 
 use crate::bvh::limits::TRAVERSAL_STACK;
-use crate::bvh::{Child, Link, WideNode};
+use crate::bvh::{Child, Link, TriangleBlock, WideNode};
 use crate::geometry::{Hit, Ray};
+use crate::simd::Avx2;
+use crate::simd::vector::Lanes;
+use crate::trace::kernel::avx2::packet::{MOST, Mask, Met, Packet};
+use crate::trace::kernel::avx2::{FastAvx2, Reciprocal};
 use crate::trace::kernel::sound_tree::SoundTree;
 use crate::trace::kernel::traverse::{self, Kernel};
 use arrayvec::ArrayVec;
-
-/// Most rays of a stream: a mask has a bit for each.
-pub(super) const MOST: usize = 32;
 
 /// The places of a stream's rays in the batch.
 pub(super) type Places = ArrayVec<u32, MOST>;
@@ -36,14 +38,15 @@ impl Shared {
 /// Traces the valid ones of `rays` at `places`, for any hit if `ANY`, else for the closest, and tells `answer` the place and
 /// the hit of each; of an any hit it only tells whether there is one.
 #[inline(always)]
-pub(super) fn run<K: Kernel, const N: usize, const ANY: bool>(
-    setup: K::Setup,
-    tree: SoundTree<'_, N, K::Block>,
+pub(super) fn run<R: Reciprocal + Lanes, const N: usize, const ANY: bool>(
+    avx2: Avx2,
+    token: R,
+    tree: SoundTree<'_, N>,
     rays: &[Ray],
     places: &Places,
     answer: impl FnMut(usize, Hit),
 ) -> Shared {
-    let mut stream = Stream::<K>::new(setup, rays, places);
+    let mut stream = Stream::new(avx2, token, rays, places);
     let mut shared = Shared { nodes: 0, rays: 0 };
     // As for single rays, the depth of a tree bounds the children that wait.
     let mut stack = ArrayVec::<Waiting, TRAVERSAL_STACK>::new();
@@ -63,7 +66,7 @@ pub(super) fn run<K: Kernel, const N: usize, const ANY: bool>(
             let node = unsafe { tree.node(link.bits() as usize) };
             let base = stack.len();
             for child in stream.children::<N, ANY>(node, rays) {
-                K::prefetch(tree.address(child.link), 64);
+                FastAvx2::<R>::prefetch(tree.address(child.link), 64);
                 let mut at = stack.len();
                 stack.push(child);
                 while !ANY && at > base && stack[at - 1].entry < child.entry {
@@ -87,26 +90,30 @@ struct Waiting {
     link: Link,
     /// Where the first of them enters it, as bits of a float that is not negative; 0 for any hits.
     entry: u32,
-    rays: u32,
+    rays: Mask,
 }
 
 /// The valid rays.
-struct Stream<K> {
-    kernels: ArrayVec<K, MOST>,
+struct Stream<R> {
+    avx2: Avx2,
+    token: R,
+    packet: Packet,
     /// The closest hits so far; before the first `t` is the end of the interval.
     hits: [Hit; MOST],
     places: Places,
     /// Those that found any hit.
-    done: u32,
+    done: Mask,
     /// The greatest distance of a closest hit so far.
     farthest: f32,
 }
 
-impl<K: Kernel> Stream<K> {
+impl<R: Reciprocal + Lanes> Stream<R> {
     #[inline(always)]
-    fn new(setup: K::Setup, rays: &[Ray], places: &Places) -> Self {
+    fn new(avx2: Avx2, token: R, rays: &[Ray], places: &Places) -> Self {
         let mut stream = Self {
-            kernels: ArrayVec::new(),
+            avx2,
+            token,
+            packet: Packet::new(),
             hits: [Hit { t: f32::NEG_INFINITY, ..Hit::MISS }; MOST],
             places: Places::new(),
             done: 0,
@@ -115,35 +122,32 @@ impl<K: Kernel> Stream<K> {
         for &place in places {
             let ray = &rays[place as usize];
             if ray.is_valid() {
-                stream.hits[stream.kernels.len()].t = ray.tfar;
-                stream.kernels.push(K::new(setup, ray));
+                stream.hits[stream.packet.len()].t = ray.tfar;
+                stream.packet.push(ray);
                 stream.places.push(place);
             }
         }
+        stream.packet.prepare(token);
         stream
     }
 
     /// A bit for each ray.
     #[inline(always)]
-    fn all(&self) -> u32 {
-        ((1u64 << self.kernels.len()) - 1) as u32
+    fn all(&self) -> Mask {
+        ((1u128 << self.packet.len()) - 1) as Mask
     }
 
     /// Goes on with ray `i` by itself, from the root of `below`, which it enters at `entry` at the earliest.
     #[inline(always)]
-    fn alone<const N: usize, const ANY: bool>(
-        &mut self,
-        below: SoundTree<'_, N, K::Block>,
-        entry: u32,
-        i: usize,
-    ) {
-        let (kernel, hit) = (self.kernels[i], &mut self.hits[i]);
+    fn alone<const N: usize, const ANY: bool>(&mut self, below: SoundTree<'_, N>, entry: u32, i: usize) {
+        let (kernel, hit) = (self.packet.ray(self.token, i), &mut self.hits[i]);
         if ANY {
-            self.done |= u32::from(traverse::any(kernel, below, hit.t, &mut ())) << i;
+            self.done |= Mask::from(traverse::any(kernel, below, hit.t, &mut ())) << i;
         } else if f32::from_bits(entry) <= hit.t {
             let found = traverse::closest(kernel, below, hit.t, &mut ());
             if found.is_hit() {
                 *hit = found;
+                self.packet.shorten(i, found.t);
             }
         }
     }
@@ -153,43 +157,64 @@ impl<K: Kernel> Stream<K> {
     fn children<const N: usize, const ANY: bool>(
         &self,
         node: &WideNode<N>,
-        rays: u32,
+        rays: Mask,
     ) -> impl Iterator<Item = Waiting> {
-        let (mut slots, mut met, mut nearest) = (0, [0u32; N], [if ANY { 0 } else { u32::MAX }; N]);
+        let met = if Packet::is_worth::<R>(rays) {
+            self.packet.meet::<R, N, ANY>(self.token, node, rays)
+        } else {
+            self.meet_singly::<N, ANY>(node, rays)
+        };
+        let Met { rays, entry } = met;
+        (0..N).filter(move |&slot| rays[slot] != 0).map(move |slot| Waiting {
+            link: node.links[slot],
+            entry: entry[slot],
+            rays: rays[slot],
+        })
+    }
+
+    /// The same, one ray after the other.
+    #[inline(always)]
+    fn meet_singly<const N: usize, const ANY: bool>(&self, node: &WideNode<N>, rays: Mask) -> Met<N> {
+        let mut met = Met::nothing(ANY);
+        let mut children = [0; MOST];
         for i in ones(rays) {
-            let (mask, entries) = self.kernels[i].enter(node, self.hits[i].t);
-            slots |= mask;
-            for slot in 0..N {
-                let is_met = mask >> slot & 1;
-                met[slot] |= is_met << i;
-                if !ANY {
-                    nearest[slot] = nearest[slot].min(entries.0[slot] | is_met.wrapping_sub(1));
+            let (mask, entries) = self.packet.ray(self.token, i).enter(node, self.packet.tfar(i));
+            children[i] = mask as u8;
+            if !ANY {
+                for (slot, (nearest, entry)) in met.entry.iter_mut().zip(entries.0).enumerate() {
+                    let is_missed = (mask >> slot & 1).wrapping_sub(1);
+                    *nearest = (*nearest).min(entry | is_missed);
                 }
             }
         }
-        ones(slots).map(move |slot| {
-            let slot = slot % N;
-            Waiting { link: node.links[slot], entry: nearest[slot], rays: met[slot] }
-        })
+        met.rays = self.avx2.columns(&children);
+        met
     }
 
     /// Tests `rays` against the blocks of a leaf.
     #[inline(always)]
-    fn leaf<const ANY: bool>(&mut self, blocks: &[K::Block], rays: u32) {
-        for i in ones(rays) {
-            let (kernel, hit) = (&self.kernels[i], &mut self.hits[i]);
-            for block in blocks {
-                if !ANY {
-                    kernel.closest(block, hit);
-                } else if kernel.any(block, hit.t) {
-                    self.done |= 1 << i;
-                    break;
+    fn leaf<const ANY: bool>(&mut self, blocks: &[TriangleBlock], mut rays: Mask) {
+        for block in blocks {
+            if Packet::is_worth::<R>(rays) {
+                let hit = self.packet.hit::<R, ANY>(self.token, block, rays, &mut self.hits);
+                if ANY {
+                    self.done |= hit;
+                }
+            } else {
+                for i in ones(rays) {
+                    let (kernel, hit) = (self.packet.ray(self.token, i), &mut self.hits[i]);
+                    if ANY {
+                        self.done |= Mask::from(kernel.any(block, hit.t)) << i;
+                    } else {
+                        kernel.closest(block, hit);
+                        self.packet.shorten(i, hit.t);
+                    }
                 }
             }
+            rays &= !self.done;
         }
         if !ANY {
-            self.farthest =
-                self.hits.iter().fold(f32::NEG_INFINITY, |a, hit| if a > hit.t { a } else { hit.t });
+            self.farthest = self.packet.farthest();
         }
     }
 
@@ -204,7 +229,7 @@ impl<K: Kernel> Stream<K> {
 
 /// The places of the ones in `mask`, the lowest first.
 #[inline(always)]
-fn ones(mut mask: u32) -> impl Iterator<Item = usize> {
+fn ones(mut mask: Mask) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let i = mask.trailing_zeros() as usize;
         mask &= mask.wrapping_sub(1);

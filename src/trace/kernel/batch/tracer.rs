@@ -4,19 +4,19 @@
 use super::interleave;
 #[cfg(target_arch = "x86_64")]
 use super::stream::{self, Places};
-#[cfg(target_arch = "x86_64")]
-use crate::bvh::TriangleBlock;
 use crate::bvh::WideBvh;
 use crate::geometry::{Hit, Ray, Tracer};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::Avx2;
 use crate::simd::Isa;
 #[cfg(target_arch = "x86_64")]
-use crate::trace::kernel::avx2::FastAvx2;
+use crate::simd::vector::Lanes;
+#[cfg(target_arch = "x86_64")]
+use crate::trace::kernel::avx2::{FastAvx2, Reciprocal};
+#[cfg(target_arch = "x86_64")]
+use crate::trace::kernel::scalar::SMALLEST_DIRECTION;
 use crate::trace::kernel::sound_tree::{ProvenTree, SoundTree};
 use crate::trace::kernel::tracer::{BvhTracer, sound};
-#[cfg(target_arch = "x86_64")]
-use crate::trace::kernel::traverse::Kernel;
 
 /// Traces many rays at once: see the module. Hits are those of [`BvhTracer`] but for the choice among equally close ones;
 /// rays that are not valid miss. Rays that go alike should be neighbours, as a camera's are; others may be in any order. Without AVX2 all rays are
@@ -35,7 +35,7 @@ const ENOUGH: u32 = 8;
 const ENOUGH_FOR_ANY: u32 = 5;
 /// Rays that are interleaved after a stream that fell apart.
 #[cfg(target_arch = "x86_64")]
-const PAUSE: usize = 15 * 32;
+const PAUSE: usize = 15 * 64;
 
 impl<'a, const N: usize> BatchTracer<'a, N> {
     /// A tracer over `tree`, 4-wide or 8-wide, with the best instructions of this machine.
@@ -65,13 +65,13 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
         match self.isa {
             #[cfg(target_arch = "x86_64")]
             Isa::Avx2(token) => {
-                self.batch::<FastAvx2<_>, ANY>(token, token, rays, answer);
+                self.batch::<_, ANY>(token, token, rays, answer);
                 true
             }
             // As with single rays, code for AVX2 is the fastest.
             #[cfg(target_arch = "x86_64")]
             Isa::Avx512(token) => {
-                self.batch::<FastAvx2<_>, ANY>(token.avx2(), token, rays, answer);
+                self.batch::<_, ANY>(token.avx2(), token, rays, answer);
                 true
             }
             Isa::Scalar => {
@@ -86,10 +86,10 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
     /// Traces streams of rays of one octant of directions, which wait for each other, and interleaves the rays after a
     /// stream that did not stay together.
     #[cfg(target_arch = "x86_64")]
-    fn batch<K: Kernel<Block = TriangleBlock>, const ANY: bool>(
+    fn batch<R: Reciprocal + Lanes, const ANY: bool>(
         &self,
         avx2: Avx2,
-        setup: K::Setup,
+        token: R,
         rays: &[Ray],
         mut answer: impl FnMut(usize, Hit),
     ) {
@@ -113,12 +113,12 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
                     } else {
                         break;
                     };
-                    let shared = stream::run::<K, N, ANY>(setup, self.tree, rays, places, &mut answer);
+                    let shared = stream::run::<R, N, ANY>(avx2, token, self.tree, rays, places, &mut answer);
                     places.clear();
                     if !shared.is_at_least(enough) {
                         let scattered = &rays[at..rays.len().min(at + PAUSE)];
                         let tell = |place, hit| answer(at + place, hit);
-                        interleave::run::<K, N, ANY>(avx2, setup, self.tree, scattered, tell);
+                        interleave::run::<FastAvx2<R>, N, ANY>(avx2, token, self.tree, scattered, tell);
                         at += scattered.len();
                     }
                 }
@@ -132,10 +132,10 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
     }
 }
 
-/// The octant of its direction.
+/// The octant of its direction, by the signs that the kernels give to its components.
 #[cfg(target_arch = "x86_64")]
 fn octant(ray: &Ray) -> usize {
-    let [x, y, z] = ray.dir.to_array().map(|x| usize::from(x < 0.0));
+    let [x, y, z] = ray.dir.to_array().map(|x| usize::from(x <= -SMALLEST_DIRECTION));
     x | y << 1 | z << 2
 }
 
