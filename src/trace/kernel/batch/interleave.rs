@@ -183,6 +183,20 @@ unsafe fn push<const N: usize, const ANY: bool>(
                 _mm256_storeu_si256(links, _mm256_permutevar8x32_epi32(from, slots));
                 return;
             }
+            let slots = _mm256_cvtepu8_epi32(_mm_loadl_epi64(SLOTS[mask as usize & 0xff].as_ptr().cast()));
+            let count = mask.count_ones();
+            if count <= 4 {
+                // Nearly always: those met are put together first, so that four are to be sorted.
+                let entry = _mm256_permutevar8x32_epi32(_mm256_loadu_si256(entries.0.as_ptr().cast()), slots);
+                let entry = _mm_andnot_si128(_mm_set1_epi32(7), _mm256_castsi256_si128(entry));
+                let key = _mm_or_si128(entry, _mm256_castsi256_si128(slots));
+                let met = _mm_cmpgt_epi32(_mm_set1_epi32(count as i32), _mm_setr_epi32(0, 1, 2, 3));
+                let key = descending4(_mm_blendv_epi8(_mm_set1_epi32(-1), key, met));
+                let sorted = _mm256_permutevar8x32_epi32(from, _mm256_castsi128_si256(key));
+                _mm_storeu_si128(links.cast(), _mm256_castsi256_si128(sorted));
+                _mm_storeu_si128(to.cast(), _mm_andnot_si128(_mm_set1_epi32(7), key));
+                return;
+            }
             let each = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
             let met = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(mask as i32), each), each);
             let entry =
