@@ -4,7 +4,7 @@
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 use super::validate::{ARRAYS, Invalid};
-use super::{Child, LeafBlock, Link, MAX_DEPTH, WideBvh};
+use super::{Child, LeafBlock, Link, MAX_DEPTH, MAX_LEAF_BLOCKS, WideBvh};
 use crate::memory::{OutOfMemory, huge_pages};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -82,6 +82,7 @@ impl<const N: usize, B> Walk<'_, N, B> {
                 pending.extend(links.filter(|link| !link.is_empty()).map(|&child| (child, depth + 1)));
                 Ok(())
             }
+            Child::Leaf { first, count } if count > MAX_LEAF_BLOCKS => Err(Invalid::LongLeaf(first)),
             Child::Leaf { first, count } => {
                 (first..first + count).try_for_each(|index| self.blocks.note(index))
             }

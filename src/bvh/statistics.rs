@@ -112,7 +112,8 @@ impl Counter {
                 self.blocks += count;
                 self.cost += area * count as f64;
                 self.references += tree.leaf_ids(first, count).count();
-                self.leaves_by_blocks[count - 1] += 1;
+                // Trees that were not validated may have longer ones.
+                self.leaves_by_blocks[count.min(MAX_LEAF_BLOCKS) - 1] += 1;
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Validation of a tree: every triangle is reachable, inside its boxes, and covered.
 
-use super::{Child, Link, MAX_DEPTH, TriangleBlock, WideBvh};
+use super::{Child, Link, MAX_DEPTH, MAX_LEAF_BLOCKS, TriangleBlock, WideBvh};
 use crate::geometry::{Aabb, Mesh, Polygon};
 use crate::memory::{OutOfMemory, huge_pages};
 use glam::Vec3A;
@@ -27,6 +27,9 @@ pub enum Invalid {
     /// More levels than traversal stacks hold.
     #[error("deeper than {MAX_DEPTH} levels")]
     TooDeep,
+    /// A leaf of more blocks than any may have.
+    #[error("the leaf from block {0} on has more than {MAX_LEAF_BLOCKS}")]
+    LongLeaf(usize),
     /// A used slot follows an unused one, or an unused slot has a box that rays enter.
     #[error("node {0}: unused slots must come last and hold an inverted box")]
     Slots(usize),
@@ -124,6 +127,7 @@ impl<const N: usize> Walk<'_, N> {
                 }
                 Ok(())
             }
+            Child::Leaf { first, count } if count > MAX_LEAF_BLOCKS => Err(Invalid::LongLeaf(first)),
             Child::Leaf { first, count } => {
                 let begin = self.references.len();
                 for index in first..first + count {

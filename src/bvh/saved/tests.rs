@@ -115,18 +115,22 @@ fn links_are_checked() {
     let path = folder.path().join("x.phrtree");
     let mesh = mesh(40);
     let good = chain(&mesh);
-    let mut bad: Vec<Bvh4> = vec![good.clone(); 6];
+    let mut bad: Vec<Bvh4> = vec![good.clone(); 7];
     bad[0].nodes[3].links[1] = Link::inner(0);
     bad[1].nodes[3].links[0] = Link::leaf(9, 2);
     bad[2].nodes[3].links[1] = Link::EMPTY;
     bad[3].blocks[2].prims[0] = 40;
     bad[4].blocks[2].prims[0] = 0;
     bad[5].root = Link::inner(99);
+    // The bits of a link have room for eight blocks.
+    let one_more = Link::leaf(0, 2).bits() - Link::leaf(0, 1).bits();
+    bad[6].root = Link::from_bits(Link::leaf(0, 7).bits() + one_more);
     for (i, tree) in bad.iter().enumerate() {
         tree.save(&mesh, "by-hand", &path).unwrap();
         let result = Bvh4::load(&mesh, &path);
         assert!(matches!(result, Err(SavedError::Invalid { .. })), "{i}: {result:?}");
     }
+    assert_eq!(bad[6].validate(&mesh).unwrap_err(), Invalid::LongLeaf(0));
     let deep = self::mesh(4 * 200);
     chain(&deep).save(&deep, "by-hand", &path).unwrap();
     assert!(Bvh4::load(&deep, &path).unwrap_err().to_string().contains("deeper than"));

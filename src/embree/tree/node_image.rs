@@ -2,7 +2,7 @@
 
 use super::layout::{Node, Triangle4, Unavailable, reference};
 use super::pages::Pages;
-use crate::bvh::{Child, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
+use crate::bvh::{Child, MAX_DEPTH, MAX_LEAF_BLOCKS, TriangleBlock, WideBvh, WideNode};
 use crate::embree::scene::GEOMETRY;
 use crate::geometry::Hit;
 
@@ -59,6 +59,11 @@ impl<const N: usize> NodeImage<N> {
                             first + count - 1
                         ));
                     };
+                    if count > MAX_LEAF_BLOCKS {
+                        return Unavailable::because(format_args!(
+                            "a leaf from {first} on has {count} blocks"
+                        ));
+                    }
                     if leaves.len() + count > tree.blocks.len() {
                         return Unavailable::because(format_args!(
                             "a block before or at {first} is in two leaves"

@@ -5,7 +5,7 @@
 
 use crate::bvh::limits::{MAX_BLOCKS, check_width};
 use crate::bvh::saved::SavedError;
-use crate::bvh::{Child, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
+use crate::bvh::{Child, Link, MAX_DEPTH, MAX_LEAF_BLOCKS, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Mesh;
 use std::path::Path;
 
@@ -36,9 +36,10 @@ impl<'a, const N: usize, B> SoundTree<'a, N, B> {
         while let Some((link, level)) = pending.pop() {
             match link.get() {
                 Child::Empty => {}
-                Child::Leaf { first, count } if first + count <= tree.blocks.len() => {}
                 Child::Leaf { first, count } => {
-                    return Err(format!("leaf of {count} blocks from {first} of {}", tree.blocks.len()));
+                    if count > MAX_LEAF_BLOCKS || first + count > tree.blocks.len() {
+                        return Err(format!("leaf of {count} blocks from {first} of {}", tree.blocks.len()));
+                    }
                 }
                 Child::Inner(index) => {
                     let Some(node) = tree.nodes.get(index) else {
@@ -184,6 +185,10 @@ mod tests {
         assert!(SoundTree::new(&tree(&[(0, Link::leaf(0, 2))], 1)).is_ok());
         let flaw = |tree: &WideBvh<4>| SoundTree::new(tree).unwrap_err();
         assert!(flaw(&tree(&[(0, Link::leaf(1, 2))], 1)).contains("leaf of 2 blocks from 1"));
+        // Nobody makes such a link, but a file may hold one.
+        let long =
+            Link::from_bits(Link::leaf(0, 7).bits() + (Link::leaf(0, 2).bits() - Link::leaf(0, 1).bits()));
+        assert!(flaw(&tree(&[(0, long)], 1)).contains("leaf of 8 blocks"));
         assert!(flaw(&tree(&[(0, Link::inner(7))], 1)).contains("node 7 of 1"));
         assert!(flaw(&tree(&[(0, Link::inner(0))], 1)).contains("two parents"));
         assert!(flaw(&tree(&[(0, Link::inner(1)), (0, Link::inner(1))], 2)).contains("two parents"));
