@@ -3,9 +3,10 @@
 use super::CHUNK;
 use super::SavedError;
 use super::header::{BYTES, Header, checksum, step};
+use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
 use crate::bvh::record::Record;
 use crate::bvh::validate::Invalid;
-use crate::bvh::{WideBvh, WideNode};
+use crate::bvh::{MAX_DEPTH, WideBvh, WideNode};
 use crate::geometry::Mesh;
 use crate::memory::huge_pages;
 use crate::memory::runs::{self, Run};
@@ -67,6 +68,13 @@ impl<const N: usize> WideBvh<N> {
         if (header.triangles, header.mesh) != (mesh.len() as u64, mesh_fingerprint(mesh)) {
             let Header { triangles, mesh, .. } = header;
             return Err(SavedError::OtherMesh { path: path.to_owned(), triangles, mesh });
+        }
+        // Before memory is taken for them.
+        let most = header.triangles.saturating_mul(MAX_REFERENCES_PER_TRIANGLE as u64);
+        if header.blocks > most || header.nodes > MAX_DEPTH as u64 * most {
+            let what =
+                format!("{} nodes and {} blocks of {most} references at most", header.nodes, header.blocks);
+            return Err(SavedError::unusable(path, what));
         }
         let blocks_at = BYTES as u64 + header.nodes * size_of::<WideNode<N>>() as u64;
         let (nodes, sum) = get(header.nodes, 0, &file, BYTES as u64, path)?;
