@@ -122,3 +122,18 @@ fn pipes_and_devices_are_no_files() {
     std::fs::rename(pipe, folder.path().join("views.json")).unwrap();
     assert!(refusal(&scene, u64::MAX).contains("views.json: not a regular file"));
 }
+
+/// Small text that is parsed into much: objects without a member, and one child a thousand times.
+#[test]
+fn what_json_is_parsed_into_counts() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.gltf");
+    let nodes = |count: usize| vec!["{}"; count].join(",");
+    std::fs::write(&path, format!(r#"{{"asset":{{"version":"2.0"}},"nodes":[{}]}}"#, nodes(20_000))).unwrap();
+    assert!(refusal(&path, 1 << 20).contains("--max-memory"));
+    assert!(!refusal(&path, 32 << 20).contains("--max-memory"), "no triangle in it");
+    let children = vec!["1"; 1000].join(",");
+    let text = format!(r#"{{"asset":{{"version":"2.0"}},"nodes":[{{"children":[{children}]}},{{}}]}}"#);
+    std::fs::write(&path, text).unwrap();
+    assert!(refusal(&path, 32 << 20).contains("node 1: child of two nodes"));
+}

@@ -6,6 +6,9 @@ use std::io::{BufRead, Read};
 /// Bytes kept of a line: a face of a million vertices.
 pub(super) const LONGEST: usize = 1 << 24;
 
+/// What some editors put before the first line of UTF-8.
+pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+
 /// Reads line by line and counts.
 pub(super) struct Lines<'a> {
     inner: &'a mut dyn BufRead,
@@ -49,6 +52,9 @@ impl<'a> Lines<'a> {
             return Ok(false);
         }
         self.number += 1;
+        if self.number == 1 && self.line.starts_with(BYTE_ORDER_MARK) {
+            self.line.drain(..BYTE_ORDER_MARK.len());
+        }
         if self.line.len() > LONGEST && self.line.last() != Some(&b'\n') {
             self.is_cut = true;
             self.inner.skip_until(b'\n').map_err(|error| self.fault(&error.to_string()))?;
@@ -80,6 +86,16 @@ pub(super) fn number(word: &[u8]) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_byte_order_mark_is_no_word() {
+        let mut reader = std::io::BufReader::with_capacity(2, &b"\xEF\xBB\xBFv 1\n\xEF\xBB\xBFv"[..]);
+        let mut lines = Lines::new(&mut reader);
+        assert!(lines.next(true).unwrap());
+        assert_eq!(lines.words().collect::<Vec<_>>(), [&b"v"[..], b"1"]);
+        assert!(lines.next(true).unwrap());
+        assert_eq!(lines.words().collect::<Vec<_>>(), [b"\xEF\xBB\xBFv"], "within a file it is data");
+    }
 
     #[test]
     fn long_lines_are_passed_over_in_little_memory() {

@@ -3,7 +3,7 @@
 
 use super::error::Fault;
 use super::guard::Guard;
-use super::lines::{Lines, number};
+use super::lines::{BYTE_ORDER_MARK, Lines, number};
 use super::raw_mesh::RawMesh;
 use std::io::{BufRead, Cursor, Read};
 
@@ -20,7 +20,8 @@ pub(super) fn read<'a>(reader: &mut dyn BufRead, guard: &'a Guard) -> Result<Raw
     let mut head = Vec::new();
     let read = (&mut *reader).take(HEAD).read_to_end(&mut head);
     read.map_err(|error| Fault::new("header", &error.to_string(), Fault::DAMAGED))?;
-    let is_text = head.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+    let begin = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&head);
+    let is_text = begin.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
         && !head.contains(&0);
     let mut reader = Cursor::new(head).chain(reader);
     if is_text { text(&mut reader, guard) } else { binary(&mut reader, guard) }

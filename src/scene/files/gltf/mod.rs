@@ -37,9 +37,17 @@ pub(super) fn read_binary<'a>(
     read(Container::of_binary(reader, guard)?, path, guard)
 }
 
+/// Bytes that an object takes once parsed, at most, in a list that doubles when it grows.
+const OBJECT: u64 = 512;
+/// The same of a number in a list.
+const ELEMENT: u64 = 32;
+
 fn read<'a>(container: Container, path: &Path, guard: &'a Guard) -> Result<RawMesh<'a>, Fault> {
     const REMEDY: &str = "export it as glTF 2.0";
     let Container { json, binary } = container;
+    // What it is parsed into is larger than its text by far where most of it is empty objects.
+    let count = |wanted: u8| json.iter().filter(|&&byte| byte == wanted).count() as u64;
+    guard.allow(json.len() as u64 + OBJECT * count(b'{') + ELEMENT * count(b','))?;
     let root: Root = gltf::json::deserialize::from_slice(&json).map_err(|error| {
         let place = format!("JSON, line {} column {}", error.line(), error.column());
         let problem = error.to_string();

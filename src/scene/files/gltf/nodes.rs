@@ -16,21 +16,24 @@ pub(super) struct PlacedMesh {
 /// The meshes of the default scene, or of the first, or of all nodes that are nobody's child where there is no scene:
 /// depth first. In double precision, so that an identity changes no bit.
 pub(super) fn placed_meshes(root: &Root, contents: &mut Contents) -> Result<Vec<PlacedMesh>, Fault> {
-    let mut waiting: Vec<(usize, DMat4)> =
-        roots(root)?.into_iter().rev().map(|node| (node, DMat4::IDENTITY)).collect();
     let mut is_reached = vec![false; root.nodes.len()];
+    // Looked at before they wait, so that no more wait than there are.
+    let mut reach = |index: usize| {
+        let fault = |problem: &str| Fault::new(format!("node {index}"), problem, Fault::DAMAGED);
+        let place = is_reached.get_mut(index).ok_or_else(|| fault("there is no such node"))?;
+        if std::mem::replace(place, true) {
+            return Err(fault("child of two nodes, or of itself"));
+        }
+        Ok(index)
+    };
+    let mut waiting: Vec<(usize, DMat4)> = Vec::new();
+    for node in roots(root)?.into_iter().rev() {
+        waiting.push((reach(node)?, DMat4::IDENTITY));
+    }
     let mut placed = Vec::new();
     let mut skinned = 0;
     while let Some((index, parent)) = waiting.pop() {
-        let fault = |problem: &str| Fault::new(format!("node {index}"), problem, Fault::DAMAGED);
-        let (node, is_reached) = root
-            .nodes
-            .get(index)
-            .zip(is_reached.get_mut(index))
-            .ok_or_else(|| fault("there is no such node"))?;
-        if std::mem::replace(is_reached, true) {
-            return Err(fault("child of two nodes, or of itself"));
-        }
+        let Some(node) = root.nodes.get(index) else { continue };
         let transform = parent * local(node);
         if let Some(mesh) = node.mesh {
             // A skin's joints place the mesh, not its node. Without them it stands as it was bound.
@@ -39,7 +42,9 @@ pub(super) fn placed_meshes(root: &Root, contents: &mut Contents) -> Result<Vec<
             let transform = if is_skinned { DMat4::IDENTITY } else { transform };
             placed.push(PlacedMesh { mesh: mesh.value(), transform });
         }
-        waiting.extend(node.children.iter().flatten().rev().map(|child| (child.value(), transform)));
+        for child in node.children.iter().flatten().rev() {
+            waiting.push((reach(child.value())?, transform));
+        }
     }
     if skinned > 0 {
         contents.remarks.push(format!("{skinned} meshes with a skin stand as they were bound, not as posed"));
