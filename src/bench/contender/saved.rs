@@ -33,6 +33,14 @@ pub fn offer(paths: &[PathBuf]) -> Result<Vec<String>, SavedError> {
         Ok(Saved { name, path: path.clone(), header: header_of(path)? })
     };
     let trees = paths.iter().map(saved).collect::<Result<Vec<_>, _>>()?;
+    // Records tell them apart by name and width alone.
+    let key = |tree: &Saved| (tree.name.clone(), tree.header.width);
+    for (i, tree) in trees.iter().enumerate() {
+        if let Some(first) = trees[..i].iter().find(|first| key(first) == key(tree)) {
+            let what = format!("named like {}, and records tell trees apart by name", first.path.display());
+            return Err(SavedError::Unusable { path: tree.path.clone(), what });
+        }
+    }
     let names = trees.iter().map(|tree| tree.name.clone()).collect();
     TREES.get_or_init(|| trees);
     Ok(names)
