@@ -183,8 +183,10 @@ impl Panel {
                 size: (text_width(text, self.font), 1.1 * self.font),
             })
             .collect();
+        // Hollow points are drawn larger.
+        let drawn = |point: &Point| if point.is_hollow { 1.55 * radius } else { radius };
         let markers: Vec<Rect> =
-            self.points.iter().map(|point| Rect::around(place(point.at), 1.4 * radius)).collect();
+            self.points.iter().map(|point| Rect::around(place(point.at), 1.4 * drawn(point))).collect();
         let rects = labels::place(&labels, &markers, &segments, area);
         for ((point, text), rect) in labelled.iter().zip(&rects) {
             let (at, near) = (place(point.at), rect.nearest(place(point.at)));
@@ -206,8 +208,7 @@ impl Panel {
         // Hollow ones first and larger: of two at one place both are seen.
         for is_hollow in [true, false] {
             for point in self.points.iter().filter(|point| point.is_hollow == is_hollow) {
-                let radius = if is_hollow { 1.55 * radius } else { radius };
-                svg.point(place(point.at), point.shape, radius, point.colour, is_hollow);
+                svg.point(place(point.at), point.shape, drawn(point), point.colour, is_hollow);
             }
         }
     }

@@ -217,11 +217,13 @@ fn one_panel(
     };
     let count = scenes(rows).len();
     let noun = if count == 1 { "scene" } else { "scenes" };
+    let has_intervals = panel.points.iter().any(|point| point.interval.is_some());
+    let intervals = if has_intervals { " with their 95 % intervals" } else { "" };
     let mut svg = with_key(
         (820.0, 720.0),
         rows,
         under,
-        &format!("arithmetic means of {count} {noun} with their 95 % intervals"),
+        &format!("arithmetic means of {count} {noun}{intervals}"),
         entries,
     );
     panel.draw(&mut svg, Rect { x: 78.0, y: 134.0, width: 716.0, height: 516.0 });

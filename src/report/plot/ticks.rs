@@ -20,11 +20,17 @@ pub fn ticks((least, most): (f64, f64), room: usize) -> Vec<(f64, String)> {
     let within = |values: &[f64]| -> Vec<f64> {
         values.iter().copied().filter(|&v| v >= least * 0.999 && v <= most * 1.001).collect()
     };
-    let fitting = series.iter().map(|values| within(values)).find(|ticks| {
+    let length = (most / least).ln();
+    let fits = |ticks: &Vec<f64>| {
         // Even steps crowd at the upper end of a logarithmic axis.
         let closest = ticks.windows(2).map(|pair| (pair[1] / pair[0]).ln()).fold(f64::INFINITY, f64::min);
-        ticks.len() >= 2 && ticks.len() <= room && closest * room as f64 >= 0.8 * (most / least).ln()
-    });
+        ticks.len() >= 2 && ticks.len() <= room && closest * room as f64 >= 0.8 * length
+    };
+    // They are also far apart at its lower end, where values would have none to be read by.
+    let begin_low =
+        |ticks: &Vec<f64>| ticks.first().is_some_and(|first| (first / least).ln() <= 0.2 * length);
+    let all = || series.iter().map(|values| within(values)).filter(fits);
+    let fitting = all().find(begin_low).or_else(|| all().next());
     let ticks = fitting.unwrap_or_else(|| within(&[least, most]));
     ticks
         .into_iter()
@@ -56,6 +62,7 @@ mod tests {
         assert_eq!(texts((0.45, 4.0), 10), ["0.5", "0.6", "0.8", "1", "1.2", "1.5", "2", "2.5", "3", "4"]);
         assert_eq!(texts((0.9, 1.45), 7), ["0.9", "1", "1.1", "1.2", "1.3", "1.4"]);
         assert_eq!(texts((0.02, 300.0), 5), ["0.1", "1", "10", "100"]);
+        assert_eq!(texts((0.26, 1.1), 10), ["0.3", "0.4", "0.5", "0.6", "0.8", "1"]);
     }
 
     #[test]
