@@ -1,6 +1,6 @@
 //! The paper's own Table 1 (Hendrich, Meister, Bittner 2017), as printed, to stand beside ours.
 
-use super::figures::Figure;
+use super::figures::{BASELINE, Figure};
 use crate::scene::PaperScene;
 use serde::Deserialize;
 
@@ -60,15 +60,19 @@ pub fn builders() -> impl Iterator<Item = &'static str> {
 
 /// A figure of `builder` relative to Embree SAH, by scene; empty if the paper lacks the builder.
 pub fn ratios(builder: &str, figure: Figure) -> Vec<(String, f64)> {
-    let Some((_, name)) = NAMES.iter().find(|(ours, _)| *ours == builder) else { return Vec::new() };
+    let scene = |(row, ratio): (PaperRow, f64)| (row.scene, ratio);
+    ratios_to(BASELINE.0, builder, figure).into_iter().map(scene).collect()
+}
+
+/// A figure of `builder` relative to that of `base`, with the builder's row, by scene; empty if the paper lacks either.
+pub fn ratios_to(base: &str, builder: &str, figure: Figure) -> Vec<(PaperRow, f64)> {
+    let name = |wanted: &str| NAMES.iter().find(|(ours, _)| *ours == wanted).map(|(_, name)| *name);
+    let (Some(name), Some(base)) = (name(builder), name(base)) else { return Vec::new() };
     let rows = rows();
-    let of = |builder: &str, scene: &str| rows.iter().find(|r| r.builder == builder && r.scene == scene);
-    let own = rows.iter().filter(|row| row.builder == *name);
-    own.filter_map(|row| {
-        let baseline = of("Embree SAH", &row.scene)?;
-        Some((row.scene.clone(), row.figure(figure)? / baseline.figure(figure)?))
-    })
-    .collect()
+    let of_base = |scene: &str| rows.iter().find(|row| row.builder == base && row.scene == scene);
+    let own = rows.iter().filter(|row| row.builder == name);
+    own.filter_map(|row| Some((row.clone(), row.figure(figure)? / of_base(&row.scene)?.figure(figure)?)))
+        .collect()
 }
 
 /// The paper's scene for which a scene of ours stands: the original under one of its usual names, or its
@@ -95,6 +99,9 @@ mod tests {
             assert_eq!(ratios(builder, Figure::Build).len(), 9, "{builder}");
         }
         assert!(ratios("lbvh", Figure::Build).is_empty());
+        assert!(ratios_to("lbvh", "phr-hq", Figure::Build).is_empty());
+        let (conference, ratio) = &ratios_to("phr-fast", "phr-hq", Figure::Build)[0];
+        assert_eq!((&*conference.scene, *ratio), ("Conference", 39.0 / 23.0));
     }
 
     /// Figure 6 shows PHR-HQ at 1.82 and 0.98, Embree Morton at 0.63 and 1.41.

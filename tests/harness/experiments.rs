@@ -55,7 +55,7 @@ fn an_experiment_is_a_verified_run_with_findings_and_figures() {
     // Means, and the claim of the paper; two rounds tell of no noise.
     assert!(lines("| phr-hq[spatial_threshold=off] ") >= 4, "{text}");
     assert_eq!(
-        lines("| traces are 2 to 20 % slower without spatial splits "),
+        lines("| traces take 2 to 25 % longer without spatial splits "),
         4,
         "by time and by steps: {text}"
     );

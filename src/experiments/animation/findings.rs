@@ -29,7 +29,7 @@ fn of_scene(rows: &[FrameRow], scene: &str) -> String {
         "## {scene}\n\n{} triangles, {} of which never move; {} frames of about {} rays ({} x {} pixels, {}), {}-wide trees, {} \
          threads, traces under {}, medians of {} rounds; every answer of every frame verified. Means over the frames after \
          the first, in which every tree is built. loses from: the frame from which on a frame takes longer than with the same \
-         builder's rebuilding, in brackets all frames so far together.\n\n",
+         builder's rebuilding, medians of five frames, in brackets all frames so far together.\n\n",
         first.triangles,
         first.fixed,
         first.frames,

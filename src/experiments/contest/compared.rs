@@ -39,7 +39,8 @@ pub struct Mean {
 }
 
 impl<'a> Compared<'a> {
-    /// The ratios of trees of `width`; `None` if there are no figures of both builders.
+    /// The ratios of trees of `width`, those of traces over whole frames where the scenes have them; `None` if there are no
+    /// figures of both builders.
     pub fn of(
         comparison: &'a Comparison,
         figures: &[Figure],
@@ -48,7 +49,10 @@ impl<'a> Compared<'a> {
         under: &Under,
     ) -> Option<Self> {
         let (changed, base) = ((comparison.changed.as_str(), width), (comparison.base.as_str(), width));
-        let of = |&figure: &Figure| (figure, Ratios::among(scenes, base, changed, figure, under));
+        let of = |&figure: &Figure| {
+            let measured = if figure == Figure::Trace { SceneFigures::traced_by(scenes) } else { figure };
+            (figure, Ratios::among(scenes, base, changed, measured, under))
+        };
         let ratios: Vec<(Figure, Ratios)> = figures.iter().map(of).collect();
         ratios.iter().any(|(_, ratios)| !ratios.0.is_empty()).then_some(Self { comparison, ratios })
     }

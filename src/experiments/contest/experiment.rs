@@ -1,8 +1,9 @@
 //! What makes an experiment: its builders, which are compared, and what the paper leads to expect.
 
 use crate::bench::row::Row;
+use crate::bench::statistics::geometric_mean;
 use crate::report::figures::{Figure, Under};
-use crate::report::paper;
+use crate::report::paper::{self, PaperRow};
 
 /// An experiment.
 pub struct Experiment {
@@ -77,6 +78,20 @@ impl Among {
             Self::Kind(names) => names.contains(&scene),
             Self::From(least) => triangles >= least,
         }
+    }
+
+    /// The paper's own mean ratio of `figure` over those of its scenes; `None` if it has none.
+    pub fn of_paper(self, comparison: &Comparison, figure: Figure) -> Option<f64> {
+        let is_one = |row: &PaperRow| match self {
+            Self::All => true,
+            Self::Paper(names) => names.contains(&&*row.scene),
+            Self::Kind(names) => names.iter().any(|name| paper::scene_of(name).as_ref() == Some(&row.scene)),
+            Self::From(least) => 1000 * row.kilotriangles >= least,
+        };
+        let all = paper::ratios_to(&comparison.base, &comparison.changed, figure);
+        let ratios: Vec<f64> =
+            all.into_iter().filter(|(row, _)| is_one(row)).map(|(_, ratio)| ratio).collect();
+        geometric_mean(&ratios)
     }
 }
 

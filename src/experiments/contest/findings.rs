@@ -35,10 +35,12 @@ fn heading(experiment: &Experiment, rows: &[Row], width: u32, under: &Under) -> 
     let count = SceneFigures::all(rows).len();
     let noun = if count == 1 { "scene" } else { "scenes" };
     let threads = rows.first().map_or(0, |row| row.threads);
+    let frames = SceneFigures::traced_by(&SceneFigures::all(rows)) == Figure::Frame;
+    let frames = if frames { "whole frames, " } else { "" };
     let caveat = if caveat.is_empty() { String::new() } else { format!(" {caveat}") };
     format!(
         "# {name}\n\n{about}. Means over {count} {noun}, {width}-wide trees, {threads} threads, in brackets 95 % intervals. The \
-         paper ({section}): {paper}.{caveat} Traces: {}{} rounds, {}. Steps: inner nodes visited and leaf blocks tested per \
+         paper ({section}): {paper}.{caveat} Traces: {frames}{}{} rounds, {}. Steps: inner nodes visited and leaf blocks tested per \
          ray under our kernel; they have no noise.\n\n",
         rays(rows),
         rounds(rows.iter().filter(|row| row.is_good())),
@@ -89,10 +91,10 @@ fn means(compared: &[Compared<'_>]) -> String {
     grid.markdown()
 }
 
-/// What the paper leads to expect, and what becomes of it; nothing where it does not say. What it says of traces is judged by
-/// their steps too.
+/// What the paper leads to expect, and what becomes of it, beside its own figure where its Table 1 has one; nothing where it
+/// does not say. What it says of traces is judged by their steps too.
 fn claims(compared: &[Compared<'_>], rows: &[Row]) -> String {
-    let mut grid = Grid::new(["that", "by", "builder", "relative to", "ours", ""]);
+    let mut grid = Grid::new(["that", "by", "builder", "relative to", "paper", "ours", ""]);
     for one in compared {
         let Comparison { changed, base, expected } = one.comparison;
         for expectation in expected {
@@ -105,8 +107,10 @@ fn claims(compared: &[Compared<'_>], rows: &[Row]) -> String {
                 let mean = ratios.and_then(|ratios| Mean::among(ratios, expectation.among, rows));
                 let verdict = mean.map_or("was not measured", |mean| mean.verdict(expectation.range));
                 let shown = mean.map_or_else(String::new, |mean| mean.shown());
-                let says = [expectation.says, name(figure)].map(String::from);
-                grid.push([says, [changed.clone(), base.clone()], [shown, verdict.into()]].concat());
+                let paper = expectation.among.of_paper(one.comparison, figure);
+                let paper = paper.map_or_else(String::new, |ratio| format!("{ratio:.2}"));
+                let says = [expectation.says, name(figure), changed, base].map(String::from);
+                grid.push(says.into_iter().chain([paper, shown, verdict.into()]).collect());
             }
         }
     }

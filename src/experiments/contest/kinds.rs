@@ -3,7 +3,7 @@
 use super::experiment::Among;
 
 /// Single smooth surfaces of triangles of about one size: the paper's scenes of simple structure.
-pub const SCANS: Among = Among::Kind(&["statue", "bunny_144k", "igea", "brain_icbm152"]);
+pub const SCANS: Among = Among::Kind(&["statue", "bunny_144k", "igea", "brain_icbm152", "buddha-like"]);
 
 /// Buildings with what stands in them, of triangles of many sizes.
 pub const BUILDINGS: Among = Among::Kind(&[

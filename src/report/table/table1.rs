@@ -14,7 +14,7 @@ pub fn table1(rows: &[Row], under: &Under) -> String {
     let names = scenes(rows);
     let of_scenes: Vec<(&str, SceneFigures<'_>)> =
         names.iter().map(|name| (name.as_str(), SceneFigures::of(rows, name))).collect();
-    let time = time_shown(&of_scenes, &trees, under);
+    let time = SceneFigures::traced_by(of_scenes.iter().map(|(_, scene)| scene));
     // A column means one thing: reduced rows do not tell of how many views they are the sums.
     let is_traced = |scene: &SceneFigures<'_>| scene.totals().iter().any(|row| row.trace_ms_median.is_some());
     let is_per_view = of_scenes.iter().all(|(_, scene)| scene.views.is_some() || !is_traced(scene));
@@ -29,17 +29,6 @@ pub fn table1(rows: &[Row], under: &Under) -> String {
     let of = if is_per_view { "of one view, mean of the views" } else { "of all views together" };
     text += &format!("{shown} {of}; medians of rounds. Traces: {}.\n", under.about());
     text + &missing(&of_scenes, &trees, under)
-}
-
-/// Frames as in the paper, if every cell that was traced has them, so that a column means one thing.
-fn time_shown(of_scenes: &[(&str, SceneFigures<'_>)], trees: &[Tree<'_>], under: &Under) -> Figure {
-    let all_have_frames = of_scenes.iter().all(|(_, scene)| {
-        trees.iter().all(|&tree| {
-            let has = |figure| scene.figure(tree, figure, under).value().is_some();
-            has(Figure::Frame) || !has(Figure::Trace)
-        })
-    });
-    if all_have_frames { Figure::Frame } else { Figure::Trace }
 }
 
 fn block(
