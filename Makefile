@@ -2,7 +2,12 @@
 #                   an empty clone on two cores, compilation included
 # make report       the page of results/builtin again, report.html; RESULTS=DIR for another folder
 # make bench-full   the same with more rays and rounds
-# make bench-paper  the same on the paper's nine scenes or their stand-ins, into results/paper-scenes: hours
+# make bench-paper  the paper's protocol: its eight methods over stand-ins for its nine scenes, whole frames of 1024 x 1024
+#                   pixels, into results/paper-run; reduced into results/paper-protocol, drawn, and told of beside its claims
+#                   of 5.1 and 5.2; stopped and resumed at will: two hours on two cores
+# make bench-experiments
+#                   the paper's experiments over the files SCENES, and that of its parameters over stand-ins for its scenes,
+#                   into results/experiments: two hours on two cores
 # make bench-builders
 #                   what the targets are judged by (`phr targets`), into results/targets: all builders on the files
 #                   SCENES and the built-in scenes with two threads, their builds with one thread beside two, their
@@ -86,6 +91,9 @@ ABLATED = phr-fast $(addprefix phr-fast-,bucket coarse clusters subtrees) \
 ABLATED_QUALITY = phr-quality $(addprefix phr-quality-no-,calibration clip_triangles clusters collapse cut_share \
 	local_threshold presplit spatial_bias subtree_sweep)
 SCALED = lbvh phr-fast phr-hq phr-turbo phr-speed phr-quality phr-best
+# The paper's methods, and where its protocol is run.
+METHODS = embree-morton hunt-50 aac embree-sah hunt-500 embree-fast-spatial phr-fast phr-hq
+PAPER = results/paper-run
 KERNEL_SCENES = rooms statue hair city pipes
 # Trees that take the least time for some number of rays, and Embree's; of others that are named the judge says so.
 ADVISED = lbvh phr-fast phr-hq phr-turbo phr-speed phr-quality phr-best embree-morton embree-sah embree-fast-spatial
@@ -99,7 +107,7 @@ KERNEL_TESTS = --test library -- trace_agreement trace_batches trace_watertight 
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: report test-peers test-trixie test-platforms audit package faults fuzz test-slurm sanitize bench bench-scaling bench-animation bench-advice bench-tune bench-full bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
+.PHONY: report test-peers test-trixie test-platforms audit package faults fuzz test-slurm sanitize bench bench-scaling bench-animation bench-advice bench-tune bench-full bench-experiments bench-builders bench-reference bench-kernel bench-paper embree-ndebug test packages
 
 # The program alone: criterion's benchmarks are not built.
 bench: packages
@@ -199,7 +207,24 @@ bench-reference: packages
 
 bench-paper: packages
 	$(CARGO) build --release --bin phr
-	./target/release/phr bench --set paper --frames $(ARGS)
+	./target/release/phr bench --set paper --frames --width 4 --rounds 3 --threads 2 --filter ' 4 embree-grafted' \
+		$(addprefix --builder ,$(METHODS)) $$(test -f $(PAPER)/samples.json && echo --resume) --out $(PAPER) $(ARGS)
+	./target/release/phr reduce $(PAPER) results/paper-protocol
+	./target/release/phr plot results/paper-protocol
+	for experiment in construction-speed trace-speed; do \
+		./target/release/phr experiment $$experiment --rows results/paper-protocol \
+			--out results/experiments/$$experiment-paper || exit 1; \
+	done
+
+# The grid of 5.4 once more over stand-ins for the scenes of which the paper speaks there.
+bench-experiments: packages
+	$(CARGO) build --release --bin phr
+	for experiment in spatial-splits cost-counts auxiliary-trees bucket-sort presplitting constant-cut grid; do \
+		./target/release/phr experiment $$experiment $(SCENES) --views 1 --size 128 --replace $(ARGS) || exit 1; \
+	done
+	./target/release/phr experiment grid conference-like hairball-like sanmiguel-like powerplant-like --replace \
+		--out results/experiments/grid-paper $(ARGS)
+	./target/release/phr experiment cut-size $(SCENES)
 
 # One folder for each library; a round for the one, then one for the other.
 embree-ndebug: packages
