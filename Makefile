@@ -220,7 +220,7 @@ bench-paper: packages
 bench-experiments: packages
 	$(CARGO) build --release --bin phr
 	for experiment in spatial-splits cost-counts auxiliary-trees bucket-sort presplitting constant-cut grid; do \
-		./target/release/phr experiment $$experiment $(SCENES) --views 1 --size 128 --replace $(ARGS) || exit 1; \
+		./target/release/phr experiment $$experiment $(SCENES) --views 1 --size 128 --rounds 3 --replace $(ARGS) || exit 1; \
 	done
 	./target/release/phr experiment grid conference-like hairball-like sanmiguel-like powerplant-like --replace \
 		--out results/experiments/grid-paper $(ARGS)

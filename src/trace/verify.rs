@@ -76,13 +76,16 @@ impl Verdict {
     }
 }
 
-/// Largest share of the rays that may differ at an edge or be a near miss.
-const EXCUSED: f64 = 1e-4;
+/// Largest share of the rays that may differ at an edge or be a near miss, where triangles are tested by the reference's
+/// arithmetic.
+pub const SAME_TEST: f64 = 1e-4;
+/// The same where they are tested otherwise: twice the share by which Embree's two tests differ on rays that bounce.
+pub const OTHER_TEST: f64 = 2e-3;
 
 /// Why answers to `rays` rays cannot be accepted although none is wrong: `edges` differ where only rounding decides,
-/// `near_misses` on thin triangles, more than one ten-thousandth together, rounded up to whole rays.
-pub fn excess(rays: u64, edges: u64, near_misses: u64) -> Option<String> {
-    let most = (EXCUSED * rays as f64).ceil() as u64;
+/// `near_misses` on thin triangles, more than the share `excused` together, rounded up to whole rays.
+pub fn excess(rays: u64, edges: u64, near_misses: u64, excused: f64) -> Option<String> {
+    let most = (excused * rays as f64).ceil() as u64;
     (edges + near_misses > most).then(|| {
         format!(
             "{edges} answers differ at edges, {near_misses} on thin triangles, of {rays}: more than {most}"

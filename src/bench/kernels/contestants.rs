@@ -1,6 +1,6 @@
 //! The trees of a scene, and all that traces them.
 
-use super::row::WATERTIGHT;
+use super::row::{PORTABLE, WATERTIGHT};
 #[cfg(feature = "graft")]
 use super::row::{ROBUST, SINGLE};
 use crate::bench::cell::Cell;
@@ -175,7 +175,7 @@ impl<'a> Tree<'a> {
             single,
             self.contestant("phr-batch", batch.isa().name(), Box::new(batch)),
             self.contestant(WATERTIGHT, watertight.isa().name(), Box::new(watertight)),
-            self.contestant("phr-portable", Isa::Scalar.name(), Box::new(portable)),
+            self.contestant(PORTABLE, Isa::Scalar.name(), Box::new(portable)),
         ]
     }
 }

@@ -1,7 +1,7 @@
 //! The rounds: every kernel traces all rays of a kind once per round, in an order that turns from round to round.
 
 use super::contestants::{Contestant, Trees};
-use super::row::{KernelRow, SCHEMA, SINGLE};
+use super::row::{KernelRow, SCHEMA, SINGLE, rounds_otherwise};
 use crate::bench::cell::Cell;
 use crate::bench::environment::moment::utc_now;
 use crate::bench::environment::{Machine, Program};
@@ -82,7 +82,9 @@ pub fn measure(scene: &Scene, settings: &KernelSettings) -> Result<Vec<KernelRow
                 let ratio = single.and_then(|single| ratio(&times[single], &times[index]));
                 let verdict = verdict(index);
                 let (edges, near_misses) = (verdict.edge as u64, verdict.near_misses as u64);
-                let excess = verify::excess(rays.len() as u64, edges, near_misses);
+                let excused =
+                    if rounds_otherwise(contestant.kernel) { verify::OTHER_TEST } else { verify::SAME_TEST };
+                let excess = verify::excess(rays.len() as u64, edges, near_misses, excused);
                 let summary = Summary::of(&times[index]).ok_or("no rounds; give --rounds 1 or more")?;
                 rows.push(KernelRow {
                     builder: contestant.builder.into(),

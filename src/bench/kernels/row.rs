@@ -15,6 +15,13 @@ pub const SINGLE: &str = "embree-single";
 pub const ROBUST: &str = "embree-robust";
 /// Ours.
 pub const WATERTIGHT: &str = "phr-watertight";
+/// Our kernel without vector instructions.
+pub const PORTABLE: &str = "phr-portable";
+
+/// Whether a kernel tests triangles by other arithmetic than [`SINGLE`], so that more of its answers differ at edges.
+pub fn rounds_otherwise(kernel: &str) -> bool {
+    [ROBUST, WATERTIGHT, PORTABLE].contains(&kernel)
+}
 
 /// One line of `kernels.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -115,7 +115,7 @@ impl KernelChecks {
     /// Why its answers cannot be accepted, if too many of them are excused.
     pub fn excess(&self) -> Option<String> {
         let total = |value: fn(&Check) -> u64| self.checks.iter().map(value).sum::<u64>();
-        verify::excess(total(|c| c.rays), total(|c| c.edge), total(|c| c.near_misses))
+        verify::excess(total(|c| c.rays), total(|c| c.edge), total(|c| c.near_misses), verify::SAME_TEST)
     }
 }
 

@@ -1,7 +1,7 @@
 //! What our kernels are to reach, and what they reach in every scene.
 
 use super::speed::{ALL, OURS, Speed};
-use crate::bench::kernels::row::{KernelRow, ROBUST, SINGLE, WATERTIGHT};
+use crate::bench::kernels::row::{KernelRow, PORTABLE, ROBUST, SINGLE, WATERTIGHT};
 use crate::report::figures::interval::Interval;
 use crate::report::means::Ratios;
 use crate::report::targets::judge::Verdict;
@@ -97,8 +97,8 @@ pub(super) const TARGETS: [Target; 23] = [
     batch_beside_single("batches of shadow rays", "shadow", 4),
     kernel("all rays, watertight", WATERTIGHT, 8, ROBUST, 1.0),
     kernel("all rays, watertight", WATERTIGHT, 4, ROBUST, 1.0),
-    kernel("all rays, portable", "phr-portable", 8, OURS, 0.35),
-    kernel("all rays, portable", "phr-portable", 4, OURS, 0.35),
+    kernel("all rays, portable", PORTABLE, 8, OURS, 0.35),
+    kernel("all rays, portable", PORTABLE, 4, OURS, 0.35),
 ];
 
 impl Target {

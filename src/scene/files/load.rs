@@ -35,7 +35,8 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 }
 
 /// Loads `path`: PLY (binary or ASCII), OBJ, STL (binary or ASCII), glTF 2 or GLB, each with `.gz` or `.zst` after it.
-/// Polygons and strips become triangles, the instances of a glTF scene copies in the places of their nodes.
+/// Polygons become fans from their first corner (of concave ones, triangles may lie outside), strips triangles, the
+/// instances of a glTF scene copies in the places of their nodes.
 /// Triangles that no builder accepts are dropped and counted in [`Scene::dropped`], what is no triangle in
 /// [`Scene::contents`]. Cameras come from `views.json` beside the file, or are placed around the geometry where it has
 /// none for this scene.
