@@ -248,12 +248,13 @@ mod x86 {
             let mut columns = [0; N];
             // SAFETY: the token proves AVX2; both halves are of 32 bytes.
             unsafe {
-                let [mut low, mut high] = [0, 32].map(|at| _mm256_loadu_si256(bytes.as_ptr().add(at).cast()));
+                let mut low = _mm256_loadu_si256(bytes.as_ptr().cast());
+                let mut high = _mm256_loadu_si256(bytes.as_ptr().add(32).cast());
                 // The signs are the bits wanted: those of column 7 first.
                 for column in (0..8).rev() {
                     if column < N {
-                        let bits = |half| u64::from(_mm256_movemask_epi8(half) as u32);
-                        columns[column] = bits(low) | bits(high) << 32;
+                        let (first, last) = (_mm256_movemask_epi8(low), _mm256_movemask_epi8(high));
+                        columns[column] = u64::from(first as u32) | u64::from(last as u32) << 32;
                     }
                     (low, high) = (_mm256_add_epi8(low, low), _mm256_add_epi8(high, high));
                 }

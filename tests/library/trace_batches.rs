@@ -59,6 +59,22 @@ fn coherent_rays() {
     check_widths(&mesh, &parallel, 5);
 }
 
+/// Of a direction of denormal numbers the test's products leave the range: its distance is no number. The rays beside it have
+/// theirs.
+#[test]
+fn a_ray_without_a_distance_harms_no_other() {
+    let mesh = joined(&walls(4), &soup(2000, 11));
+    let mut random = SplitMix64::new(12);
+    let mut towards = |i: usize| {
+        let org = random.point(-4.0, -1.5);
+        let dir = random.point(-0.5, 0.9) - org;
+        let scale = if i % 64 == 63 { [1e-41, 1e-40, 1e-39, 1e-20][i / 64 % 4] } else { 1.0 };
+        ray(org.into(), (dir * scale).into())
+    };
+    let rays: Vec<Ray> = (0..4096).map(&mut towards).collect();
+    check_widths(&mesh, &rays, 5);
+}
+
 #[test]
 fn scattered_rays_of_all_sorts() {
     for (n, seed) in [(1, 1), (5, 2), (2000, 4)] {

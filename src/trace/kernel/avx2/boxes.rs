@@ -25,10 +25,15 @@ impl Slabs {
         Self { rdir, org_rdir, near: rdir.map(|x| if x >= 0.0 { 0 } else { 3 }), tnear }
     }
 
-    /// The same where the planes met first are known.
+    /// The same where it is known which planes are met first: by axis, whether the upper one is.
     #[inline(always)]
-    pub(super) fn of_signs(rdir: [f32; 3], org_rdir: [[f32; 3]; 2], near: [usize; 3], tnear: f32) -> Self {
-        Self { rdir, org_rdir, near, tnear }
+    pub(super) fn of_sides(
+        rdir: [f32; 3],
+        org_rdir: [[f32; 3]; 2],
+        upper_first: [bool; 3],
+        tnear: f32,
+    ) -> Self {
+        Self { rdir, org_rdir, near: upper_first.map(|upper| 3 * usize::from(upper)), tnear }
     }
 
     /// Start of the interval.

@@ -27,7 +27,12 @@ impl Crossing {
         let swapped = _mm_min_ps(candidates, _mm_shuffle_ps::<0b10_11_00_01>(candidates, candidates));
         let least = _mm_min_ps(swapped, _mm_shuffle_ps::<0b01_00_11_10>(swapped, swapped));
         let at_least = _mm_and_ps(_mm_cmpeq_ps(candidates, least), self.valid);
-        let lane = (_mm_movemask_ps(at_least).trailing_zeros() & 3) as usize;
+        // None where the products of the test left the range of `f32`: no hit without a distance.
+        let lanes = _mm_movemask_ps(at_least);
+        if lanes == 0 {
+            return;
+        }
+        let lane = (lanes.trailing_zeros() & 3) as usize;
         let one = _mm_set1_ps(1.0);
         *hit = Hit {
             t: array(t)[lane],

@@ -103,7 +103,7 @@ struct Stream<R> {
     places: Places,
     /// Those that found any hit.
     done: Mask,
-    /// The greatest distance of a closest hit so far.
+    /// The last end of a ray's interval, which its closest hit so far is; infinite before the first leaf.
     farthest: f32,
 }
 
@@ -195,6 +195,9 @@ impl<R: Reciprocal + Lanes> Stream<R> {
     #[inline(always)]
     fn leaf<const ANY: bool>(&mut self, blocks: &[TriangleBlock], mut rays: Mask) {
         for block in blocks {
+            if rays == 0 {
+                break;
+            }
             if Packet::is_worth::<R>(rays) {
                 let hit = self.packet.hit::<R, ANY>(self.token, block, rays, &mut self.hits);
                 if ANY {

@@ -18,15 +18,17 @@ use crate::trace::kernel::scalar::SMALLEST_DIRECTION;
 use crate::trace::kernel::sound_tree::{ProvenTree, SoundTree};
 use crate::trace::kernel::tracer::{BvhTracer, sound};
 
-/// Traces many rays at once: see the module. Hits are those of [`BvhTracer`] but for the choice among equally close ones;
-/// rays that are not valid miss. Rays that go alike should be neighbours, as a camera's are; others may be in any order. Without AVX2 all rays are
-/// traced one by one.
+/// Traces many rays at once: see the module. Hits are those of [`BvhTracer`] but for the choice among those that are equally
+/// close up to rounding; rays that are not valid miss. Rays that go alike should be neighbours, as a camera's are; others may
+/// be in any order. Without AVX2 all rays are traced one by one.
 #[derive(Clone, Copy, Debug)]
 pub struct BatchTracer<'a, const N: usize> {
     tree: SoundTree<'a, N>,
     isa: Isa,
 }
 
+/// Rays whose places in a batch have 32 bits.
+const AT_ONCE: usize = 1 << 31;
 /// Rays that have to meet at a node on average for a stream to be faster than interleaved rays, for the closest hit.
 #[cfg(target_arch = "x86_64")]
 const ENOUGH: u32 = 8;
@@ -68,7 +70,7 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
                 self.batch::<_, ANY>(token, token, rays, answer);
                 true
             }
-            // As with single rays, code for AVX2 is the fastest.
+            // As with single rays, code for AVX2 is the fastest, but for packets.
             #[cfg(target_arch = "x86_64")]
             Isa::Avx512(token) => {
                 self.batch::<_, ANY>(token.avx2(), token, rays, answer);
@@ -143,16 +145,20 @@ impl<const N: usize> Tracer for BatchTracer<'_, N> {
     fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
         assert_eq!(rays.len(), hits.len(), "as many hits as rays");
         hits.fill(Hit::MISS);
-        if !self.run::<false>(rays, |place, hit| hits[place] = hit) {
-            self.singles().closest(rays, hits);
+        for (rays, hits) in rays.chunks(AT_ONCE).zip(hits.chunks_mut(AT_ONCE)) {
+            if !self.run::<false>(rays, |place, hit| hits[place] = hit) {
+                self.singles().closest(rays, hits);
+            }
         }
     }
 
     fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
         assert_eq!(rays.len(), occluded.len(), "as many answers as rays");
         occluded.fill(false);
-        if !self.run::<true>(rays, |place, hit| occluded[place] = hit.is_hit()) {
-            self.singles().any(rays, occluded);
+        for (rays, occluded) in rays.chunks(AT_ONCE).zip(occluded.chunks_mut(AT_ONCE)) {
+            if !self.run::<true>(rays, |place, hit| occluded[place] = hit.is_hit()) {
+                self.singles().any(rays, occluded);
+            }
         }
     }
 }

@@ -44,7 +44,7 @@ impl Packet {
     ) -> Met<N> {
         let mut met = Met::nothing(ANY);
         let sides = [&node.lower, &node.upper];
-        let [x, y, z] = self.near.map(|side| side % 2);
+        let [x, y, z] = self.near.map(usize::from);
         let first = [&sides[x][0], &sides[y][1], &sides[z][2]];
         let last = [&sides[1 - x][0], &sides[1 - y][1], &sides[1 - z][2]];
         for at in vectors::<L>() {
@@ -57,7 +57,7 @@ impl Packet {
             let (tnear, tfar) = (load(lanes, &self.tnear, at), load(lanes, &self.tfar, at));
             for slot in 0..N {
                 if node.links[slot] == Link::EMPTY {
-                    break;
+                    continue;
                 }
                 let [a, b, c] = slabs(lanes, first, slot, rdir, org_rdir);
                 let [d, e, f] = slabs(lanes, last, slot, rdir, org_rdir);

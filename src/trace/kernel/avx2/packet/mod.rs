@@ -1,5 +1,5 @@
 //! Many rays at a time, a lane of a vector for each: [a box](boxes) or [a triangle](triangles) is tested against all of them
-//! at once, in the operations and the order of [`FastAvx2`], so that each ray has the same answers as by itself.
+//! at once, in the operations and the order of [`FastAvx2`], so that each ray has the answers that it has by itself.
 
 mod boxes;
 mod triangles;
@@ -22,15 +22,15 @@ const WORTH: usize = 6;
 /// Some of the rays.
 pub(in crate::trace::kernel) type Mask = u64;
 
-/// A value of each ray, and room for vectors that reach beyond the last.
+/// A value of each ray, and room for the sixteen that a vector of eight is loaded from.
 type Row = [f32; MOST + 8];
 
 /// The rays of a packet: all directions have the same signs.
 pub(in crate::trace::kernel) struct Packet {
     /// Number of rays.
     rays: usize,
-    /// The side of boxes that is met first, by axis: 0 the lower, 1 the upper.
-    near: [usize; 3],
+    /// Whether the upper side of boxes is met first, by axis.
+    near: [bool; 3],
     rdir: [Row; 3],
     org_rdir: [Row; 3],
     org: [Row; 3],
@@ -45,7 +45,7 @@ impl Packet {
         const ROW: Row = [0.0; MOST + 8];
         let rows = [ROW; 3];
         let (rdir, org_rdir, org, dir) = (rows, rows, rows, rows);
-        Self { rays: 0, near: [0; 3], rdir, org_rdir, org, dir, tnear: ROW, tfar: ROW }
+        Self { rays: 0, near: [false; 3], rdir, org_rdir, org, dir, tnear: ROW, tfar: ROW }
     }
 
     /// Number of rays.
@@ -75,7 +75,7 @@ impl Packet {
             #[inline(always)]
             || self.prepare_inlined(lanes),
         );
-        self.near = [0, 1, 2].map(|axis| usize::from(self.rdir[axis][0] < 0.0));
+        self.near = [0, 1, 2].map(|axis| self.rdir[axis][0] < 0.0);
     }
 
     #[inline(always)]
@@ -101,8 +101,7 @@ impl Packet {
         let i = i % MOST;
         let of = |rows: &[Row; 3]| [rows[0][i], rows[1][i], rows[2][i]];
         let org_rdir = of(&self.org_rdir);
-        let slabs =
-            Slabs::of_signs(of(&self.rdir), [org_rdir; 2], self.near.map(|side| 3 * side), self.tnear[i]);
+        let slabs = Slabs::of_sides(of(&self.rdir), [org_rdir; 2], self.near, self.tnear[i]);
         FastAvx2 { token, slabs, org: of(&self.org), dir: of(&self.dir) }
     }
 
@@ -112,16 +111,24 @@ impl Packet {
         self.tfar[i % MOST]
     }
 
-    /// The last end of an interval.
+    /// The last end of an interval, or 0 if that is later. An end that is no number, as of a distance that single precision
+    /// cannot tell, does not count: its ray hits nothing more.
     #[inline(always)]
     pub(in crate::trace::kernel) fn farthest(&self) -> f32 {
-        self.tfar[..self.rays].iter().fold(f32::NEG_INFINITY, |a, &t| if a > t { a } else { t })
+        // Eight at a time: rows hold zeros where no ray is.
+        let mut most = [0f32; 8];
+        for ends in self.tfar[..MOST].as_chunks::<8>().0 {
+            for (most, &end) in most.iter_mut().zip(ends) {
+                *most = if end > *most { end } else { *most };
+            }
+        }
+        most.into_iter().fold(0.0, f32::max)
     }
 
     /// Ends the interval of ray `i` at `tfar`.
     #[inline(always)]
     pub(in crate::trace::kernel) fn shorten(&mut self, i: usize, tfar: f32) {
-        self.tfar[i] = tfar;
+        self.tfar[i % MOST] = tfar;
     }
 
     /// Whether so many of `rays` are left that they are tested faster together than one by one.

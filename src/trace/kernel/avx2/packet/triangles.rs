@@ -40,8 +40,10 @@ impl Packet {
                 continue;
             }
             let (org, dir) = (load3(lanes, &self.org, at), load3(lanes, &self.dir, at));
-            let tnear = load(lanes, &self.tnear, at);
-            // Backwards, so that of equally close ones the first is kept.
+            let (tnear, tfar) = (load(lanes, &self.tnear, at), load(lanes, &self.tfar, at));
+            // As for single rays, all four are tested against the interval's end before the block, and then the least
+            // distance is taken; backwards, so that of equal ones the first is kept.
+            let mut least = lanes.splat(f32::INFINITY);
             for triangle in (0..4).rev() {
                 if block.prims[triangle] == Hit::NONE {
                     continue;
@@ -61,18 +63,21 @@ impl Packet {
                     lanes.and(lanes.lt(zero, abs_den), lanes.le(zero, u)),
                     lanes.and(lanes.le(zero, v), lanes.le(lanes.add(u, v), abs_den)),
                 );
-                let tfar = load(lanes, &self.tfar, at);
                 let within =
                     lanes.and(lanes.lt(lanes.mul(abs_den, tnear), t), lanes.le(t, lanes.mul(abs_den, tfar)));
-                let bits = lanes.bits(lanes.and(inside, within)) & alive as u32;
+                let valid = lanes.and(inside, within);
+                let bits = lanes.bits(valid) & alive as u32;
                 hit |= Mask::from(bits) << at;
                 if !ANY && bits != 0 {
                     let estimate = lanes.reciprocal(abs_den);
                     let scale = lanes.fmadd(estimate, lanes.fnmadd(abs_den, estimate, one), estimate);
-                    let t = array(lanes, lanes.mul(t, scale));
+                    let t = lanes.mul(t, scale);
+                    let nearer = lanes.and(valid, lanes.le(t, least));
+                    least = lanes.select(nearer, t, least);
+                    let t = array(lanes, t);
                     let u = array(lanes, lanes.min(lanes.mul(u, scale), one));
                     let v = array(lanes, lanes.min(lanes.mul(v, scale), one));
-                    let mut left = bits;
+                    let mut left = lanes.bits(nearer) & alive as u32;
                     while left != 0 {
                         let lane = left.trailing_zeros() as usize % L::N;
                         left &= left - 1;
