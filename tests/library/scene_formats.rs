@@ -167,6 +167,29 @@ fn what_is_no_triangle_is_counted() {
     assert!(scene.remarks()[0].contains("1 points, 3 lines, 2 without"), "{:?}", scene.remarks());
 }
 
+/// Nothing is left out without a word.
+#[test]
+fn what_is_not_read_is_told() {
+    let elsewhere = changed(|d| {
+        d["nodes"].as_array_mut().unwrap().push(json!({"mesh": 0}));
+        d["scenes"] = json!([{"nodes": [0]}]);
+    });
+    let extension = changed(|d| d["extensionsUsed"] = json!(["MSFT_lod", "MSFT_lod"]));
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face \
+               1\nproperty list uchar int vertex_indices\nelement material 2\nproperty int id\nend_header\n0 0 0\n1 0 \
+               0\n0 1 0\n3 0 1 2\n7\n8\n";
+    let obj = "\u{feff}v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nsurf 0 1 0 1 1 2 3 1\n";
+    for (name, content, told) in [
+        ("x.glb", elsewhere, "1 nodes with a mesh stand in other scenes"),
+        ("x.glb", extension, "the extension MSFT_lod is not applied"),
+        ("x.ply", ply.into(), "2 entries of the element material are not read"),
+        ("x.obj", obj.into(), "1 free-form curves and surfaces are not read"),
+    ] {
+        let remarks = read(name, content).remarks();
+        assert!(remarks.len() == 1 && remarks[0].contains(told), "{remarks:?}");
+    }
+}
+
 /// A small file may have as many primitives as places for them: each is looked at once.
 #[test]
 fn what_is_no_triangle_counts_in_each_of_its_places() {

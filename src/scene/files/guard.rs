@@ -5,6 +5,7 @@
 
 use super::error::Fault;
 use std::cell::RefCell;
+use std::path::Path;
 
 /// What a scene read from a file may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,24 +15,41 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// What this machine has to give now: memory that is free or can be freed, of the control group where it has less.
-    /// Without limit where the system does not tell (it does on Linux).
+    /// What this machine has to give now: memory that is free or can be freed, of a control group of this process where one
+    /// has less. Without limit where the system does not tell (it does on Linux).
     pub fn of_machine() -> Self {
-        let text = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
-        let kibibytes = text("/proc/meminfo").lines().find_map(|line| {
+        let kibibytes = text(Path::new("/proc/meminfo")).lines().find_map(|line| {
             line.strip_prefix("MemAvailable:")?.split_whitespace().next()?.parse::<u64>().ok()
         });
-        let number = |path: &str| text(path).trim().parse::<u64>().ok();
-        let group = number("/sys/fs/cgroup/memory.max").map(|most| {
-            // Cached files are given back where memory is short.
-            let stat = text("/sys/fs/cgroup/memory.stat");
-            let cached = stat.lines().find_map(|line| line.strip_prefix("file ")?.trim().parse().ok());
-            let current = number("/sys/fs/cgroup/memory.current").unwrap_or(0);
-            most.saturating_sub(current.saturating_sub(cached.unwrap_or(0)))
-        });
         let machine = kibibytes.map(|kibibytes| kibibytes.saturating_mul(1024));
-        Self { memory: machine.into_iter().chain(group).min().unwrap_or(u64::MAX) }
+        let groups = of_groups(Path::new("/sys/fs/cgroup"), &text(Path::new("/proc/self/cgroup")));
+        Self { memory: machine.into_iter().chain(groups).min().unwrap_or(u64::MAX) }
     }
+}
+
+fn text(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_default()
+}
+
+/// What the control groups (version 2) below `root` leave to a process: the least of its own, which the line `0::` of `own`
+/// names, and those around it. `None` where none of them has a limit.
+fn of_groups(root: &Path, own: &str) -> Option<u64> {
+    let own = own.lines().find_map(|line| line.strip_prefix("0::")).unwrap_or_default();
+    let own = root.join(own.trim_start_matches('/'));
+    own.ancestors().take_while(|group| group.starts_with(root)).filter_map(of_group).min()
+}
+
+fn of_group(group: &Path) -> Option<u64> {
+    let number = |name: &str| text(&group.join(name)).trim().parse::<u64>().ok();
+    let most = number("memory.max")?;
+    // Files that are cached are given back where memory is short; what lies in memory files is not.
+    let stat = text(&group.join("memory.stat"));
+    let cached = stat.lines().filter_map(|line| {
+        let (name, bytes) = line.split_once(' ')?;
+        matches!(name, "inactive_file" | "active_file").then(|| bytes.trim().parse::<u64>().ok())?
+    });
+    let held = number("memory.current").unwrap_or(0).saturating_sub(cached.sum());
+    Some(most.saturating_sub(held))
 }
 
 /// Keeps a reader within [`Limits`], and why it stopped.
@@ -126,6 +144,25 @@ mod tests {
         let mut list: Vec<u64> = Vec::new();
         let _ = guard.reserve(&mut list, usize::MAX).unwrap_err();
         assert!(guard.reason().is_some() && list.is_empty());
+    }
+
+    #[test]
+    fn groups_around_a_process_count_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        let inner = root.join("jobs/one");
+        std::fs::create_dir_all(&inner).unwrap();
+        let write = |group: &Path, name: &str, text: &str| std::fs::write(group.join(name), text).unwrap();
+        assert_eq!(of_groups(root, "0::/jobs/one\n"), None);
+        write(&root.join("jobs"), "memory.max", "1000\n");
+        write(&root.join("jobs"), "memory.current", "700\n");
+        write(&root.join("jobs"), "memory.stat", "file 600\ninactive_file 200\nactive_file 100\nshmem 300\n");
+        write(&inner, "memory.max", "max\n");
+        assert_eq!(of_groups(root, "0::/jobs/one\n"), Some(600));
+        write(&inner, "memory.max", "50\n");
+        assert_eq!(of_groups(root, "0::/jobs/one\n"), Some(50));
+        assert_eq!(of_groups(root, "0::/jobs\n"), Some(600));
+        assert_eq!(of_groups(root, ""), None);
     }
 
     #[test]

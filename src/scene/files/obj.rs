@@ -28,6 +28,11 @@ pub(super) fn read<'a>(reader: &mut dyn BufRead, guard: &'a Guard) -> Result<Raw
     let mut raw = RawMesh::new(guard);
     (raw.out_of_range, raw.contents) = (filter.out_of_range, filter.contents);
     raw.contents.objects = raw.contents.objects.max(1);
+    if filter.free_forms > 0 {
+        raw.contents
+            .remarks
+            .push(format!("{} free-form curves and surfaces are not read", filter.free_forms));
+    }
     for tobj::Model { mesh, .. } in models {
         let first = raw.vertices.len() as u32;
         for vertex in mesh.positions.as_chunks().0 {
@@ -55,6 +60,8 @@ struct Filter<'a> {
     /// Triangles of faces left out.
     out_of_range: usize,
     contents: Contents,
+    /// Curves and surfaces that are given by control points.
+    free_forms: usize,
     fault: Option<Fault>,
 }
 
@@ -69,6 +76,7 @@ impl<'a> Filter<'a> {
             triangles: 0,
             out_of_range: 0,
             contents: Contents::default(),
+            free_forms: 0,
             fault: None,
         }
     }
@@ -118,6 +126,7 @@ impl<'a> Filter<'a> {
             Some(b"p") => self.contents.points += 1,
             Some(b"l") => self.contents.lines += 1,
             Some(b"o" | b"g") => self.contents.objects += 1,
+            Some(b"surf" | b"curv" | b"curv2") => self.free_forms += 1,
             _ => {}
         }
         self.guard.allow((self.vertices as u64 + self.triangles) * HELD)?;

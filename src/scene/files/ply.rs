@@ -42,7 +42,12 @@ pub(super) fn read<'a>(reader: &mut dyn BufRead, guard: &'a Guard) -> Result<Raw
         let stopped = match name.as_str() {
             "vertex" => take(&mut ply, Vertices(&mut raw)),
             "face" => take(&mut ply, Triangles(&mut raw)),
-            _ => take(&mut ply, Skipped),
+            _ => {
+                if name != "edge" && count > 0 {
+                    raw.contents.remarks.push(format!("{count} entries of the element {name} are not read"));
+                }
+                take(&mut ply, Skipped)
+            }
         }
         .map_err(|e| Fault::new(format!("element {name}"), &e, Fault::DAMAGED))?;
         if let Some((row, why)) = stopped {

@@ -41,7 +41,7 @@ pub(super) fn check(root: &Root, contents: &mut Contents) -> Result<(), Fault> {
             return Err(Fault::new("extensionsRequired", &problem, "export it without this extension"));
         }
     }
-    for name in root.extensions_used.iter().filter(|name| PLACING.contains(&name.as_str())) {
+    for name in PLACING.iter().filter(|&&name| root.extensions_used.iter().any(|used| used == name)) {
         contents.remarks.push(format!("the extension {name} is not applied"));
     }
     Ok(())

@@ -46,6 +46,12 @@ pub(super) fn placed_meshes(root: &Root, contents: &mut Contents) -> Result<Vec<
             waiting.push((reach(child.value())?, transform));
         }
     }
+    let elsewhere = root.nodes.iter().filter(|node| node.mesh.is_some()).count() - placed.len();
+    if elsewhere > 0 {
+        contents
+            .remarks
+            .push(format!("{elsewhere} nodes with a mesh stand in other scenes of the file, or in none"));
+    }
     if skinned > 0 {
         contents.remarks.push(format!("{skinned} meshes with a skin stand as they were bound, not as posed"));
     }
