@@ -222,7 +222,7 @@ bench-experiments: packages
 	for experiment in spatial-splits cost-counts auxiliary-trees bucket-sort presplitting constant-cut grid; do \
 		./target/release/phr experiment $$experiment $(SCENES) --views 1 --size 128 --rounds 3 --replace $(ARGS) || exit 1; \
 	done
-	./target/release/phr experiment grid conference-like hairball-like sanmiguel-like powerplant-like --replace \
+	./target/release/phr experiment grid conference-like hairball-like sanmiguel-like powerplant-like --views 1 --rounds 3 --replace \
 		--out results/experiments/grid-paper $(ARGS)
 	./target/release/phr experiment cut-size $(SCENES)
 
