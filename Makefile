@@ -4,10 +4,10 @@
 # make bench-full   the same with more rays and rounds
 # make bench-paper  the paper's protocol: its eight methods over stand-ins for its nine scenes, whole frames of 1024 x 1024
 #                   pixels, into results/paper-run; reduced into results/paper-protocol, drawn, and told of beside its claims
-#                   of 5.1 and 5.2; stopped and resumed at will: two hours on two cores
+#                   of 5.1 and 5.2; stopped and resumed at will: two to three hours on two cores
 # make bench-experiments
 #                   the paper's experiments over the files SCENES, and that of its parameters over stand-ins for its scenes,
-#                   into results/experiments: two hours on two cores
+#                   into results/experiments-run; reduced into results/experiments, drawn and told: some hours on two cores
 # make bench-builders
 #                   what the targets are judged by (`phr targets`), into results/targets: all builders on the files
 #                   SCENES and the built-in scenes with two threads, their builds with one thread beside two, their
@@ -220,10 +220,15 @@ bench-paper: packages
 bench-experiments: packages
 	$(CARGO) build --release --bin phr
 	for experiment in spatial-splits cost-counts auxiliary-trees bucket-sort presplitting constant-cut grid; do \
-		./target/release/phr experiment $$experiment $(SCENES) --views 1 --size 128 --rounds 3 --replace $(ARGS) || exit 1; \
+		./target/release/phr experiment $$experiment $(SCENES) --views 1 --size 128 --rounds 3 --replace \
+			--out results/experiments-run/$$experiment $(ARGS) && \
+			./target/release/phr reduce results/experiments-run/$$experiment results/experiments/$$experiment && \
+			./target/release/phr experiment $$experiment --redraw || exit 1; \
 	done
 	./target/release/phr experiment grid conference-like hairball-like sanmiguel-like powerplant-like --views 1 --rounds 3 --replace \
-		--out results/experiments/grid-paper $(ARGS)
+		--out results/experiments-run/grid-paper $(ARGS)
+	./target/release/phr reduce results/experiments-run/grid-paper results/experiments/grid-paper
+	./target/release/phr experiment grid --redraw --out results/experiments/grid-paper
 	./target/release/phr experiment cut-size $(SCENES)
 
 # One folder for each library; a round for the one, then one for the other.
