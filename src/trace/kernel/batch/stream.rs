@@ -127,7 +127,11 @@ impl<R: Reciprocal + Lanes> Stream<R> {
                 stream.places.push(place);
             }
         }
-        stream.packet.prepare(token);
+        Lanes::run(
+            token,
+            #[inline(always)]
+            || stream.packet.prepare(token),
+        );
         stream
     }
 
@@ -160,7 +164,11 @@ impl<R: Reciprocal + Lanes> Stream<R> {
         rays: Mask,
     ) -> impl Iterator<Item = Waiting> {
         let met = if Packet::is_worth::<R>(rays) {
-            self.packet.meet::<R, N, ANY>(self.token, node, rays)
+            Lanes::run(
+                self.token,
+                #[inline(always)]
+                || self.packet.meet::<R, N, ANY>(self.token, node, rays),
+            )
         } else {
             self.meet_singly::<N, ANY>(node, rays)
         };
@@ -199,7 +207,12 @@ impl<R: Reciprocal + Lanes> Stream<R> {
                 break;
             }
             if Packet::is_worth::<R>(rays) {
-                let hit = self.packet.hit::<R, ANY>(self.token, block, rays, &mut self.hits);
+                let (token, packet, hits) = (self.token, &mut self.packet, &mut self.hits);
+                let hit = Lanes::run(
+                    token,
+                    #[inline(always)]
+                    || packet.hit::<R, ANY>(token, block, rays, hits),
+                );
                 if ANY {
                     self.done |= hit;
                 }

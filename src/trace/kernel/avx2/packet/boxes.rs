@@ -21,22 +21,9 @@ impl<const N: usize> Met<N> {
 }
 
 impl Packet {
-    /// The children of `node` that `rays` meet; of any hits nobody asks where.
+    /// The children of `node` that `rays` meet; of any hits nobody asks where. Call it within [`Lanes::run`].
     #[inline(always)]
     pub(in crate::trace::kernel) fn meet<L: Lanes, const N: usize, const ANY: bool>(
-        &self,
-        lanes: L,
-        node: &WideNode<N>,
-        rays: Mask,
-    ) -> Met<N> {
-        lanes.run(
-            #[inline(always)]
-            || self.meet_inlined::<L, N, ANY>(lanes, node, rays),
-        )
-    }
-
-    #[inline(always)]
-    fn meet_inlined<L: Lanes, const N: usize, const ANY: bool>(
         &self,
         lanes: L,
         node: &WideNode<N>,

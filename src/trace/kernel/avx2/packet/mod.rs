@@ -68,18 +68,9 @@ impl Packet {
         self.rays += 1;
     }
 
-    /// Prepares the rays for [`Packet::meet`] and [`Packet::hit`], as [`FastAvx2::new`] does.
+    /// Prepares the rays for [`Packet::meet`] and [`Packet::hit`], as [`FastAvx2::new`] does. Call it within [`Lanes::run`].
     #[inline(always)]
     pub(in crate::trace::kernel) fn prepare<L: Lanes>(&mut self, lanes: L) {
-        lanes.run(
-            #[inline(always)]
-            || self.prepare_inlined(lanes),
-        );
-        self.near = [0, 1, 2].map(|axis| self.rdir[axis][0] < 0.0);
-    }
-
-    #[inline(always)]
-    fn prepare_inlined<L: Lanes>(&mut self, lanes: L) {
         let (zero, one, smallest) = (lanes.splat(0.0), lanes.splat(1.0), lanes.splat(SMALLEST_DIRECTION));
         for at in vectors::<L>() {
             for axis in 0..3 {
@@ -93,6 +84,7 @@ impl Packet {
             let tnear = load(lanes, &self.tnear, at);
             store(lanes, lanes.max(tnear, zero), &mut self.tnear, at);
         }
+        self.near = [0, 1, 2].map(|axis| self.rdir[axis][0] < 0.0);
     }
 
     /// Ray `i` by itself.

@@ -8,23 +8,9 @@ use crate::trace::kernel::avx2::fast::normals;
 
 impl Packet {
     /// Tests `rays` against the triangles of `block`; returns those that have a hit. Unless `ANY`, their hits are replaced by
-    /// the closest.
+    /// the closest. Call it within [`Lanes::run`].
     #[inline(always)]
     pub(in crate::trace::kernel) fn hit<L: Lanes, const ANY: bool>(
-        &mut self,
-        lanes: L,
-        block: &TriangleBlock,
-        rays: Mask,
-        hits: &mut [Hit; MOST],
-    ) -> Mask {
-        lanes.run(
-            #[inline(always)]
-            || self.hit_inlined::<L, ANY>(lanes, block, rays, hits),
-        )
-    }
-
-    #[inline(always)]
-    fn hit_inlined<L: Lanes, const ANY: bool>(
         &mut self,
         lanes: L,
         block: &TriangleBlock,
