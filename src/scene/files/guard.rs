@@ -4,6 +4,7 @@
 //! refused is kept here, because errors of decoders and deserializers between do not carry a remedy.
 
 use super::error::Fault;
+use crate::geometry::Mesh;
 use std::cell::RefCell;
 use std::path::Path;
 
@@ -83,6 +84,15 @@ impl Guard {
             mebibytes(self.memory)
         );
         Err(self.refuse("its size", &problem, Self::REMEDY))
+    }
+
+    /// Refuses more triangles than a mesh may have.
+    pub fn allow_triangles(&self, triangles: u64) -> Result<(), Refused> {
+        if triangles <= Mesh::MAX_TRIANGLES as u64 {
+            return Ok(());
+        }
+        let problem = format!("{triangles} triangles or more, of at most {}", Mesh::MAX_TRIANGLES);
+        Err(self.refuse("its size", &problem, "split the scene"))
     }
 
     /// Bytes that may be held at a time.

@@ -69,7 +69,15 @@ impl<'a> Lines<'a> {
 
     /// Refuses a line of which the end was passed over.
     pub fn check_whole(&self) -> Result<(), Fault> {
-        if self.is_cut { Err(self.fault("a line of more than 16 MiB")) } else { Ok(()) }
+        if !self.is_cut {
+            return Ok(());
+        }
+        let place = format!("line {}", self.number);
+        Err(Fault::new(
+            place,
+            "longer than 16 MiB",
+            "split its polygon, or fetch the file again if it is damaged",
+        ))
     }
 
     /// A fault at this line.

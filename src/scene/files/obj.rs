@@ -16,7 +16,7 @@ use std::io::{self, BufRead, Read};
 const HELD: u64 = 128;
 
 /// Reads `v` and `f` lines; indices may be negative (counted back from the last vertex given before). Faces with an index
-/// out of range are left out and counted; points, lines, objects and groups are counted.
+/// out of range or without three vertices are left out and counted; points, lines, objects and groups are counted.
 pub(super) fn read<'a>(reader: &mut dyn BufRead, guard: &'a Guard) -> Result<RawMesh<'a>, Fault> {
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ..tobj::LoadOptions::default() };
     let mut filter = Filter::new(reader, guard);
@@ -114,9 +114,9 @@ impl<'a> Filter<'a> {
                 }
                 self.kept.push(b'\n');
                 if corners < 3 {
-                    return Err(self.lines.fault("a face with fewer than three vertices"));
-                }
-                if in_range {
+                    self.contents.empty += 1;
+                    self.kept.clear();
+                } else if in_range {
                     self.triangles += corners as u64 - 2;
                 } else {
                     self.out_of_range += corners - 2;
@@ -130,6 +130,7 @@ impl<'a> Filter<'a> {
             _ => {}
         }
         self.guard.allow((self.vertices as u64 + self.triangles) * HELD)?;
+        self.guard.allow_triangles(self.triangles)?;
         Ok(true)
     }
 }

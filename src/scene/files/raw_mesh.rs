@@ -52,6 +52,7 @@ impl<'a> RawMesh<'a> {
     #[inline]
     pub fn push_triangle(&mut self, triangle: [u32; 3]) -> Result<(), Refused> {
         if self.triangles.len() == self.triangles.capacity() {
+            self.guard.allow_triangles(self.triangles.len() as u64 + 1)?;
             let held = self.held.saturating_add(bytes(&self.vertices));
             grow(self.guard, &mut self.triangles, held)?;
         }
@@ -69,7 +70,8 @@ impl<'a> RawMesh<'a> {
     pub fn announce(&self, vertices: u64, triangles: u64) -> Result<(), Refused> {
         let more = vertices.saturating_add(triangles).saturating_mul(size_of::<[f32; 3]>() as u64);
         let mesh = size_of::<[f32; 3]>() * (self.vertices.len() + self.triangles.len());
-        self.guard.allow(more.saturating_add(mesh as u64).saturating_add(self.held))
+        self.guard.allow(more.saturating_add(mesh as u64).saturating_add(self.held))?;
+        self.guard.allow_triangles(triangles.saturating_add(self.triangles.len() as u64))
     }
 }
 

@@ -73,7 +73,25 @@ fn what_is_no_triangle_counts_in_each_of_its_places() {
         }),
     );
     assert_eq!((scene.contents.objects, scene.contents.points), (3000 * 3001, 3000 * 3000));
-    assert_eq!((scene.mesh.len(), scene.mesh.vertices().len()), (3000 * 2, 3000 * 4));
+    assert_eq!((scene.mesh.len(), scene.mesh.vertices().len()), (3000 * 2, 4), "all in one place");
+}
+
+/// Some files have one list of vertices for all their meshes.
+#[test]
+fn meshes_in_one_place_share_their_vertices() {
+    let scene = read(
+        "x.glb",
+        changed(|d| {
+            let mesh = d["meshes"][0].clone();
+            d["meshes"] = vec![mesh; 3].into();
+            let node = |mesh: u32, x: f32| json!({"mesh": mesh, "translation": [x, 0, 0]});
+            d["nodes"] = json!([node(0, 0.0), node(1, 0.0), node(2, 5.0), node(1, 5.0), node(0, 0.0)]);
+            d["scenes"] = json!([{"nodes": [0, 1, 2, 3, 4]}]);
+        }),
+    );
+    let moved: Vec<_> = two().into_iter().map(|t| t.map(|[x, y, z]| [x + 5.0, y, z])).collect();
+    assert_eq!(corners(&scene), [two(), two(), moved.clone(), moved, two()].concat());
+    assert_eq!(scene.mesh.vertices().len(), 3 * 4);
 }
 
 /// What an application adds may be any value.
@@ -179,7 +197,10 @@ fn wrong_gltf_is_told() {
         (changed(|d| d["bufferViews"][0]["byteOffset"] = u64::MAX.into()), "bufferView 0: beyond the end"),
         (changed(|d| d["bufferViews"][0]["byteStride"] = 4.into()), "bufferView 0: a stride shorter"),
         (changed(|d| d["buffers"][0]["byteLength"] = 4096.into()), "buffer 0: has 92 bytes of 4096"),
-        (changed(|d| d["buffers"][0]["uri"] = "none.bin".into()), "none.bin: No such file"),
+        (
+            changed(|d| d["buffers"][0]["uri"] = "none.bin".into()),
+            "none.bin: No such file or directory (os error 2); put",
+        ),
         (changed(|d| d["buffers"][0]["uri"] = "http://a.b/c".into()), "http://a.b/c is not a file"),
         (changed(|d| d["buffers"][0]["uri"] = "a/..%2f../c".into()), "outside the scene's folder"),
         (changed(|d| d["buffers"][0]["uri"] = "/etc/hostname".into()), "outside the scene's folder"),

@@ -1,7 +1,7 @@
 //! The bytes of the buffers in use: the container's, of a data URI, or of a file beside.
 
 use super::container::exactly;
-use crate::scene::files::error::Fault;
+use crate::scene::files::error::{Fault, SceneError};
 use crate::scene::files::guard::Guard;
 use crate::scene::files::source::open;
 use gltf::json::{Index, Root, accessor::Accessor, buffer};
@@ -37,7 +37,7 @@ impl Buffers {
                     let url = data_url::DataUrl::process(uri).map_err(|_| fault("a malformed data URI"))?;
                     url.decode_to_vec().map_err(|_| fault("a data URI that is no base64"))?.0
                 }
-                Some(uri) => beside(path, uri, buffer.byte_length.0, guard, &fault)?,
+                Some(uri) => beside(path, uri, [index as u64, buffer.byte_length.0], guard)?,
             };
             let length = buffer.byte_length.0;
             if (bytes.len() as u64) < length {
@@ -76,24 +76,27 @@ fn views(accessor: &Accessor) -> impl Iterator<Item = Index<buffer::View>> {
     accessor.buffer_view.into_iter().chain(sparse)
 }
 
-/// The first `length` bytes of the file that `uri` names beside the scene's.
-fn beside(
-    scene: &Path,
-    uri: &str,
-    length: u64,
-    guard: &Guard,
-    fault: &dyn Fn(&str) -> Fault,
-) -> Result<Vec<u8>, Fault> {
+/// The first `length` bytes of buffer `index`, of the file that `uri` names beside the scene's.
+fn beside(scene: &Path, uri: &str, [index, length]: [u64; 2], guard: &Guard) -> Result<Vec<u8>, Fault> {
+    let fault = |problem: &str, remedy| Fault::new(format!("buffer {index}"), problem, remedy);
     if uri.contains("://") {
-        return Err(fault(&format!("{uri} is not a file; fetch it")));
+        let remedy = "fetch that file and name it by its path in the scene's folder";
+        return Err(fault(&format!("{uri} is not a file"), remedy));
     }
-    let name = decoded(uri).ok_or_else(|| fault(&format!("{uri} names no file")))?;
+    let name = decoded(uri).ok_or_else(|| fault(&format!("{uri} names no file"), Fault::DAMAGED))?;
     // A scene from elsewhere is not to read what is not its own.
     if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
-        return Err(fault(&format!("{uri} lies outside the scene's folder; put it beside the scene")));
+        let problem = format!("{uri} lies outside the scene's folder");
+        return Err(fault(&problem, "put it beside the scene and name it so"));
     }
-    let (file, _) = open(&scene.with_file_name(name)).map_err(|error| fault(&error.to_string()))?;
-    let length = u32::try_from(length).map_err(|_| fault("larger than 4 GiB"))?;
+    let (file, _) = open(&scene.with_file_name(&name)).map_err(|error| match error {
+        SceneError::Unreadable { source, .. } => {
+            fault(&format!("{name}: {source}"), "put that file beside the scene, readable")
+        }
+        _ => fault(&format!("{name}: not a regular file"), "put the file of that name beside the scene"),
+    })?;
+    let length =
+        u32::try_from(length).map_err(|_| fault("larger than 4 GiB", "split it into smaller buffers"))?;
     exactly(&mut BufReader::new(file), length, guard, uri)
 }
 

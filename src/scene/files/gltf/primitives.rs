@@ -28,7 +28,8 @@ pub(super) struct Plan {
 #[derive(Default)]
 struct MeshPlan {
     faces: Vec<Faces>,
-    vertices: u64,
+    /// Vertices by accessor.
+    vertices: BTreeMap<usize, u64>,
     triangles: u64,
     contents: Contents,
     morphed: usize,
@@ -38,6 +39,7 @@ struct MeshPlan {
 pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) -> Result<Plan, Fault> {
     let mut plan = Plan::default();
     let mut morphed = 0;
+    let mut known = Known::default();
     for placed in placed {
         let mesh = match plan.meshes.entry(placed.mesh) {
             Entry::Occupied(known) => known.into_mut(),
@@ -47,7 +49,12 @@ pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) 
                 place.insert(mesh)
             }
         };
-        plan.vertices = plan.vertices.saturating_add(mesh.vertices);
+        known.enter(&placed.transform);
+        for (&accessor, &count) in &mesh.vertices {
+            if known.ranges.insert(accessor, (0, 0)).is_none() {
+                plan.vertices = plan.vertices.saturating_add(count);
+            }
+        }
         plan.triangles = plan.triangles.saturating_add(mesh.triangles);
         contents.objects += mesh.contents.objects;
         contents.points += mesh.contents.points;
@@ -61,13 +68,30 @@ pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) 
     Ok(plan)
 }
 
+/// The vertices of each accessor that are in the scene already, moved as those of the mesh at hand: primitives of a mesh
+/// often share theirs, and in some files all meshes do.
+#[derive(Default)]
+struct Known {
+    transform: DMat4,
+    /// First vertex and number of vertices.
+    ranges: HashMap<usize, (u32, u32)>,
+}
+
+impl Known {
+    /// Forgets vertices that were moved otherwise.
+    fn enter(&mut self, transform: &DMat4) {
+        if self.transform != *transform {
+            *self = Self { transform: *transform, ranges: HashMap::new() };
+        }
+    }
+}
+
 impl MeshPlan {
     fn of(root: &Root, placed: &PlacedMesh) -> Result<Self, Fault> {
         let mut mesh = Self::default();
-        let mut seen = BTreeSet::new();
-        for primitive in primitives(root, placed)? {
+        for (index, primitive) in primitives(root, placed)?.iter().enumerate() {
             mesh.contents.objects += 1;
-            let Some(faces) = Faces::of(root, primitive)? else {
+            let Some(faces) = Faces::of(root, primitive, [placed.mesh, index])? else {
                 match &primitive.mode {
                     Checked::Valid(Mode::Points) => mesh.contents.points += 1,
                     Checked::Valid(Mode::Lines | Mode::LineLoop | Mode::LineStrip) => {
@@ -80,9 +104,7 @@ impl MeshPlan {
             mesh.contents.empty += usize::from(!faces.are_whole());
             mesh.morphed +=
                 usize::from(primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()));
-            if seen.insert(faces.positions) {
-                mesh.vertices = mesh.vertices.saturating_add(accessor(root, faces.positions)?.0.count.0);
-            }
+            mesh.vertices.insert(faces.positions, accessor(root, faces.positions)?.0.count.0);
             mesh.triangles = mesh.triangles.saturating_add(faces.triangles());
             mesh.faces.push(faces);
         }
@@ -99,11 +121,11 @@ pub(super) fn append(
     raw: &mut RawMesh<'_>,
 ) -> Result<(), Fault> {
     let mut corners = Vec::new();
+    let mut known = Known::default();
     for placed in placed {
-        // Primitives of a mesh often share their vertices.
-        let mut known: HashMap<usize, (u32, u32)> = HashMap::new();
+        known.enter(&placed.transform);
         for faces in plan.meshes.get(&placed.mesh).into_iter().flat_map(|mesh| &mesh.faces) {
-            let (first, count) = match known.get(&faces.positions) {
+            let (first, count) = match known.ranges.get(&faces.positions) {
                 Some(&range) => range,
                 None => {
                     let begin = raw.vertices.len();
@@ -112,7 +134,7 @@ pub(super) fn append(
                     let (first, end) = range.ok_or_else(|| {
                         Fault::new("its size", "more than 2^32 vertices", "split the scene")
                     })?;
-                    known.insert(faces.positions, (first, end - first));
+                    known.ranges.insert(faces.positions, (first, end - first));
                     (first, end - first)
                 }
             };
@@ -181,10 +203,10 @@ struct Faces {
 
 impl Faces {
     /// `None` for points, lines and what has no triangle.
-    fn of(root: &Root, primitive: &Primitive) -> Result<Option<Self>, Fault> {
-        let mode = match &primitive.mode {
-            Checked::Valid(mode) => *mode,
-            Checked::Invalid => return Err(Fault::new("a primitive", "of unknown mode", Fault::DAMAGED)),
+    fn of(root: &Root, primitive: &Primitive, [mesh, index]: [usize; 2]) -> Result<Option<Self>, Fault> {
+        let Checked::Valid(mode) = primitive.mode else {
+            let place = format!("mesh {mesh}, primitive {index}");
+            return Err(Fault::new(place, "of unknown mode", Fault::DAMAGED));
         };
         let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
         let Some(positions) = positions.filter(|_| mode as u8 >= Mode::Triangles as u8) else {
