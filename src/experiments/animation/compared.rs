@@ -9,6 +9,7 @@ use crate::bench::statistics::median;
 const AROUND: usize = 2;
 
 /// The frames of a contestant in one scene.
+#[derive(Clone)]
 pub struct Track<'a> {
     /// The contestant.
     pub entrant: Entrant,

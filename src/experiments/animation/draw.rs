@@ -39,9 +39,9 @@ pub fn draw(rows: &[FrameRow]) -> Option<String> {
     let scenes = scenes_of(rows.iter().map(|row| &row.scene));
     let scenes: Vec<(String, Vec<Track<'_>>)> = scenes
         .into_iter()
-        .map(|scene| {
+        .flat_map(|scene| {
             let tracks = tracks(rows, &scene);
-            (scene, tracks)
+            told_apart(scene, &tracks)
         })
         .filter(|(_, tracks)| !tracks.is_empty())
         .collect();
@@ -79,6 +79,23 @@ pub fn draw(rows: &[FrameRow]) -> Option<String> {
         }
     }
     Some(svg.finish())
+}
+
+/// Rows of panels of a scene: trees that keep its static part stand beside those that are built again, in a row of their
+/// own. Fifteen lines in a panel are too many.
+fn told_apart<'a>(scene: String, tracks: &[Track<'a>]) -> Vec<(String, Vec<Track<'a>>)> {
+    let (merged, others): (Vec<_>, Vec<_>) =
+        tracks.iter().cloned().partition(|track| is_merge(&track.entrant));
+    if merged.is_empty() {
+        return vec![(scene, others)];
+    }
+    let rebuilt = others.iter().filter(|track| track.entrant.update == Update::Rebuild).cloned();
+    let kept = (format!("{scene}, its static part kept"), rebuilt.chain(merged).collect());
+    vec![(scene, others), kept]
+}
+
+fn is_merge(entrant: &Entrant) -> bool {
+    matches!(entrant.update, Update::Merge | Update::MergeSah)
 }
 
 /// The least and the greatest number of rays of a frame, thousands.
@@ -168,6 +185,11 @@ mod tests {
             ["lbvh, rebuild", "lbvh, refit", "phr-speed, refine", "s, 1 k triangles", "relative to lbvh"]
         {
             assert!(svg.contains(name), "{name}: {svg}");
+        }
+        let merged = [all, rows("phr-fast", Update::Merge, &[(5.0, 9.0); 9])].concat();
+        let svg = draw(&merged).unwrap();
+        for title in [">s: each frame<", ">s, its static part kept: each frame<"] {
+            assert!(svg.contains(title), "{title}: {svg}");
         }
         assert!(draw(&rows("lbvh", Update::Refit, &[(1.0, 2.0)])).is_some(), "one frame");
         assert!(draw(&[]).is_none());

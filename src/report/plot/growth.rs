@@ -16,8 +16,11 @@ pub fn growth(rows: &[Row]) -> Option<String> {
         let (shape, colour) = style(&line.builder);
         // A second builder of a family is told from the first by hollow points and a broken line.
         let is_hollow = growth.lines[..place].iter().any(|other| style(&other.builder) == (shape, colour));
+        // Beside those of other builders, so that intervals do not hide each other.
+        let shift = 1.03f64.powf(place as f64 - 0.5 * (growth.lines.len() - 1) as f64);
         let at = growth.sizes.iter().zip(&line.ns).zip(&line.errors);
-        let at = at.filter_map(|((&size, ns), &error)| Some(((size as f64 * 1e-6, ns.value()?), error)));
+        let at =
+            at.filter_map(|((&size, ns), &error)| Some(((size as f64 * 1e-6 * shift, ns.value()?), error)));
         let at: Vec<((f64, f64), f64)> = at.collect();
         let last = at.len().saturating_sub(1);
         points.extend(at.iter().enumerate().map(|(index, &((size, ns), error))| {
@@ -45,7 +48,7 @@ pub fn growth(rows: &[Row]) -> Option<String> {
         font: 13.0,
     };
     let about = format!(
-        "scalable scenes, 4-wide trees, {} threads, medians with their 95 % intervals over rounds, both axes logarithmic",
+        "scalable scenes, 4-wide trees, {} threads, medians with their 95 % intervals over rounds, side by side; both axes logarithmic",
         growth.threads
     );
     let mut svg = sheet((820.0, 560.0), "Build time per triangle as scenes grow", &[&about]);
