@@ -143,6 +143,15 @@ fn single_verbs_do_their_work() {
     assert!(
         loaded.iter().all(|row| row.width == 8 && row.is_good() && row.builder_config.contains("phr-hq"))
     );
+    std::fs::create_dir(folder.join("folder")).unwrap();
+    std::fs::copy(folder.join("x.phrtree"), folder.join("folder/x.phrtree")).unwrap();
+    let twice = phr(&folder, &["bench", "sheet.ply", "--tree", "x.phrtree", "--tree", "folder/x.phrtree"]);
+    assert_eq!(twice.status.code(), Some(2));
+    assert!(
+        text(&twice.stderr).contains("folder/x.phrtree: named like x.phrtree"),
+        "{}",
+        text(&twice.stderr)
+    );
     let generated = phr::scene::builtin()[0].name;
     let other = phr(&folder, &["bench", generated, "--tree", "x.phrtree"]);
     assert_eq!(other.status.code(), Some(2));
