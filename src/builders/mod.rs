@@ -37,7 +37,7 @@ pub use api::config_error::ConfigError;
 pub use clusters::aac::{Aac, AacConfig};
 pub use clusters::ploc::{Ploc, PlocConfig};
 pub use hunt::{Hunt, HuntConfig};
-pub use lbvh::auxiliary::{AuxiliaryConfig, Clusters};
+pub use lbvh::config::{AuxiliaryConfig, Clusters};
 pub use lbvh::direct::Lbvh;
 pub use optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
 pub use phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, MergedPhr, Phr, PhrConfig};

@@ -1,4 +1,4 @@
-//! All bounds on depths and sizes, and why they suffice. The assertions at the end are checked by the compiler.
+//! Bounds on depths and sizes of trees, and why they suffice. The assertions at the end are checked by the compiler.
 
 use crate::geometry::Mesh;
 

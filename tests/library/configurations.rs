@@ -37,6 +37,12 @@ fn one<T: Copy>(random: &mut SplitMix64, of: &[T]) -> T {
     of[random.below(of.len())]
 }
 
+/// The same, or none.
+fn maybe_float(random: &mut SplitMix64, of: &[f32]) -> Option<f32> {
+    let value = float(random, of);
+    maybe(random, &[value])
+}
+
 /// A value of a list, or none: extensions are off more often than not.
 fn maybe<T: Copy>(random: &mut SplitMix64, of: &[T]) -> Option<T> {
     (random.below(3) == 0).then(|| one(random, of))
@@ -80,7 +86,7 @@ fn phr(random: &mut SplitMix64) -> PhrConfig {
                 presplit: maybe(random, &[presplit]),
                 auxiliary_leaf: maybe(random, &[1, 2, 3, 4, 4, 4, 5, 0]),
                 clusters: maybe(random, &[clusters]),
-                calibration: maybe(random, &[1e3, 0.3, 0.0]),
+                calibration: maybe_float(random, &[1e3, 0.3, 0.0]),
             },
             auxiliary_tree: one(
                 random,
@@ -93,9 +99,9 @@ fn phr(random: &mut SplitMix64) -> PhrConfig {
                     AuxiliaryTree::BinnedSah(BinnedSahConfig { bins: 16 }),
                 ],
             ),
-            cut_share: maybe(random, &[0.1, 1.0, 0.0]),
+            cut_share: maybe_float(random, &[0.1, 1.0, 0.0]),
             local_threshold: maybe(random, &[local]),
-            spatial_bias: maybe(random, &[1.07, 0.0, 5.0]),
+            spatial_bias: maybe_float(random, &[1.07, 0.0, 5.0]),
             clip_triangles: random.below(2) == 0,
             triangle_counts: random.below(4) == 0,
             subtree_sweep: maybe(random, &[32, 256, 5, 32, 32, 257]),
@@ -140,9 +146,9 @@ fn check_hits<const N: usize>(mesh: &Mesh, build: &Build<N>, what: &str) {
     let mut rays = Vec::new();
     for prim in 0..mesh.len() as u32 {
         let [a, b, c] = mesh.corners(prim);
-        let normal = (b - a).cross(c - a);
+        let normal = ((b - a) / extent).cross((c - a) / extent);
         // Slivers are hit or missed by rounding.
-        if normal.length() > 1e-4 * extent * extent {
+        if normal.length() > 1e-4 {
             let dir = -normal.normalize();
             let org = a * 0.3 + b * 0.36 + c * 0.34 - dir * extent;
             rays.push(Ray { org: org.into(), tnear: 0.0, dir: dir.into(), tfar: f32::INFINITY });
@@ -167,7 +173,7 @@ fn configurations_are_refused_or_their_trees_are_whole() {
 
 /// Checks the configuration of a seed; returns whether it was not refused.
 fn check<const N: usize>(seed: u64) -> bool {
-    const SCALES: [f32; 9] = [1.0, 1e-38, 1e-20, 1e-6, 1e6, 1e9, 1e18, 1.8e18, 1.0];
+    const SCALES: [f32; 10] = [1.0, 1e-38, 1e-20, 1e-11, 1e-6, 1e6, 1e11, 1e18, 1.8e18, 1.0];
     let mut random = SplitMix64::new(seed);
     let scale = one(&mut random, &SCALES);
     let n = one(&mut random, &[0, 1, 2, 5, 30, 150, 600, 1000]);
@@ -186,7 +192,8 @@ fn check<const N: usize>(seed: u64) -> bool {
     let what = format!("seed {seed}, {} {config}, width {N}, scale {scale}", builder.name());
     let build = builder.build(&mesh);
     assert_eq!(build.tree.validate(&mesh), Ok(()), "{what}");
-    if (1e-6..=1e6).contains(&scale) {
+    // Beyond, the product of three lengths that the kernels compare is infinite or zero.
+    if (1e-11..=1e11).contains(&scale) {
         check_hits(&mesh, &build, &what);
     }
     true
@@ -223,19 +230,30 @@ fn refusals_name_the_parameter_its_value_and_its_range() {
     let auxiliary_tree = AuxiliaryTree::BinnedSah(BinnedSahConfig { bins: 65 });
     let extensions = Extensions { auxiliary_tree, ..Extensions::NONE };
     let error = refused(PhrConfig { extensions, ..PhrConfig::HQ });
-    assert_eq!(error, "bins = 65 is out of range; give 2 to 64");
+    assert_eq!(error, "auxiliary_tree.binned-sah.bins = 65 is out of range; give 2 to 64");
     let extensions = Extensions { collapse: Some(CollapseCosts::EMBREE), ..Extensions::NONE };
     let phr = PhrConfig { extensions, ..PhrConfig::HQ };
     let config = OptimisedPhrConfig { phr, optimise: OptimiseConfig::DEFAULT };
     let error = OptimisedPhr::<4>::new("", config).err().unwrap().to_string();
     assert_eq!(error, "phr.collapse = on is out of range; give none");
+    let costs = CollapseCosts { max_leaf: 99, ..CollapseCosts::EMBREE };
+    let optimise = OptimiseConfig { costs, ..OptimiseConfig::DEFAULT };
+    let config = OptimisedPhrConfig { phr: PhrConfig::HQ, optimise };
+    let error = OptimisedPhr::<4>::new("", config).err().unwrap().to_string();
+    assert_eq!(error, "optimise.costs.max_leaf = 99 is out of range; give 4 to 28");
     let mut merged = MergedPhr::<4>::new(PhrConfig::SPEED).unwrap();
     let mesh = mesh(&mut SplitMix64::new(1), 30, 1.0);
     for (tree, error) in [
-        (auxiliary_tree, "bins = 65 is out of range; give 2 to 64"),
-        (AuxiliaryTree::BinnedSah(BinnedSahConfig { bins: 0 }), "bins = 0 is out of range; give 2 to 64"),
-        (AuxiliaryTree::Ploc(PlocConfig { radius: 0 }), "radius = 0 is out of range; give 1 to 128"),
-        (AuxiliaryTree::Aac(AacConfig { delta: 0, epsilon: 0.2 }), "delta = 0 is out of range; give 1 to 64"),
+        (auxiliary_tree, "binned-sah.bins = 65 is out of range; give 2 to 64"),
+        (
+            AuxiliaryTree::BinnedSah(BinnedSahConfig { bins: 0 }),
+            "binned-sah.bins = 0 is out of range; give 2 to 64",
+        ),
+        (AuxiliaryTree::Ploc(PlocConfig { radius: 0 }), "ploc.radius = 0 is out of range; give 1 to 128"),
+        (
+            AuxiliaryTree::Aac(AacConfig { delta: 0, epsilon: 0.2 }),
+            "aac.delta = 0 is out of range; give 1 to 64",
+        ),
     ] {
         assert_eq!(merged.keep(&mesh, 20, tree).unwrap_err().to_string(), error);
     }

@@ -28,8 +28,6 @@ pub struct Counts {
     pub spatial_splits: u64,
     /// Cut nodes swept over, summed over all splits.
     pub swept: u64,
-    /// Nodes of the auxiliary tree.
-    pub auxiliary_nodes: u64,
 }
 
 /// A finished build of a tree of nodes of up to `N` children, 4 or 8.
@@ -43,9 +41,9 @@ pub struct Build<const N: usize, B = TriangleBlock> {
     pub counts: Counts,
 }
 
-/// Builds a BVH of nodes of up to `N` children, 4 or 8. Builders are total: any [`Mesh`], empty ones included, has a tree. They run on the rayon
-/// pool they are called from (`pool.install(|| builder.build(&mesh))`), and the tree is the same at any
-/// number of threads.
+/// Builds a BVH of nodes of up to `N` children, 4 or 8. Builders are total: any [`Mesh`], empty ones included, has a tree.
+/// They run on the rayon pool they are called from (`pool.install(|| builder.build(&mesh))`), and the tree is the same at
+/// any number of threads.
 ///
 /// Builders of the list build over [`Boxes`](crate::builders::Boxes) of anything, too:
 /// [`over_boxes`](crate::builders::over_boxes).

@@ -7,14 +7,21 @@ use std::ops::RangeInclusive;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{field} = {value} is out of range; give {}", range(.least, .most))]
 pub struct ConfigError {
-    /// The parameter.
-    pub field: &'static str,
+    /// The parameter, by its path in the configuration: `optimise.costs.leaf`.
+    pub field: String,
     /// Its value.
     pub value: String,
     /// The least value that it may have.
     pub least: String,
     /// The greatest.
     pub most: String,
+}
+
+impl ConfigError {
+    /// The same of a parameter that lies in the field `outer`.
+    pub(crate) fn within(self, outer: &str) -> Self {
+        Self { field: format!("{outer}.{}", self.field), ..self }
+    }
 }
 
 fn range(least: &str, most: &str) -> String {
@@ -31,7 +38,12 @@ pub(crate) fn check<T: PartialOrd + Display + Debug>(
         return Ok(());
     }
     let text = |value: &T| format!("{value:?}");
-    Err(ConfigError { field, value: text(&value), least: text(range.start()), most: text(range.end()) })
+    Err(ConfigError {
+        field: field.into(),
+        value: text(&value),
+        least: text(range.start()),
+        most: text(range.end()),
+    })
 }
 
 /// As [`check`], of a parameter that may be absent.

@@ -86,14 +86,26 @@ impl Node {
         Self(TaggedBox::new(bounds, [self.link(), self.count()]))
     }
 
+    /// Appends the pair of two subtrees; returns their parent.
+    #[inline]
+    pub fn join(children: [Self; 2], pairs: &mut Vec<[Self; 2]>) -> Self {
+        pairs.push(children);
+        Self::inner(&children, pairs.len() - 1)
+    }
+
+    /// The same where either may be missing: a lone one takes the parent's place.
+    #[inline]
+    pub fn join_any(halves: [Option<Self>; 2], pairs: &mut Vec<[Self; 2]>) -> Option<Self> {
+        match halves {
+            [Some(left), Some(right)] => Some(Self::join([left, right], pairs)),
+            [only, None] | [None, only] => only,
+        }
+    }
+
     /// The same subtree in a tree whose pairs have moved up.
     #[inline]
     pub fn moved(self, pairs: u32) -> Self {
-        if self.is_leaf() {
-            self
-        } else {
-            Self(TaggedBox::new(self.bounds(), [self.link() + pairs, self.count()]))
-        }
+        self.appended(pairs, 0)
     }
 
     /// The same subtree in a tree whose pairs have moved up, and whose references follow `references` others.

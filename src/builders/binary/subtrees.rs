@@ -54,13 +54,7 @@ impl Subtrees {
 
     /// Appends the parent of two subtrees; a lone one takes its place.
     pub fn merge(&mut self, halves: [Option<Node>; 2]) -> Option<Node> {
-        match halves {
-            [Some(left), Some(right)] => {
-                self.pairs.push([left, right]);
-                Some(Node::inner(&[left, right], self.pairs.len() - 1))
-            }
-            [only, None] | [None, only] => only,
-        }
+        Node::join_any(halves, &mut self.pairs)
     }
 
     /// Appends a copy of the subtree of `node` in `from`.

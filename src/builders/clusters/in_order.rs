@@ -52,10 +52,7 @@ pub(crate) fn in_order(
         },
     );
     let copied: Vec<Node> = copied.into_iter().map(|(node, [first, _])| node.moved(first as u32)).collect();
-    ordered.root = Some(divided.fold(&copied, &mut |parts| {
-        pairs.push([parts[0], parts[1]]);
-        Node::inner(&[parts[0], parts[1]], pairs.len() - 1)
-    }));
+    ordered.root = Some(divided.fold(&copied, &mut |parts| Node::join([parts[0], parts[1]], pairs)));
     ordered_keys
 }
 
@@ -90,7 +87,7 @@ impl Copied {
         tree.prefetch(right);
         let left_copy = self.subtree(from, left, first, levels - 1, rule);
         let right_copy = self.subtree(from, right, first + left.count(), levels - 1, rule);
-        self.parent(left_copy, right_copy)
+        Node::join([left_copy, right_copy], &mut self.pairs)
     }
 
     /// Appends a subtree over the leaves of another, halved by count.
@@ -104,12 +101,7 @@ impl Copied {
         let (left, right) = leaves.split_at(leaves.len() / 2);
         let left_half = self.halved(keys, left, first, rule);
         let right_half = self.halved(keys, right, first + left_half.count(), rule);
-        self.parent(left_half, right_half)
-    }
-
-    fn parent(&mut self, left: Node, right: Node) -> Node {
-        self.pairs.push([left, right]);
-        Node::inner(&[left, right], self.pairs.len() - 1)
+        Node::join([left_half, right_half], &mut self.pairs)
     }
 }
 

@@ -22,7 +22,7 @@ impl CutPolicy for ConstantLength {
         // references than nodes wanted, and so always nodes to open.
         while nodes.len() < self.0 {
             keys.clear();
-            keys.extend(nodes.iter().map(key_of));
+            keys.extend(nodes.iter().map(area_key));
             let inner = keys.iter().filter(|&&key| key > LEAF).count();
             let wanted = (self.0 - nodes.len()).min(inner);
             let Largest { least, mut equal } = Largest::of(keys, wanted, inner);
@@ -46,7 +46,7 @@ impl CutPolicy for ConstantLength {
 const LEAF: i32 = i32::MIN;
 
 /// Integers in the total order of half areas.
-fn key_of(node: &Node) -> i32 {
+fn area_key(node: &Node) -> i32 {
     let bits = node.bounds().half_area().to_bits() as i32;
     if node.is_leaf() { LEAF } else { bits ^ (bits >> 31 & i32::MAX) }
 }

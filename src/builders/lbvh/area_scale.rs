@@ -64,7 +64,8 @@ impl AreaScale {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};
+    use crate::builders::lbvh::auxiliary::Auxiliary;
+    use crate::builders::lbvh::config::AuxiliaryConfig;
     use crate::geometry::Mesh;
 
     /// Triangles of edge `size`, `n` by `n` of them `step` apart, on a plain of two triangles.

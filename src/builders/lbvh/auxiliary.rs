@@ -6,79 +6,20 @@
 //! partitioned by the middle of their own centroids' bounds, so that 32 bits suffice for any scene.
 
 use super::area_scale::AreaScale;
+use super::config::AuxiliaryConfig;
 use super::key::MortonKey;
-use super::sort::{MortonOrder, SortBits};
+use super::sort::MortonOrder;
 use super::top_tree::{Treelet, top_tree};
 use super::treelet::{LbvhTreelet, LeafRule};
 use crate::builders::api::builder::{Phase, Stopwatch};
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::prims::geometry::Geometry;
-use crate::builders::prims::presplit::PresplitConfig;
 use crate::builders::prims::refs::PrimRefs;
-use crate::bvh::limits::MIDDLE_DEPTH;
 use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
 use crate::parallel::ordered_append;
 use std::ops::Range;
-
-/// Which subtrees of the auxiliary BVH are leaves beside those of few references: near the leaves nothing is lost
-/// by opening them all at once, where they are small.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Clusters {
-    /// Most references of a cluster.
-    pub most: u32,
-    /// Largest area of its box, relative to the scene's ([`AuxiliaryConfig::calibration`]).
-    pub area: f32,
-}
-
-/// Variants of the auxiliary BVH; each changes the tree.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct AuxiliaryConfig {
-    /// Codes are sorted by their highest 12 bits alone, as in the paper. Within a bucket the other bits are in no order, so
-    /// that no search finds where they change (the paper does not say what becomes of it): its run, in the order of the
-    /// mesh, is halved by count.
-    pub bucket_sort: bool,
-    /// Which triangles are split before the sort (paper 5.3).
-    pub presplit: Option<PresplitConfig>,
-    /// Subtrees of at most this many references are leaves, 1 to 4.
-    pub auxiliary_leaf: Option<u32>,
-    /// Larger subtrees that are leaves too.
-    pub clusters: Option<Clusters>,
-    /// Areas of clusters, of nodes split spatially and of overlaps are relative to this many times the median area of
-    /// 2048 references that follow one another along the Morton curve, where that is less than the scene's: a flat wide
-    /// scene is large for what is in it (paper, section 6, leaves parameters chosen by the scene open).
-    pub calibration: Option<f32>,
-}
-
-impl AuxiliaryConfig {
-    /// That of the paper, but for the sort: by all bits.
-    pub const PAPER: Self =
-        Self { bucket_sort: false, presplit: None, auxiliary_leaf: None, clusters: None, calibration: None };
-
-    /// What codes are sorted by, and at which depth of partitions by the middle the tree begins: below the last such depth
-    /// runs are halved.
-    pub(crate) const fn sort(&self) -> (SortBits, u32) {
-        if self.bucket_sort { (SortBits::Highest, MIDDLE_DEPTH) } else { (SortBits::All, 0) }
-    }
-
-    /// Subtrees of at most this many references are always leaves.
-    fn leaf(&self) -> u32 {
-        self.auxiliary_leaf.unwrap_or(1)
-    }
-
-    /// Most references of a leaf.
-    pub(crate) fn max_leaf(&self) -> u32 {
-        self.clusters.map_or(0, |clusters| clusters.most).max(self.leaf())
-    }
-
-    fn rule(&self, scale: &AreaScale) -> LeafRule {
-        let area = self.clusters.map_or(0.0, |clusters| clusters.area * scale.scale);
-        LeafRule { always: self.leaf(), most: self.max_leaf(), area }
-    }
-}
 
 /// The auxiliary BVH with all it is made from; its memory is reused from build to build.
 #[derive(Default)]
@@ -95,37 +36,54 @@ pub(crate) struct Auxiliary {
 impl Auxiliary {
     /// Builds the LBVH of `geometry`.
     pub fn build<G: Geometry>(&mut self, geometry: &G, config: &AuxiliaryConfig) -> Vec<Phase> {
-        self.build_part(geometry, geometry.prims(), config)
+        let mut watch = Stopwatch::start();
+        self.presplit(geometry, geometry.prims(), config, &mut watch);
+        self.sort(geometry, geometry.prims(), config, &mut watch);
+        self.grow_lbvh(geometry, config, &mut watch);
+        watch.phases
     }
 
-    /// Builds the LBVH of some primitives of `geometry`.
-    pub fn build_part<G: Geometry>(
+    /// Takes up some primitives of `geometry`, needles in pieces.
+    pub fn presplit<G: Geometry>(
         &mut self,
         geometry: &G,
         prims: Range<u32>,
         config: &AuxiliaryConfig,
-    ) -> Vec<Phase> {
-        let treelets = std::mem::take(&mut self.treelets);
-        let (_, depth) = config.sort();
-        let phases = self.grow(geometry, prims, config, |refs, keys, rule, tree| {
-            linear(refs, keys, depth, rule, &mut tree.pairs, &treelets)
-        });
-        self.treelets = treelets;
-        phases
+        watch: &mut Stopwatch,
+    ) {
+        self.order.presplit(geometry, prims, config.presplit.as_ref(), watch);
     }
 
-    /// Sorts the references of `prims` and has `grow` make the tree over one or more of them, of which it returns the root:
-    /// leaves are small by the rule, and runs of the keys, which are put into the order of the tree.
+    /// Sorts their references.
+    pub fn sort<G: Geometry>(
+        &mut self,
+        geometry: &G,
+        prims: Range<u32>,
+        config: &AuxiliaryConfig,
+        watch: &mut Stopwatch,
+    ) {
+        self.order.sort(geometry, prims, config.sort().0, &mut self.tree.pairs, watch);
+    }
+
+    /// Makes the LBVH over them.
+    pub fn grow_lbvh<G: Geometry>(&mut self, geometry: &G, config: &AuxiliaryConfig, watch: &mut Stopwatch) {
+        let treelets = std::mem::take(&mut self.treelets);
+        let (_, depth) = config.sort();
+        self.grow(geometry, config, watch, |refs, keys, rule, tree| {
+            lbvh(refs, keys, depth, rule, &mut tree.pairs, &treelets)
+        });
+        self.treelets = treelets;
+    }
+
+    /// Has `grow` make the tree over one or more sorted references, of which it returns the root: leaves are small by the
+    /// rule, and runs of the keys, which are put into the order of the tree.
     pub fn grow<G: Geometry>(
         &mut self,
         geometry: &G,
-        prims: Range<u32>,
         config: &AuxiliaryConfig,
+        watch: &mut Stopwatch,
         grow: impl FnOnce(&PrimRefs<'_, G>, &mut Vec<MortonKey>, LeafRule, &mut BinaryTree) -> Node,
-    ) -> Vec<Phase> {
-        let mut watch = Stopwatch::start();
-        let (bits, _) = config.sort();
-        self.order.sort(geometry, prims, config.presplit.as_ref(), bits, &mut self.tree.pairs, &mut watch);
+    ) {
         // Equal codes are partitioned by reordering keys.
         let mut keys = std::mem::take(&mut self.order.keys);
         let refs = self.order.refs(geometry);
@@ -137,12 +95,11 @@ impl Auxiliary {
         }
         self.order.keys = keys;
         watch.lap("auxiliary tree");
-        watch.phases
     }
 }
 
 /// The root of the LBVH over one or more keys.
-fn linear<G: Geometry>(
+fn lbvh<G: Geometry>(
     refs: &PrimRefs<'_, G>,
     keys: &mut [MortonKey],
     depth: u32,
@@ -160,15 +117,13 @@ fn linear<G: Geometry>(
     };
     let built = ordered_append::append(tasks.len(), treelets, pairs, &mut Vec::new(), make);
     let treelets: Vec<Node> = built.into_iter().map(|(root, offset)| root.moved(offset[0] as u32)).collect();
-    top.fold(&treelets, &mut |children| {
-        pairs.push([children[0], children[1]]);
-        Node::inner(&[children[0], children[1]], pairs.len() - 1)
-    })
+    top.fold(&treelets, &mut |children| Node::join([children[0], children[1]], pairs))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::builders::lbvh::config::Clusters;
     use crate::builders::lbvh::key::{code, reference};
     use crate::builders::lbvh::partition::partition;
     use crate::builders::testing::mesh;

@@ -5,7 +5,7 @@
 //! 3. [`partition`]: where a run of sorted keys is divided in two, by definition;
 //! 4. [`top_tree`]: runs are divided down to treelets that fit a cache;
 //! 5. [`treelet`]: one task builds the tree of a treelet from [`deltas`], [`equal_codes`] and a [`cartesian`] tree;
-//! 6. [`auxiliary`]: all of it.
+//! 6. [`auxiliary`]: all of it, by its [`config`].
 //!
 //! [`direct`] is the builder `lbvh`, which widens the same tree and refines nothing.
 //! [`area_scale`] gives the area that thresholds are relative to; [`prefetch`] fetches triangles ahead; `refit` fits the
@@ -14,6 +14,7 @@
 pub(crate) mod area_scale;
 pub(crate) mod auxiliary;
 pub(crate) mod cartesian;
+pub(crate) mod config;
 pub(crate) mod deltas;
 pub(crate) mod direct;
 pub(crate) mod equal_codes;

@@ -45,9 +45,7 @@ pub(crate) fn primitives(geometry: &impl Geometry, keys: &[MortonKey]) {
 #[inline]
 pub(crate) fn ahead(geometry: &impl Geometry, keys: &[MortonKey], i: usize) {
     const AHEAD: usize = 16;
-    if let Some(&key) = keys.get(i + 2 * AHEAD) {
-        geometry.prefetch(reference(key));
-    }
+    far_ahead(geometry, keys, i);
     if let Some(&key) = keys.get(i + AHEAD) {
         geometry.prefetch_corners(reference(key));
     }

@@ -2,7 +2,8 @@
 //! scales of area are made anew.
 
 use super::area_scale::AreaScale;
-use super::auxiliary::{Auxiliary, AuxiliaryConfig};
+use super::auxiliary::Auxiliary;
+use super::config::AuxiliaryConfig;
 use super::key::reference;
 use super::prefetch;
 use crate::builders::api::builder::{Phase, Stopwatch};
@@ -38,7 +39,7 @@ impl Auxiliary {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builders::lbvh::auxiliary::Clusters;
+    use crate::builders::lbvh::config::Clusters;
     use crate::builders::phr::{AuxiliaryTree, BinnedSahConfig};
     use crate::builders::prims::presplit::PresplitConfig;
     use crate::builders::testing;
@@ -73,7 +74,7 @@ mod tests {
                 [AuxiliaryTree::Lbvh, AuxiliaryTree::BinnedSah(BinnedSahConfig::DEFAULT)].map(|t| (config, t))
             }) {
                 let mut auxiliary = Auxiliary::default();
-                tree.build(&mut auxiliary, &mesh, config, Isa::best());
+                tree.build(&mut auxiliary, (&mesh, 0..n as u32), config, Isa::best());
                 let scale = auxiliary.scale;
                 auxiliary.refit(&moved, config).unwrap();
                 let mut pending: Vec<_> = auxiliary.tree.root.into_iter().collect();

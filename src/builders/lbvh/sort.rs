@@ -46,19 +46,16 @@ pub(crate) struct MortonOrder {
 }
 
 impl MortonOrder {
-    /// Sorts `prims` of a geometry by these bits of their codes, needles in pieces where `presplit` says so, which it does only
-    /// of whole meshes. The memory of `spare` is used meanwhile; its elements are lost.
-    pub fn sort<G: Geometry, T>(
+    /// Takes up `prims` of a geometry, needles in pieces where `presplit` says so, which it does only of whole meshes.
+    pub fn presplit<G: Geometry>(
         &mut self,
         geometry: &G,
         prims: Range<u32>,
         presplit: Option<&PresplitConfig>,
-        bits: SortBits,
-        spare: &mut Vec<T>,
         watch: &mut Stopwatch,
     ) {
         debug_assert!(presplit.is_none() || prims == geometry.prims());
-        let mut info = PrimInfo::of(geometry, prims.clone());
+        let mut info = PrimInfo::of(geometry, prims);
         watch.lap("bounds");
         self.presplit.clear();
         if let (Some(config), Some(mesh)) = (presplit, geometry.triangles()) {
@@ -67,6 +64,19 @@ impl MortonOrder {
             watch.lap("presplit");
         }
         self.info = Some(info);
+    }
+
+    /// Sorts the references of `prims`, which were taken up before, by these bits of their codes. The memory of `spare` is used
+    /// meanwhile; its elements are lost.
+    pub fn sort<G: Geometry, T>(
+        &mut self,
+        geometry: &G,
+        prims: Range<u32>,
+        bits: SortBits,
+        spare: &mut Vec<T>,
+        watch: &mut Stopwatch,
+    ) {
+        let info = self.info.expect("references are taken up before they are sorted");
         let more: usize = self.presplit.chunks.iter().map(|chunk| chunk.pieces - chunk.needles).sum();
         let keys = huge_pages::lend(spare, prims.len() + more, "keys");
         self.encode(geometry, prims, &MortonEncoder::new(info.centers), bits.mask(), keys);
@@ -83,7 +93,8 @@ impl MortonOrder {
 
     /// Sorts all primitives of a geometry by all bits of their codes, likewise.
     pub fn sort_all<G: Geometry, T>(&mut self, geometry: &G, spare: &mut Vec<T>, watch: &mut Stopwatch) {
-        self.sort(geometry, geometry.prims(), None, SortBits::All, spare, watch);
+        self.presplit(geometry, geometry.prims(), None, watch);
+        self.sort(geometry, geometry.prims(), SortBits::All, spare, watch);
     }
 
     /// Writes every key: those of the triangles in order, then those of the pieces but for the first of each needle,

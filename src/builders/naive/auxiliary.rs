@@ -2,7 +2,7 @@
 
 use super::wide::Wide;
 use crate::builders::lbvh::area_scale::{PART, PARTS, STEP};
-use crate::builders::lbvh::auxiliary::{AuxiliaryConfig, Clusters};
+use crate::builders::lbvh::config::{AuxiliaryConfig, Clusters};
 use crate::builders::lbvh::morton::MortonEncoder;
 use crate::builders::prims::presplit::Presplit;
 use crate::bvh::limits::MIDDLE_DEPTH;

@@ -6,7 +6,7 @@ use super::ploc;
 use super::recursion::Naive;
 use super::wide::Wide;
 use crate::builders::hunt::HuntConfig;
-use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
+use crate::builders::lbvh::config::AuxiliaryConfig;
 use crate::builders::phr::refine::Threshold;
 use crate::builders::phr::{AuxiliaryTree, PhrConfig};
 use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
@@ -52,7 +52,7 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig, width: usize) -> Option<Wide> {
 }
 
 /// The LBVH itself.
-pub fn linear(mesh: &Mesh, width: usize) -> Option<Wide> {
+pub fn wide_lbvh(mesh: &Mesh, width: usize) -> Option<Wide> {
     lbvh(mesh, &AuxiliaryConfig { auxiliary_leaf: Some(4), ..AuxiliaryConfig::PAPER })
         .map(|(root, _)| root.widened(width))
 }

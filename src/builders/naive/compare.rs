@@ -1,6 +1,6 @@
 //! The builders against the naive ones.
 
-use super::builders::{hunt, linear, phr};
+use super::builders::{hunt, phr, wide_lbvh};
 use super::meshes::{
     beads, clusters, coarse, concentric, geometric, grids, identical, needles, scaled, soup,
 };
@@ -144,7 +144,7 @@ fn compare<const N: usize>(what: &str, mesh: &Mesh) -> Vec<u64> {
     // Each treelet is widened on its own; nodes over treelets do not reach into them.
     if mesh.len() <= TREELET {
         let tree = Lbvh::<N>::default().build(mesh).tree;
-        assert_same(&tree, mesh, linear(mesh, N).as_ref(), &format!("{what}, lbvh, width {N}"));
+        assert_same(&tree, mesh, wide_lbvh(mesh, N).as_ref(), &format!("{what}, lbvh, width {N}"));
     }
     for config in HUNT {
         let tree = Hunt::<N>::new("", config).unwrap().build(mesh).tree;

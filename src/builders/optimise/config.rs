@@ -22,6 +22,6 @@ impl OptimiseConfig {
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
         check("rounds", self.rounds, 0..=1000)?;
         check("share", self.share, 0.0..=2.0)?;
-        self.costs.check()
+        self.costs.check().map_err(|error| error.within("costs"))
     }
 }

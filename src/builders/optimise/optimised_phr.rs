@@ -48,11 +48,11 @@ impl<const N: usize, B: LeafBlock> OptimisedPhr<N, B> {
         config: OptimisedPhrConfig,
         isa: Isa,
     ) -> Result<Self, ConfigError> {
-        config.phr.check()?;
-        config.optimise.check()?;
+        config.phr.check().map_err(|error| error.within("phr"))?;
+        config.optimise.check().map_err(|error| error.within("optimise"))?;
         if config.phr.extensions.collapse.is_some() {
             let [value, none] = ["on", "none"].map(String::from);
-            return Err(ConfigError { field: "phr.collapse", value, least: none.clone(), most: none });
+            return Err(ConfigError { field: "phr.collapse".into(), value, least: none.clone(), most: none });
         }
         let phr = PhrConfig { max_leaf: BLOCK, ..config.phr };
         Ok(Self { name, config, phr, memory: CutMemory::default(), optimiser: Optimiser::default(), isa })
@@ -72,8 +72,8 @@ impl<const N: usize, G: Geometry> Builder<N, G> for OptimisedPhr<N, G::Block> {
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let CutMemory { auxiliary, recursion: memory } = &mut self.memory;
         let extensions = &self.phr.extensions;
-        let mut phases =
-            extensions.auxiliary_tree.build(auxiliary, geometry, &extensions.auxiliary, self.isa);
+        let all = (geometry, geometry.prims());
+        let mut phases = extensions.auxiliary_tree.build(auxiliary, all, &extensions.auxiliary, self.isa);
         let mut watch = Stopwatch::start();
         let (recursion, cut) = begin(auxiliary, geometry, &self.phr, self.isa);
         let has_root = self.optimiser.record(&recursion, cut, geometry, memory);

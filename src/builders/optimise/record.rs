@@ -1,7 +1,7 @@
 //! The binary splits of a recursion, recorded as a tree to be optimised: no wide node and no leaf block is made before it
 //! is known which pay.
 
-use super::tree::{Node, Pair, Tree};
+use super::tree::{LinkedNode, Pair, Tree};
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::phr::cut::{Cut, OwnedCut};
@@ -61,8 +61,8 @@ impl Tree {
             |cut, chunk, worker| record(recursion, geometry, cut, chunk, worker),
         );
         let moved =
-            |(root, [pairs, prims]): (Option<Node>, Offset)| root.map(|root| root.moved(pairs, prims));
-        let roots: Vec<Option<Node>> = built.into_iter().map(moved).collect();
+            |(root, [pairs, prims]): (Option<LinkedNode>, Offset)| root.map(|root| root.moved(pairs, prims));
+        let roots: Vec<Option<LinkedNode>> = built.into_iter().map(moved).collect();
         let root = tree.fold(&roots, &mut |halves| match halves {
             [left, right] => merge([*left, *right], &mut self.pairs),
             _ => halves.first().copied().flatten(),
@@ -73,12 +73,12 @@ impl Tree {
 
 /// Appends the pair of two subtrees, if both are there: pairs come after those below them.
 #[inline]
-fn merge(halves: [Option<Node>; 2], pairs: &mut Vec<Pair>) -> Option<Node> {
+fn merge(halves: [Option<LinkedNode>; 2], pairs: &mut Vec<Pair>) -> Option<LinkedNode> {
     match halves {
         [Some(left), Some(right)] => {
             let pair = Pair([left, right]);
             pairs.push(pair);
-            Some(Node::inner(&pair, pairs.len() - 1))
+            Some(LinkedNode::inner(&pair, pairs.len() - 1))
         }
         [only, None] | [None, only] => only,
     }
@@ -91,7 +91,7 @@ fn record<P: CutPolicy, G: Geometry>(
     cut: &Cut,
     chunk: &mut RecordedChunk,
     worker: &mut Worker<CutScratch>,
-) -> Option<Node> {
+) -> Option<LinkedNode> {
     if recursion.kind(cut) != Kind::Inner {
         let Worker { scratch, prims } = worker;
         prims.clear();
@@ -99,7 +99,7 @@ fn record<P: CutPolicy, G: Geometry>(
         let bounds = recursion.gather(cut, prims, scratch, |prim, bounds| geometry.visible(prim, bounds));
         let first = chunk.prims.len();
         chunk.prims.extend_from_slice(prims);
-        return (!prims.is_empty()).then(|| Node::leaf(bounds, first, prims.len()));
+        return (!prims.is_empty()).then(|| LinkedNode::leaf(bounds, first, prims.len()));
     }
     let checkpoint = worker.scratch.checkpoint();
     let sides = recursion.split(cut, &mut worker.scratch);

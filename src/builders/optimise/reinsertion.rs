@@ -5,7 +5,7 @@
 //! raises the cost, and the tree does not depend on the number of threads.
 
 use super::candidates::Candidates;
-use super::tree::{Node, Pair, ROOT, Tree};
+use super::tree::{LinkedNode, Pair, ROOT, Tree};
 use crate::bvh::MAX_DEPTH;
 use crate::geometry::Aabb;
 use crate::memory::huge_pages;
@@ -148,7 +148,7 @@ impl Tree {
         let target = if self.growth(target, node.bounds()) < saved { target } else { parent };
         self.place(2 * pair, *self.node(target));
         self.place(2 * pair + 1, node);
-        self.place(target, Node::inner(&self.pairs[pair as usize], pair as usize));
+        self.place(target, LinkedNode::inner(&self.pairs[pair as usize], pair as usize));
         self.fit_above(target);
         Some([2 * pair, 2 * pair + 1, parent, target])
     }
@@ -202,7 +202,7 @@ impl Tree {
 /// Looks at `place` as the sibling of a subtree of box `bounds` and area `own`, and whether to look below it.
 #[inline(always)]
 fn consider(
-    node: &Node,
+    node: &LinkedNode,
     place: u32,
     saved: f32,
     bounds: Aabb,

@@ -10,19 +10,19 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// A subtree. Tags: the link; the height in the low bits, the triangles of a leaf above.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Node(TaggedBox);
+pub(crate) struct LinkedNode(TaggedBox);
 
 /// Two siblings.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(crate) struct Pair(pub [Node; 2]);
+pub(crate) struct Pair(pub [LinkedNode; 2]);
 
 /// In a link: where a leaf's triangles are, not a pair's index.
 const LEAF: u32 = 1 << 31;
 /// Below this bit of the fourth lane of the upper corner is the height, from it on the triangles of a leaf.
 const COUNT_SHIFT: u32 = 8;
 
-impl Node {
+impl LinkedNode {
     /// The leaf of `count` triangles, whose ids begin at `first` in [`Tree::prims`].
     pub fn leaf(bounds: Aabb, first: usize, count: usize) -> Self {
         Self(TaggedBox::new(bounds, [LEAF | first as u32, (count as u32) << COUNT_SHIFT]))
@@ -85,10 +85,10 @@ impl Node {
 
 impl Pair {
     /// A place without nodes.
-    pub const UNUSED: Self = Self([Node(TaggedBox::ZERO); 2]);
+    pub const UNUSED: Self = Self([LinkedNode(TaggedBox::ZERO); 2]);
 }
 
-/// A binary tree over leaves of up to four triangles. Node `i` is half `i % 2` of pair `i / 2`; the root is node 0,
+/// A binary tree over leaves of up to four triangles. LinkedNode `i` is half `i % 2` of pair `i / 2`; the root is node 0,
 /// whose sibling is not in use. In pairs that came from a build siblings and the subtrees below are near each other.
 #[derive(Default)]
 pub(crate) struct Tree {
@@ -117,7 +117,7 @@ impl Tree {
     }
 
     /// Sets the root and tells all pairs their parents.
-    pub fn finish(&mut self, root: Node) {
+    pub fn finish(&mut self, root: LinkedNode) {
         huge_pages::reserve(&mut self.parents, self.pairs.len(), "parents in the tree to be optimised");
         self.parents.resize_with(self.pairs.len(), AtomicU32::default);
         *self.parents[0].get_mut() = ROOT;
@@ -133,9 +133,9 @@ impl Tree {
         });
     }
 
-    /// Node `index`.
+    /// LinkedNode `index`.
     #[inline(always)]
-    pub fn node(&self, index: u32) -> &Node {
+    pub fn node(&self, index: u32) -> &LinkedNode {
         &self.pairs[index as usize / 2].0[index as usize % 2]
     }
 
@@ -147,17 +147,17 @@ impl Tree {
 
     /// Puts `node` at `index`; its children learn of it.
     #[inline(always)]
-    pub fn place(&mut self, index: u32, node: Node) {
+    pub fn place(&mut self, index: u32, node: LinkedNode) {
         self.pairs[index as usize / 2].0[index as usize % 2] = node;
         if let Some(pair) = node.pair() {
             *self.parents[pair].get_mut() = index;
         }
     }
 
-    /// Node `index` with the box and height of its children.
+    /// LinkedNode `index` with the box and height of its children.
     #[inline(always)]
-    pub fn fitted(&self, index: u32) -> Node {
+    pub fn fitted(&self, index: u32) -> LinkedNode {
         let node = *self.node(index);
-        node.pair().map_or(node, |pair| Node::inner(&self.pairs[pair], pair))
+        node.pair().map_or(node, |pair| LinkedNode::inner(&self.pairs[pair], pair))
     }
 }

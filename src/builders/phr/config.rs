@@ -2,8 +2,7 @@
 
 use super::extensions::auxiliary_tree::AuxiliaryTree;
 use crate::builders::api::config_error::{ConfigError, check, check_option};
-use crate::builders::lbvh::auxiliary::{AuxiliaryConfig, Clusters};
-use crate::builders::prims::presplit::PresplitConfig;
+use crate::builders::lbvh::config::AuxiliaryConfig;
 use crate::builders::wide::optimal::CollapseCosts;
 use crate::bvh::limits::{BLOCK, MAX_LEAF, MAX_REFERENCES_PER_TRIANGLE, SUBTREE_MOST};
 
@@ -135,38 +134,11 @@ impl Extensions {
     fn check(&self) -> Result<(), ConfigError> {
         let Self { auxiliary, auxiliary_tree, local_threshold, collapse, .. } = self;
         auxiliary.check()?;
-        auxiliary_tree.check()?;
+        auxiliary_tree.check().map_err(|error| error.within("auxiliary_tree"))?;
         check_option("cut_share", self.cut_share, 0.0..=1.0)?;
         check_option("own_threshold.area", local_threshold.map(|local| local.area), 0.0..=f32::MAX)?;
         check_option("spatial_bias", self.spatial_bias, 0.0..=16.0)?;
         check_option("subtree_sweep", self.subtree_sweep, 0..=SUBTREE_MOST as u32)?;
-        collapse.map_or(Ok(()), |costs| costs.check())
-    }
-}
-
-impl AuxiliaryConfig {
-    fn check(&self) -> Result<(), ConfigError> {
-        check_option("auxiliary_leaf", self.auxiliary_leaf, 1..=BLOCK)?;
-        if let Some(Clusters { most, area }) = self.clusters {
-            check("clusters.most", most, 1..=4096)?;
-            check("clusters.area", area, 0.0..=f32::MAX)?;
-        }
-        check_option("calibration", self.calibration, 0.0..=f32::MAX)?;
-        if let Some(PresplitConfig { filled, min_area, max_extra }) = self.presplit {
-            check("presplit.filled", filled, 0.0..=0.5)?;
-            check("presplit.min_area", min_area, 1e-12..=1.0)?;
-            check("presplit.max_extra", max_extra, 0.0..=(MAX_REFERENCES_PER_TRIANGLE - 1) as f32)?;
-        }
-        Ok(())
-    }
-}
-
-impl CollapseCosts {
-    pub(crate) fn check(&self) -> Result<(), ConfigError> {
-        let Self { node, leaf, block, max_leaf } = *self;
-        for (field, cost) in [("collapse.node", node), ("collapse.leaf", leaf), ("collapse.block", block)] {
-            check(field, cost, 0.0..=1e6)?;
-        }
-        check("collapse.max_leaf", max_leaf, BLOCK..=MAX_LEAF)
+        collapse.map_or(Ok(()), |costs| costs.check().map_err(|error| error.within("collapse")))
     }
 }

@@ -27,7 +27,7 @@ pub(crate) fn initial_cut(tree: &BinaryTree, root: Node, threshold: f32, max_len
     }
     while room > 0 && largest > threshold {
         let above = (largest.min(f32::MAX) * 0.5).max(threshold);
-        let mut opened = Opened::of(tree, &cut, |area| area > above);
+        let mut opened = OpenedCut::of(tree, &cut, |area| area > above);
         if opened.areas.len() > room {
             let (larger, &mut least, _) =
                 opened.areas.select_nth_unstable_by(room - 1, |a, b| b.total_cmp(a));
@@ -45,10 +45,10 @@ pub(crate) fn initial_cut(tree: &BinaryTree, root: Node, threshold: f32, max_len
 /// holds the half areas of all of them, among others.
 fn up_to(tree: &BinaryTree, cut: &[Node], least: f32, equal: usize, areas: &[f32]) -> Vec<Node> {
     if areas.iter().filter(|&&area| area == least).count() == equal {
-        return Opened::of(tree, cut, |area| area >= least).nodes;
+        return OpenedCut::of(tree, cut, |area| area >= least).nodes;
     }
     let mut room = equal;
-    let mut opened = Opened::default();
+    let mut opened = OpenedCut::default();
     opened.open(tree, cut, |area| {
         let is_one = area == least && room > 0;
         room -= usize::from(is_one);
@@ -59,7 +59,7 @@ fn up_to(tree: &BinaryTree, cut: &[Node], least: f32, equal: usize, areas: &[f32
 
 /// The result of opening nodes of a cut.
 #[derive(Default)]
-struct Opened {
+struct OpenedCut {
     /// The nodes, in the order of the tree.
     nodes: Vec<Node>,
     /// Half areas of those that were opened.
@@ -68,7 +68,7 @@ struct Opened {
     largest: f32,
 }
 
-impl Opened {
+impl OpenedCut {
     /// Opens nodes, and nodes below them, as long as `is_opened` says so of their half areas.
     fn of(tree: &BinaryTree, cut: &[Node], is_opened: impl Fn(f32) -> bool + Sync) -> Self {
         let chunks = parallel::map(cut.par_chunks(CHUNK), |chunk| {

@@ -65,8 +65,7 @@ impl<const N: usize, B> Default for CutMemory<N, B> {
 impl<const N: usize, B> CutMemory<N, B> {
     /// Puts a build together.
     pub fn finish(&mut self, tree: WideBvh<N, B>, phases: Vec<Phase>) -> Build<N, B> {
-        let mut counts =
-            Counts { auxiliary_nodes: 2 * self.auxiliary.tree.pairs.len() as u64 + 1, ..Counts::default() };
+        let mut counts = Counts::default();
         self.recursion.workers.for_each(|worker| {
             let of_thread = std::mem::take(&mut worker.scratch.counts);
             counts.splits += of_thread.splits;

@@ -7,7 +7,7 @@
 //! 5. cuts are split and refined from there on (3.2, 4.2 to 4.4): [`super::recursion`];
 //! 6. splits become wide nodes (4.5), in parallel (4.6): [`crate::builders::wide::build`].
 
-use super::config::PhrConfig;
+use super::config::{Extensions, PhrConfig};
 use super::cut::{Cut, OwnedCut};
 use super::initial_cut::initial_cut;
 use super::memory::CutMemory;
@@ -65,7 +65,7 @@ impl<const N: usize> Phr<N> {
     /// [`AuxiliaryConfig::presplit`]: crate::builders::AuxiliaryConfig::presplit
     pub fn refit(&mut self, mesh: &Mesh) -> Result<Build<N>, RefitError> {
         let phases = self.memory.auxiliary.refit(mesh, &self.config.extensions.auxiliary)?;
-        Ok(refine(&mut self.memory, mesh, &self.config, self.isa, phases))
+        Ok(build_from_cuts(&mut self.memory, mesh, &self.config, self.isa, phases))
     }
 }
 
@@ -81,11 +81,14 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Phr<N, G::Block> {
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let Self { config, memory, isa, .. } = self;
+        let Extensions { auxiliary_tree, auxiliary: of_auxiliary, .. } = &config.extensions;
+        let (auxiliary, mut watch) = (&mut memory.auxiliary, Stopwatch::start());
         // Steps 1 to 3.
-        let extensions = &config.extensions;
-        let phases =
-            extensions.auxiliary_tree.build(&mut memory.auxiliary, geometry, &extensions.auxiliary, *isa);
-        refine(memory, geometry, config, *isa, phases)
+        auxiliary.presplit(geometry, geometry.prims(), of_auxiliary, &mut watch);
+        auxiliary.sort(geometry, geometry.prims(), of_auxiliary, &mut watch);
+        auxiliary_tree.grow(auxiliary, geometry, of_auxiliary, *isa, &mut watch);
+        // Steps 4 to 6.
+        build_from_cuts(memory, geometry, config, *isa, watch.phases)
     }
 
     fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
@@ -94,7 +97,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Phr<N, G::Block> {
 }
 
 /// Builds from cuts of the auxiliary BVH in `memory`, which took `phases`.
-pub(crate) fn refine<const N: usize, G: Geometry>(
+pub(crate) fn build_from_cuts<const N: usize, G: Geometry>(
     memory: &mut CutMemory<N, G::Block>,
     geometry: &G,
     config: &PhrConfig,

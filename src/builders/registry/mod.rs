@@ -8,7 +8,7 @@ pub mod recipe;
 use crate::builders::clusters::aac::AacConfig;
 use crate::builders::clusters::ploc::PlocConfig;
 use crate::builders::hunt::HuntConfig;
-use crate::builders::lbvh::auxiliary::AuxiliaryConfig;
+use crate::builders::lbvh::config::AuxiliaryConfig;
 use crate::builders::optimise::{OptimiseConfig, OptimisedPhrConfig};
 use crate::builders::phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, PhrConfig};
 use crate::builders::prims::presplit::PresplitConfig;

@@ -60,7 +60,7 @@ impl Default for SubtreeSweep {
 
 /// Places of the orders yet to be split.
 #[derive(Clone, Copy)]
-struct Range {
+struct Pending {
     first: usize,
     end: usize,
     /// Levels of splits that may still be found by cost.
@@ -130,21 +130,21 @@ impl SubtreeSweep {
             done.prims.extend(&self.prims[..n]);
             return Node::leaf(bounds, place, n as u32);
         }
-        let mut ranges = ArrayVec::<Range, MOST>::new();
-        let node = |bounds, range: Range, done: &mut Subtrees, ranges: &mut ArrayVec<Range, MOST>| {
+        let mut ranges = ArrayVec::<Pending, MOST>::new();
+        let node = |bounds, range: Pending, done: &mut Subtrees, ranges: &mut ArrayVec<Pending, MOST>| {
             let count = (range.end - range.first) as u32;
             if count <= BLOCK {
                 return Node::leaf(bounds, place + range.first, count);
             }
             let pair = done.pairs.len();
             done.pairs.push([Node::ZERO; 2]);
-            ranges.push(Range { pair, area: bounds.half_area(), ..range });
+            ranges.push(Pending { pair, area: bounds.half_area(), ..range });
             Node::of_pair(bounds, pair, count)
         };
-        let root = Range { first: 0, end: n, levels, pair: 0, area: 0.0 };
+        let root = Pending { first: 0, end: n, levels, pair: 0, area: 0.0 };
         let root = node(bounds, root, done, &mut ranges);
         while let Some(range) = ranges.pop() {
-            let Range { first, end, levels, pair, .. } = range;
+            let Pending { first, end, levels, pair, .. } = range;
             let n = end - first;
             let split = if levels > 0 { self.best::<AS_CUT>(range) } else { Split { axis: 0, left: n / 2 } };
             let [left, right] = if AS_CUT && (levels == 0 || split.left == 0) {
@@ -154,8 +154,8 @@ impl SubtreeSweep {
             };
             let middle = first + if split.left > 0 { split.left } else { n / 2 };
             let levels = levels.saturating_sub(1);
-            let right = node(right, Range { first: middle, end, levels, ..range }, done, &mut ranges);
-            let left = node(left, Range { first, end: middle, levels, ..range }, done, &mut ranges);
+            let right = node(right, Pending { first: middle, end, levels, ..range }, done, &mut ranges);
+            let left = node(left, Pending { first, end: middle, levels, ..range }, done, &mut ranges);
             done.pairs[pair] = [left, right];
         }
         done.prims.extend(self.order[0][..n].iter().map(|&i| self.prims[usize::from(i)]));
@@ -206,7 +206,7 @@ impl SubtreeSweep {
     /// The split of least cost (paper 4.2, equation 1), of equal ones the first by axis, then by position. For a cut, one
     /// that gains something, if there is any; else leaves cost their blocks, and there always is a split.
     #[inline(always)]
-    fn best<const AS_CUT: bool>(&mut self, Range { first, end, area, .. }: Range) -> Split {
+    fn best<const AS_CUT: bool>(&mut self, Pending { first, end, area, .. }: Pending) -> Split {
         let order = self.order.each_ref().map(|order| &order[first..end]);
         let AxisCosts { least, left } = if AS_CUT {
             let limit = Weight::Nodes.limit(area, end - first);
@@ -222,10 +222,7 @@ impl SubtreeSweep {
     fn halve(&mut self, first: usize, end: usize) -> [Aabb; 2] {
         let mut came: ArrayVec<u8, MOST> = self.order[0][first..end].iter().copied().collect();
         came.sort_unstable();
-        let (left, right) = came.split_at(came.len() / 2);
-        let bounds = [left, right].map(|side| side.iter().map(|&i| self.boxes[usize::from(i)]).collect());
-        left.iter().for_each(|&i| self.is_right[usize::from(i)] = 0);
-        right.iter().for_each(|&i| self.is_right[usize::from(i)] = 1);
+        let bounds = sides(&self.boxes, &mut self.is_right, came.split_at(came.len() / 2));
         (0..3).for_each(|axis| self.partition_order(axis, first, end));
         bounds
     }
@@ -233,10 +230,8 @@ impl SubtreeSweep {
     /// Moves the left side to the front of each order, both sides otherwise in order; returns their boxes.
     #[inline(always)]
     fn partition(&mut self, first: usize, end: usize, split: Split) -> [Aabb; 2] {
-        let (left, right) = self.order[split.axis][first..end].split_at(split.left);
-        let bounds = [left, right].map(|side| side.iter().map(|&i| self.boxes[usize::from(i)]).collect());
-        left.iter().for_each(|&i| self.is_right[usize::from(i)] = 0);
-        right.iter().for_each(|&i| self.is_right[usize::from(i)] = 1);
+        let halves = self.order[split.axis][first..end].split_at(split.left);
+        let bounds = sides(&self.boxes, &mut self.is_right, halves);
         (0..3).filter(|&axis| axis != split.axis).for_each(|axis| self.partition_order(axis, first, end));
         bounds
     }
@@ -257,4 +252,12 @@ impl SubtreeSweep {
         }
         order[left..].copy_from_slice(&on_right[..right]);
     }
+}
+
+/// Marks which references are on the right; returns the boxes of both sides.
+#[inline(always)]
+fn sides(boxes: &[Aabb; MOST], is_right: &mut [u8; MOST], (left, right): (&[u8], &[u8])) -> [Aabb; 2] {
+    left.iter().for_each(|&i| is_right[usize::from(i)] = 0);
+    right.iter().for_each(|&i| is_right[usize::from(i)] = 1);
+    [left, right].map(|side| side.iter().map(|&i| boxes[usize::from(i)]).collect())
 }

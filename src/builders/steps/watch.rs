@@ -46,7 +46,7 @@ fn watched(
     };
     cuts.check()?;
     let Extensions { auxiliary_tree, auxiliary: of_auxiliary, .. } = &cuts.extensions;
-    auxiliary_tree.build(&mut auxiliary, mesh, of_auxiliary, isa);
+    auxiliary_tree.build(&mut auxiliary, (mesh, 0..mesh.len() as u32), of_auxiliary, isa);
     Ok(match config {
         CutConfig::Phr(_) => tree(phr::begin(&auxiliary, mesh, &cuts, isa), &auxiliary, mesh, watcher),
         CutConfig::Hunt(config) => {

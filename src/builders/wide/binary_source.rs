@@ -28,11 +28,11 @@ pub(crate) trait BinarySource {
 
     /// The children of a subtree that is split, as children of a wide node; `None` if it may not be split any more.
     #[inline(always)]
-    fn open(&self, run: &NodeRun, levels: u32, max_leaf: u32) -> Option<[Child; 2]> {
+    fn open(&self, run: &NodeRun, levels: u32, max_leaf: u32) -> Option<[OpenChild; 2]> {
         let below = levels.checked_sub(1)?;
         // Not by `map`, which is not always inlined.
         let [left, right] = self.children(run);
-        let child = |run: NodeRun| Child::new(run, self.kind(&run, max_leaf), below);
+        let child = |run: NodeRun| OpenChild::new(run, self.kind(&run, max_leaf), below);
         Some([child(left), child(right)])
     }
 
@@ -49,7 +49,7 @@ pub(crate) trait BinarySource {
         if kind != Kind::Inner {
             return Some(leaves.emit(self, run, treelet));
         }
-        let mut children = ArrayVec::<Child, N>::new();
+        let mut children = ArrayVec::<OpenChild, N>::new();
         children.extend(self.open(run, levels, leaves.max_leaf)?);
         open_largest(
             &mut children,
@@ -64,7 +64,7 @@ pub(crate) trait BinarySource {
             },
         )?;
         let mut built = ArrayVec::<(Aabb, Link), N>::new();
-        for Child { run, kind, levels, .. } in &children {
+        for OpenChild { run, kind, levels, .. } in &children {
             built.extend(self.emit((run, *kind), *levels, leaves, treelet, splits)?);
         }
         *splits += children.len() as u64 - 1;
@@ -128,7 +128,7 @@ impl<'a, G: Geometry> Leaves<'a, G> {
 }
 
 /// A child of a wide node in the making.
-pub(crate) struct Child {
+pub(crate) struct OpenChild {
     run: NodeRun,
     kind: Kind,
     priority: Priority,
@@ -136,7 +136,7 @@ pub(crate) struct Child {
     levels: u32,
 }
 
-impl Child {
+impl OpenChild {
     #[inline(always)]
     fn new(run: NodeRun, kind: Kind, levels: u32) -> Self {
         Self { run, kind, priority: Priority::new(kind, run.node.bounds().half_area()), levels }

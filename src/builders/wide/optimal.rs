@@ -1,7 +1,8 @@
 //! The cheapest wide tree over a binary one, by dynamic programming (Wald, Benthin, Boulos 2008; Ylitie, Karras, Laine
 //! 2017): which subtrees become leaves, and how the children of each wide node are distributed over the subtrees below.
 
-use crate::bvh::limits::{BLOCK, MAX_WIDTH};
+use crate::builders::api::config_error::{ConfigError, check};
+use crate::bvh::limits::{BLOCK, MAX_LEAF, MAX_WIDTH};
 use crate::memory::huge_pages;
 use crate::parallel::join;
 use arrayvec::ArrayVec;
@@ -25,6 +26,14 @@ impl CollapseCosts {
     /// Those of Embree's kernel, roughly: it has to find out that a child is a leaf, which processors predict badly, and
     /// tests the blocks of one leaf in a row.
     pub const EMBREE: Self = Self { node: 1.0, leaf: 0.5, block: 0.35, max_leaf: 16 };
+
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
+        let Self { node, leaf, block, max_leaf } = *self;
+        for (field, cost) in [("node", node), ("leaf", leaf), ("block", block)] {
+            check(field, cost, 0.0..=1e6)?;
+        }
+        check("max_leaf", max_leaf, BLOCK..=MAX_LEAF)
+    }
 
     /// A leaf of `blocks` blocks.
     #[inline]

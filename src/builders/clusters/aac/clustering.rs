@@ -22,7 +22,7 @@ pub(crate) fn cluster<G: Geometry>(
     let mut forest = Forest::default();
     if !keys.is_empty() {
         let of_few = std::array::from_fn(|n| config.clusters(n));
-        Clustering { config, of_few, refs }.build(keys, 0, 0, pairs, &mut forest);
+        AacClustering { config, of_few, refs }.build(keys, 0, 0, pairs, &mut forest);
         combine(&mut forest, 0, 1, 0, pairs);
     }
     forest.clusters.pop()
@@ -37,14 +37,14 @@ struct Forest {
     nearest: Vec<Neighbour>,
 }
 
-struct Clustering<'a, G> {
+struct AacClustering<'a, G> {
     config: &'a AacConfig,
     /// f(n) of few triangles: most runs are short, and powers are slow.
     of_few: [usize; 64],
     refs: PrimRefs<'a, G>,
 }
 
-impl<G: Geometry> Clustering<'_, G> {
+impl<G: Geometry> AacClustering<'_, G> {
     /// Appends the clusters of a run of sorted keys that begins at `first`, whose pairs are `pairs`.
     fn build(
         &self,

@@ -65,8 +65,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Aac<N, G::Block> {
         let clusters = ClusterTree { tree: &self.tree, keys: &self.order.keys, refs, has_rows: true };
         let tree = build::build(&clusters, clusters.root(), geometry, &mut self.memory);
         watch.lap("nodes");
-        let counts = Counts { auxiliary_nodes: 2 * geometry.len() as u64, ..Counts::default() };
-        Build { tree, phases: watch.phases, counts }
+        Build { tree, phases: watch.phases, counts: Counts::default() }
     }
 
     fn recycle(&mut self, tree: WideBvh<N, G::Block>) {

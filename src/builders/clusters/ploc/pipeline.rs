@@ -66,8 +66,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Ploc<N, G::Block> {
         let clusters = ClusterTree { tree, keys, refs, has_rows: false };
         let built = build::build(&clusters, clusters.root(), geometry, &mut self.memory);
         watch.lap("nodes");
-        let counts = Counts { auxiliary_nodes: 2 * geometry.len() as u64, ..Counts::default() };
-        Build { tree: built, phases: watch.phases, counts }
+        Build { tree: built, phases: watch.phases, counts: Counts::default() }
     }
 
     fn recycle(&mut self, tree: WideBvh<N, G::Block>) {

@@ -46,11 +46,10 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Lbvh<N, G::Block, G::Item> {
         let mut watch = Stopwatch::start();
         self.order.sort_all(geometry, self.memory.blocks(geometry.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
-        let (tree, pairs) = if keys.is_empty() { Default::default() } else { self.tree(geometry, &mut keys) };
+        let tree = if keys.is_empty() { WideBvh::default() } else { self.tree(geometry, &mut keys) };
         self.order.keys = keys;
         watch.lap("tree");
-        let counts = Counts { auxiliary_nodes: 2 * pairs as u64 + 1, ..Counts::default() };
-        Build { tree, phases: watch.phases, counts }
+        Build { tree, phases: watch.phases, counts: Counts::default() }
     }
 
     fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
@@ -66,12 +65,8 @@ impl<const N: usize, B: LeafBlock, I: Default> Lbvh<N, B, I> {
 }
 
 impl<const N: usize, B: LeafBlock + Vectors, I: Copy + Default + Send> Lbvh<N, B, I> {
-    /// The tree over one or more sorted keys, and the pairs of the binary tree below it.
-    fn tree<G: Geometry<Block = B, Item = I>>(
-        &mut self,
-        geometry: &G,
-        keys: &mut [u64],
-    ) -> (WideBvh<N, B>, usize) {
+    /// The tree over one or more sorted keys.
+    fn tree<G: Geometry<Block = B, Item = I>>(&mut self, geometry: &G, keys: &mut [u64]) -> WideBvh<N, B> {
         let refs = &self.order.refs(geometry);
         let (mut nodes, mut blocks) = self.memory.arrays(geometry.len());
         let (top, tasks) = top_tree(refs, keys, 0);
@@ -83,13 +78,12 @@ impl<const N: usize, B: LeafBlock + Vectors, I: Copy + Default + Send> Lbvh<N, B
             built
         };
         let built = ordered_append::append(tasks.len(), &self.memory.treelets, &mut nodes, &mut blocks, make);
-        let pairs = built.iter().map(|((_, pairs), _)| pairs).sum::<usize>() + tasks.len() - 1;
-        let subtrees = treelet::moved(built.into_iter().map(|((subtree, _), at)| (subtree, at)).collect());
+        let subtrees = treelet::moved(built);
         let treelets: Vec<TopNode> = subtrees.into_iter().map(TopNode::Treelet).collect();
         let mut wide = WideTop { pairs: Vec::with_capacity(tasks.len()) };
         let root = top.fold(&treelets, &mut |children| wide.parent([children[0], children[1]]));
         let tree = wide.emit(root, &mut nodes);
-        (tree.map_or_else(WideBvh::default, |(bounds, root)| WideBvh { root, bounds, nodes, blocks }), pairs)
+        tree.map_or_else(WideBvh::default, |(bounds, root)| WideBvh { root, bounds, nodes, blocks })
     }
 }
 

@@ -29,7 +29,6 @@ pub(crate) struct DirectTreelet<I, const N: usize> {
 
 impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
     /// Builds the subtree over `keys`, whole primitives of `geometry` that have been partitioned by the middle `depth` times.
-    /// Returns it with the number of its binary nodes' pairs.
     pub fn build<G: Geometry<Item = I>>(
         &mut self,
         isa: Isa,
@@ -37,7 +36,7 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
         keys: &[MortonKey],
         depth: u32,
         treelet: &mut WideTreelet<N, G::Block>,
-    ) -> (Subtree, usize) {
+    ) -> Subtree {
         let Self { items, copied_items, deltas, equal_codes, leaves, slots, widen } = self;
         items.clear();
         items.extend(keys.iter().enumerate().map(|(i, &key)| {
@@ -64,7 +63,7 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
             #[inline(always)]
             || widen.write(&root, nodes),
         );
-        (Some((root.bounds(), link)), widen.pairs.len())
+        Some((root.bounds(), link))
     }
 }
 

@@ -1,14 +1,15 @@
 //! Other auxiliary trees than an LBVH (paper 5.5 tried AAC and binned SAH). They are over the same sorted references, and
 //! are brought into the form of an LBVH, with leaves by its rules, so that cuts need not know which tree they are of.
 
-use crate::builders::api::builder::Phase;
+use crate::builders::api::builder::{Phase, Stopwatch};
 use crate::builders::api::config_error::ConfigError;
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::clusters::aac::{self, AacConfig};
 use crate::builders::clusters::in_order::in_order;
 use crate::builders::clusters::ploc::{Clustering, PlocConfig};
-use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};
+use crate::builders::lbvh::auxiliary::Auxiliary;
+use crate::builders::lbvh::config::AuxiliaryConfig;
 use crate::builders::phr::extensions::binned::{BinnedSahConfig, binned_sah};
 use crate::builders::prims::geometry::Geometry;
 use crate::memory::huge_pages;
@@ -40,35 +41,40 @@ impl AuxiliaryTree {
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
         match self {
             Self::Lbvh => Ok(()),
-            Self::Ploc(config) => config.check(),
-            Self::Aac(config) => config.check(),
-            Self::BinnedSah(config) => config.check(),
+            Self::Ploc(config) => config.check().map_err(|error| error.within("ploc")),
+            Self::Aac(config) => config.check().map_err(|error| error.within("aac")),
+            Self::BinnedSah(config) => config.check().map_err(|error| error.within("binned-sah")),
         }
     }
 
-    /// Builds the auxiliary tree of `geometry`. Memory of those that are no LBVH is not kept.
-    pub(crate) fn build<G: Geometry>(
-        &self,
-        auxiliary: &mut Auxiliary,
-        geometry: &G,
-        config: &AuxiliaryConfig,
-        isa: Isa,
-    ) -> Vec<Phase> {
-        self.build_part(auxiliary, (geometry, geometry.prims()), config, isa)
-    }
-
     /// Builds the auxiliary tree of some primitives of a geometry.
-    pub(crate) fn build_part<G: Geometry>(
+    pub(crate) fn build<G: Geometry>(
         &self,
         auxiliary: &mut Auxiliary,
         (geometry, prims): (&G, Range<u32>),
         config: &AuxiliaryConfig,
         isa: Isa,
     ) -> Vec<Phase> {
+        let mut watch = Stopwatch::start();
+        auxiliary.presplit(geometry, prims.clone(), config, &mut watch);
+        auxiliary.sort(geometry, prims, config, &mut watch);
+        self.grow(auxiliary, geometry, config, isa, &mut watch);
+        watch.phases
+    }
+
+    /// Makes the auxiliary tree over sorted references. Memory of those that are no LBVH is not kept.
+    pub(crate) fn grow<G: Geometry>(
+        &self,
+        auxiliary: &mut Auxiliary,
+        geometry: &G,
+        config: &AuxiliaryConfig,
+        isa: Isa,
+        watch: &mut Stopwatch,
+    ) {
         if self.is_lbvh() {
-            return auxiliary.build_part(geometry, prims, config);
+            return auxiliary.grow_lbvh(geometry, config, watch);
         }
-        auxiliary.grow(geometry, prims, config, |refs, keys, rule, tree| {
+        auxiliary.grow(geometry, config, watch, |refs, keys, rule, tree| {
             let mut made = BinaryTree::default();
             let pairs = &mut made.pairs;
             if !matches!(self, Self::Ploc(_)) {
@@ -89,7 +95,7 @@ impl AuxiliaryTree {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builders::lbvh::auxiliary::Clusters;
+    use crate::builders::lbvh::config::Clusters;
     use crate::builders::lbvh::key::reference;
     use crate::builders::prims::presplit::PresplitConfig;
     use crate::builders::prims::refs::PrimRefs;
@@ -129,7 +135,8 @@ mod tests {
             let mesh = scalable(n, 1).mesh;
             let areas = TREES.map(|auxiliary_tree| {
                 let mut auxiliary = Auxiliary::default();
-                auxiliary_tree.build(&mut auxiliary, &mesh, &config, Isa::best());
+                let all = 0..mesh.len() as u32;
+                auxiliary_tree.build(&mut auxiliary, (&mesh, all), &config, Isa::best());
                 let refs = auxiliary.order.refs(&mesh);
                 let root = auxiliary.tree.root.unwrap();
                 let mut all: Vec<u32> = auxiliary.order.keys.iter().map(|&key| reference(key)).collect();
@@ -150,7 +157,8 @@ mod tests {
             let build = |isa, threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let mut auxiliary = Auxiliary::default();
-                pool.install(|| auxiliary_tree.build(&mut auxiliary, &mesh, &AuxiliaryConfig::PAPER, isa));
+                let part = (&mesh, 0..mesh.len() as u32);
+                pool.install(|| auxiliary_tree.build(&mut auxiliary, part, &AuxiliaryConfig::PAPER, isa));
                 let pairs = auxiliary.tree.pairs.as_flattened().iter();
                 let bits = |node: &Node| node.corners().map(|corner| corner.map(f32::to_bits));
                 (auxiliary.order.keys.clone(), pairs.map(bits).collect::<Vec<_>>())

@@ -7,10 +7,11 @@ use crate::builders::api::builder::{Build, Phase, Stopwatch};
 use crate::builders::api::config_error::ConfigError;
 use crate::builders::binary::node::Node;
 use crate::builders::lbvh::area_scale::AreaScale;
-use crate::builders::lbvh::auxiliary::{Auxiliary, AuxiliaryConfig};
+use crate::builders::lbvh::auxiliary::Auxiliary;
+use crate::builders::lbvh::config::AuxiliaryConfig;
 use crate::builders::phr::config::{Extensions, PhrConfig};
 use crate::builders::phr::memory::CutMemory;
-use crate::builders::phr::pipeline::refine;
+use crate::builders::phr::pipeline::build_from_cuts;
 use crate::builders::wide::refit::RefitError;
 use crate::bvh::WideBvh;
 use crate::geometry::{Aabb, Mesh};
@@ -79,7 +80,7 @@ impl<const N: usize> MergedPhr<N> {
         }
         let auxiliary = &mut self.memory.auxiliary;
         let config = &self.config.extensions.auxiliary;
-        let phases = tree.build_part(auxiliary, (mesh, 0..triangles as u32), config, self.isa);
+        let phases = tree.build(auxiliary, (mesh, 0..triangles as u32), config, self.isa);
         self.kept = Kept { triangles, pairs: auxiliary.tree.pairs.len(), root: auxiliary.tree.root };
         Ok(phases)
     }
@@ -95,12 +96,12 @@ impl<const N: usize> MergedPhr<N> {
         }
         let Extensions { auxiliary_tree, auxiliary, .. } = &self.config.extensions;
         let moving = self.kept.triangles as u32..mesh.len() as u32;
-        let mut phases = auxiliary_tree.build_part(&mut self.dynamic, (mesh, moving), auxiliary, self.isa);
+        let mut phases = auxiliary_tree.build(&mut self.dynamic, (mesh, moving), auxiliary, self.isa);
         let mut watch = Stopwatch::start();
         self.merge(mesh);
         watch.lap("merge");
         phases.extend(watch.phases);
-        Ok(refine(&mut self.memory, mesh, &self.config, self.isa, phases))
+        Ok(build_from_cuts(&mut self.memory, mesh, &self.config, self.isa, phases))
     }
 
     /// Gives back a tree that is no longer needed, so that the next one is built in its memory.
@@ -120,13 +121,7 @@ impl<const N: usize> MergedPhr<N> {
         huge_pages::reserve(&mut tree.pairs, pairs + added.len() + 1, "merged pairs");
         let appended = |node: Node| node.appended(pairs as u32, triangles as u32);
         tree.pairs.extend(added.iter().map(|pair| pair.map(appended)));
-        tree.root = match (root, self.dynamic.tree.root.map(appended)) {
-            (Some(root), Some(other)) => {
-                tree.pairs.push([root, other]);
-                Some(Node::inner(&[root, other], tree.pairs.len() - 1))
-            }
-            (one, None) | (None, one) => one,
-        };
+        tree.root = Node::join_any([root, self.dynamic.tree.root.map(appended)], &mut tree.pairs);
         let bounds = tree.root.map_or(Aabb::EMPTY, |root| root.bounds());
         let calibration = self.config.extensions.auxiliary.calibration;
         *scale = AreaScale::in_order(bounds, &order.keys, &order.refs(mesh), calibration);

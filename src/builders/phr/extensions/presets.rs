@@ -1,7 +1,7 @@
 //! Configurations that go beyond the paper.
 
 use super::auxiliary_tree::AuxiliaryTree;
-use crate::builders::lbvh::auxiliary::{AuxiliaryConfig, Clusters};
+use crate::builders::lbvh::config::{AuxiliaryConfig, Clusters};
 use crate::builders::phr::config::{Extensions, LocalThreshold, PhrConfig};
 use crate::builders::prims::presplit::PresplitConfig;
 use crate::builders::wide::optimal::CollapseCosts;

@@ -1,7 +1,7 @@
 //! The spatial split of a long cut: the boundaries of nodes are put into bins, which bound the cost of their planes from
 //! below, and only bins that may hold a cheaper plane are swept.
 
-use super::plane_sweep::{Boxes, PlaneSweep};
+use super::plane_sweep::{PlaneSweep, SpatialCut};
 use super::split::SpatialSplit;
 use crate::builders::binary::node::Node;
 use crate::builders::split::cost::{BINS, CountedBox, bins_for};
@@ -47,7 +47,7 @@ impl Default for SpatialBins {
 
 impl SpatialBins {
     /// As [`PlaneSweep::improve`].
-    pub fn improve(&mut self, planes: &mut PlaneSweep, boxes: Boxes<'_>, best: &mut SpatialSplit) {
+    pub fn improve(&mut self, planes: &mut PlaneSweep, boxes: SpatialCut<'_>, best: &mut SpatialSplit) {
         self.fill(boxes.nodes, boxes.bounds);
         for axis in 0..3 {
             self.improve_along(axis, planes, boxes, best);
@@ -56,7 +56,13 @@ impl SpatialBins {
 
     /// A plane within a bin has on its left all nodes that begin in bins before, and on its right all that end in bins
     /// after; their boxes, cut at the bin's outermost planes, and their numbers bound the cost from below.
-    fn improve_along(&self, axis: usize, planes: &mut PlaneSweep, boxes: Boxes<'_>, best: &mut SpatialSplit) {
+    fn improve_along(
+        &self,
+        axis: usize,
+        planes: &mut PlaneSweep,
+        boxes: SpatialCut<'_>,
+        best: &mut SpatialSplit,
+    ) {
         let bins = &self.bins[axis];
         let [before, _] = CountedBox::before_and_after(&bins.map(|bin| bin.begin), self.used);
         let [_, after] = CountedBox::before_and_after(&bins.map(|bin| bin.end), self.used);

@@ -1,7 +1,7 @@
 //! All ways find the spatial split that equation 3 defines, on one table of cuts.
 
 use super::bins::SpatialBins;
-use super::plane_sweep::{Boxes, PlaneSweep};
+use super::plane_sweep::{PlaneSweep, SpatialCut};
 use super::split::SpatialSplit;
 use super::strategy::SpatialSweep;
 use crate::builders::binary::node::Node;
@@ -30,7 +30,7 @@ fn every_way_finds_the_split_of_the_definition() {
         let n = nodes.len();
         for weight in [Weight::Nodes, Weight::Blocks] {
             let expected = by_definition(nodes, weight);
-            let boxes = Boxes { nodes, bounds, weight };
+            let boxes = SpatialCut { nodes, bounds, weight };
             let whole = || SpatialSplit { cost: f32::INFINITY, ..SpatialSplit::NONE };
             let (mut swept, mut binned) = (whole(), whole());
             planes.improve(boxes, &mut swept);

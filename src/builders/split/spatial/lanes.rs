@@ -5,7 +5,7 @@
 //! right of it bound the cost of its planes from below, and only planes in slabs that may hold one cheaper than the best
 //! so far are evaluated.
 
-use super::plane_sweep::Boxes;
+use super::plane_sweep::SpatialCut;
 use super::split::SpatialSplit;
 use crate::builders::split::cost::half_areas;
 use crate::simd::vector::Lanes;
@@ -21,7 +21,7 @@ pub(crate) fn search<L: Lanes>(
     v: L,
     axis: usize,
     range: [f32; 2],
-    boxes: Boxes<'_>,
+    boxes: SpatialCut<'_>,
     planes: &mut Vec<f32>,
     best: &mut SpatialSplit,
 ) -> Option<[f32; 2]> {
@@ -40,7 +40,7 @@ pub(crate) fn search<L: Lanes>(
 fn along<L: Lanes, const AXIS: usize>(
     v: L,
     [mut from, mut to]: [f32; 2],
-    boxes: Boxes<'_>,
+    boxes: SpatialCut<'_>,
     planes: &mut Vec<f32>,
     best: &mut SpatialSplit,
 ) -> Option<[f32; 2]> {
@@ -75,7 +75,12 @@ const SORT: usize = 10;
 
 /// Evaluates each of the planes.
 #[inline(always)]
-fn evaluate<L: Lanes, const AXIS: usize>(v: L, boxes: Boxes<'_>, planes: &[f32], best: &mut SpatialSplit) {
+fn evaluate<L: Lanes, const AXIS: usize>(
+    v: L,
+    boxes: SpatialCut<'_>,
+    planes: &[f32],
+    best: &mut SpatialSplit,
+) {
     let last = v.splat(boxes.bounds.max[AXIS]);
     let mut is_found = false;
     for planes in planes.chunks(L::N) {
@@ -101,7 +106,7 @@ fn evaluate<L: Lanes, const AXIS: usize>(v: L, boxes: Boxes<'_>, planes: &[f32],
 
 /// The planes inside the bounds from `from` up to `to`, without the latter.
 #[inline(always)]
-fn gather<const AXIS: usize>(boxes: Boxes<'_>, from: f32, to: f32, planes: &mut Vec<f32>) {
+fn gather<const AXIS: usize>(boxes: SpatialCut<'_>, from: f32, to: f32, planes: &mut Vec<f32>) {
     let first = boxes.bounds.min[AXIS];
     planes.resize(2 * boxes.nodes.len(), 0.0);
     let mut len = 0;
@@ -119,7 +124,7 @@ fn gather<const AXIS: usize>(boxes: Boxes<'_>, from: f32, to: f32, planes: &mut 
 #[inline(always)]
 fn narrow<L: Lanes, const AXIS: usize>(
     v: L,
-    boxes: Boxes<'_>,
+    boxes: SpatialCut<'_>,
     from: f32,
     to: f32,
     limit: f32,
@@ -160,7 +165,11 @@ struct Sides<L: Lanes> {
 /// The sides of each plane, if `IS_PLANE`. Else lanes are borders: on the left is what is left of every plane at
 /// the border or behind it, and on the right what is right of every plane before it.
 #[inline(always)]
-fn sides<L: Lanes, const AXIS: usize, const IS_PLANE: bool>(v: L, boxes: Boxes<'_>, plane: L::F) -> Sides<L> {
+fn sides<L: Lanes, const AXIS: usize, const IS_PLANE: bool>(
+    v: L,
+    boxes: SpatialCut<'_>,
+    plane: L::F,
+) -> Sides<L> {
     let (inf, ninf) = (v.splat(f32::INFINITY), v.splat(f32::NEG_INFINITY));
     let (mut left_min, mut left_max) = ([inf; 3], [ninf; 3]);
     let (mut right_min, mut right_max) = ([inf; 3], [ninf; 3]);

@@ -10,7 +10,7 @@ use crate::geometry::ordered::ordered_bits;
 
 /// A cut to be split.
 #[derive(Clone, Copy)]
-pub(crate) struct Boxes<'a> {
+pub(crate) struct SpatialCut<'a> {
     /// Its nodes.
     pub nodes: &'a [Node],
     /// Their union.
@@ -32,7 +32,7 @@ pub(crate) struct PlaneSweep {
 
 impl PlaneSweep {
     /// Replaces `best` by the split of least cost, if that is less; of equal ones the first by axis, then by plane.
-    pub fn improve(&mut self, boxes: Boxes<'_>, best: &mut SpatialSplit) {
+    pub fn improve(&mut self, boxes: SpatialCut<'_>, best: &mut SpatialSplit) {
         for axis in 0..3 {
             let members = (0..boxes.nodes.len()).map(|i| (i, [true; 2]));
             self.improve_among(axis, boxes, members, [&CountedBox::EMPTY; 2], best);
@@ -45,7 +45,7 @@ impl PlaneSweep {
     pub fn improve_among(
         &mut self,
         axis: usize,
-        boxes: Boxes<'_>,
+        boxes: SpatialCut<'_>,
         members: impl Iterator<Item = (usize, [bool; 2])>,
         sides: [&CountedBox; 2],
         best: &mut SpatialSplit,
@@ -58,7 +58,7 @@ impl PlaneSweep {
     pub fn improve_between(
         &mut self,
         axis: usize,
-        boxes: Boxes<'_>,
+        boxes: SpatialCut<'_>,
         [from, to]: [f32; 2],
         best: &mut SpatialSplit,
     ) {
@@ -98,7 +98,7 @@ impl PlaneSweep {
     fn sweep(
         &mut self,
         axis: usize,
-        Boxes { nodes, bounds, weight }: Boxes<'_>,
+        SpatialCut { nodes, bounds, weight }: SpatialCut<'_>,
         [before, after]: [&CountedBox; 2],
         best: &mut SpatialSplit,
     ) {

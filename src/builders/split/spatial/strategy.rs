@@ -2,7 +2,7 @@
 
 use super::bins::SpatialBins;
 use super::lanes;
-use super::plane_sweep::{Boxes, PlaneSweep};
+use super::plane_sweep::{PlaneSweep, SpatialCut};
 use super::split::SpatialSplit;
 use crate::builders::binary::node::Node;
 use crate::builders::split::cost::Weight;
@@ -33,7 +33,7 @@ impl SpatialSweep {
         weight: Weight,
         hint: PlaneHint<'_>,
     ) -> SpatialSplit {
-        let boxes = Boxes { nodes, bounds, weight };
+        let boxes = SpatialCut { nodes, bounds, weight };
         let mut best = SpatialSplit { cost: limit, ..SpatialSplit::NONE };
         match isa {
             Isa::Avx512(token) => self.by_lanes(token, boxes, hint, &mut best),
@@ -46,7 +46,13 @@ impl SpatialSweep {
         if best.cost < limit { best } else { SpatialSplit::NONE }
     }
 
-    fn by_lanes<L: Lanes>(&mut self, v: L, boxes: Boxes<'_>, hint: PlaneHint<'_>, best: &mut SpatialSplit) {
+    fn by_lanes<L: Lanes>(
+        &mut self,
+        v: L,
+        boxes: SpatialCut<'_>,
+        hint: PlaneHint<'_>,
+        best: &mut SpatialSplit,
+    ) {
         let bounds = boxes.bounds;
         for axis in 0..3 {
             let Some([from, to]) = hint.planes_below(axis, best.cost, boxes.weight) else { continue };

@@ -38,13 +38,13 @@ pub(super) struct Plane {
 }
 
 /// Bins along three axes.
-pub(super) struct Bins {
+pub(super) struct SahBins {
     bins: Vec<CountedBox>,
     /// Bins of an axis.
     len: usize,
 }
 
-impl Bins {
+impl SahBins {
     /// Of the boxes.
     pub fn of(binning: &Binning, boxes: impl Iterator<Item = Aabb>) -> Self {
         let len = binning.last + 1;
@@ -105,14 +105,14 @@ mod tests {
         let at = |x: f32| Aabb::new(Vec3A::new(0.0, x, 0.0), Vec3A::new(1.0, x + 1.0, 1.0));
         let boxes: Vec<Aabb> = [0.0, 1.0, 2.0, 50.0, 51.0].map(at).to_vec();
         let binning = Binning::new(info(boxes.iter().copied()).centers, 16);
-        let plane = Bins::of(&binning, boxes.iter().copied()).cheapest().unwrap();
+        let plane = SahBins::of(&binning, boxes.iter().copied()).cheapest().unwrap();
         let is_left = |b: &Aabb| binning.bin(*b, plane.axis) < plane.bin;
         assert_eq!(boxes.iter().map(is_left).collect::<Vec<_>>(), [true, true, true, false, false]);
-        let halves = Bins::of(&binning, boxes[..2].iter().copied());
-        let both = halves.union(&Bins::of(&binning, boxes[2..].iter().copied()));
+        let halves = SahBins::of(&binning, boxes[..2].iter().copied());
+        let both = halves.union(&SahBins::of(&binning, boxes[2..].iter().copied()));
         assert_eq!(both.cheapest(), Some(plane));
         let same = vec![at(3.0); 9];
         let binning = Binning::new(info(same.iter().copied()).centers, 16);
-        assert_eq!(Bins::of(&binning, same.into_iter()).cheapest(), None);
+        assert_eq!(SahBins::of(&binning, same.into_iter()).cheapest(), None);
     }
 }

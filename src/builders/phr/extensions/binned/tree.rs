@@ -1,6 +1,6 @@
 //! The recursion of binned SAH.
 
-use super::bins::{Binning, Bins, info};
+use super::bins::{Binning, SahBins, info};
 use super::config::BinnedSahConfig;
 use crate::builders::binary::node::Node;
 use crate::builders::lbvh::key::{MortonKey, reference};
@@ -65,7 +65,7 @@ fn split(config: &BinnedSahConfig, items: &mut [Item]) -> Option<usize> {
     let boxes = |items: &[Item]| info(items.iter().map(|(_, bounds)| *bounds));
     let centers = in_parts(items, boxes).into_iter().fold(PrimInfo::EMPTY, PrimInfo::union).centers;
     let binning = Binning::new(centers, config.bins.min(4 + items.len() / 20));
-    let bins = |items: &[Item]| Bins::of(&binning, items.iter().map(|(_, bounds)| *bounds));
+    let bins = |items: &[Item]| SahBins::of(&binning, items.iter().map(|(_, bounds)| *bounds));
     let bins = in_parts(items, bins).into_iter().reduce(|a, b| a.union(&b))?;
     let plane = bins.cheapest()?;
     let is_left = |item: &Item| binning.bin(item.1, plane.axis) < plane.bin;
