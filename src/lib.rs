@@ -3,8 +3,7 @@
 //!
 //! # A guided tour
 //!
-//! **A mesh** is a list of vertices and a list of triangles. Triangles that no ray can hit (degenerate, not finite, out of
-//! range) are dropped and counted.
+//! **A mesh** is a list of vertices and a list of triangles. Triangles that no builder can hold (not finite, out of range) are dropped and counted.
 //!
 //! ```
 //! use phr::geometry::Mesh;
@@ -120,7 +119,7 @@
 //! 7. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots; `experiments`
 //!    has the paper's other figures and its experiments, and `cli` turns all of it into commands (feature `harness`).
 //!
-//! Imports run down this list: `memory`, `geometry`, `scene`, `bvh`, `simd`, `parallel`, `builders`, `embree`, `peers`,
+//! Imports run down this list: `random`, `memory`, `geometry`, `scene`, `bvh`, `simd`, `parallel`, `builders`, `embree`, `peers`,
 //! `trace`, `query`, `bench`, `report`, `experiments`, `cli`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
