@@ -15,7 +15,7 @@ use crate::report::evidence::constants::constants;
 use crate::report::evidence::fronts::fronts;
 use crate::report::evidence::holdout::holdout;
 use crate::report::figures::{Figure, Under, scenes, tree_named};
-use crate::report::kernels::{leaks_table, page};
+use crate::report::kernels::{leaks_table, page, summary as kernel_targets};
 use crate::report::means::{Ratios, means};
 use crate::report::summary::{spread, summary};
 use crate::report::table::details;
@@ -25,7 +25,7 @@ use crate::report::{self, targets};
 use std::path::Path;
 
 /// The kinds of markers, each with the words that follow; `...` stands for more of the last.
-pub(super) const KINDS: [(&str, &str); 23] = [
+pub(super) const KINDS: [(&str, &str); 24] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
@@ -43,6 +43,7 @@ pub(super) const KINDS: [(&str, &str); 23] = [
     ("growth", "RESULTS"),
     ("ablation", "RESULTS BASE BUILDER..."),
     ("kernels", "RESULTS"),
+    ("kernel-targets", "RESULTS"),
     ("leaks", "RESULTS"),
     ("scaling", "RESULTS"),
     ("findings", "EXPERIMENT"),
@@ -51,7 +52,7 @@ pub(super) const KINDS: [(&str, &str); 23] = [
     ("tuned", "SEARCHES"),
 ];
 /// Kinds with fixed kernels, which take no `--kernel`.
-const OF_FIXED_KERNELS: [&str; 14] = [
+const OF_FIXED_KERNELS: [&str; 15] = [
     "targets",
     "bars",
     "growth",
@@ -60,6 +61,7 @@ const OF_FIXED_KERNELS: [&str; 14] = [
     "constants",
     "assertions",
     "kernels",
+    "kernel-targets",
     "leaks",
     "scaling",
     "findings",
@@ -131,10 +133,10 @@ impl<'a> Marker<'a> {
                 }
                 Ok(growth)
             }
-            "kernels" => {
+            "kernels" | "kernel-targets" => {
                 let rows = kernels::row::read(&folder.join(self.words[0]));
                 let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
-                Ok(page(&rows))
+                Ok(if self.kind == "kernels" { page(&rows) } else { kernel_targets(&rows) })
             }
             "leaks" => {
                 let rows = kernels::leaks::read(&folder.join(self.words[0]));

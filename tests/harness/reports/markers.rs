@@ -64,8 +64,22 @@ fn every_column_and_marker_is_described() {
         assert!(described.contains(&format!("`{column}`")), "{column}");
     }
     let markers = [
-        "table", "table1", "means", "scenes", "run", "value", "summary", "spread", "targets", "growth",
-        "ablation", "kernels", "leaks", "scaling", "advice",
+        "table",
+        "table1",
+        "means",
+        "scenes",
+        "run",
+        "value",
+        "summary",
+        "spread",
+        "targets",
+        "growth",
+        "ablation",
+        "kernels",
+        "kernel-targets",
+        "leaks",
+        "scaling",
+        "advice",
     ];
     for marker in markers {
         assert!(described.contains(&format!("| `{marker}: ")), "{marker}");
