@@ -61,6 +61,11 @@ impl<'a> Compared<'a> {
     pub fn of_figure(&self, figure: Figure) -> Option<&Ratios> {
         self.ratios.iter().find(|(known, _)| *known == figure).map(|(_, ratios)| ratios)
     }
+
+    /// Whether any scene has `figure`: whole frames have no steps.
+    pub fn is_measured(&self, figure: Figure) -> bool {
+        self.of_figure(figure).is_some_and(|ratios| !ratios.0.is_empty())
+    }
 }
 
 impl Mean {

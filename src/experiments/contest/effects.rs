@@ -3,7 +3,7 @@
 use super::compared::{Compared, Mean, name};
 use super::experiment::Experiment;
 use crate::bench::row::Row;
-use crate::report::figures::{SceneFigures, Under};
+use crate::report::figures::{Figure, SceneFigures, Under};
 use crate::report::plot::chart::{GREY, INK, SMALL, sheet};
 use crate::report::plot::raster::text_width;
 use crate::report::plot::svg::{Anchor, Shape};
@@ -29,8 +29,9 @@ pub fn draw(experiment: &Experiment, rows: &[Row], width: u32, under: &Under) ->
     let names = all.iter().flat_map(|it| [it.comparison.changed.clone(), against(&it.comparison.base)]);
     let left = 44.0 + names.map(|name| text_width(&name, SMALL)).fold(0.0, f64::max);
     let bottom = TOP + all.len() as f64 * LINE;
-    let columns = experiment.figures.len() as f64;
-    let size = (left + columns * (COLUMN + GAP), bottom + 56.0);
+    let is_measured = |figure: &&Figure| all.iter().any(|compared| compared.is_measured(**figure));
+    let figures: Vec<&Figure> = experiment.figures.iter().filter(is_measured).collect();
+    let size = (left + figures.len() as f64 * (COLUMN + GAP), bottom + 56.0);
     let count = scenes.len();
     let threads = rows.first().map_or(0, |row| row.threads);
     let noun = if count == 1 { "scene" } else { "scenes" };
@@ -46,7 +47,7 @@ pub fn draw(experiment: &Experiment, rows: &[Row], width: u32, under: &Under) ->
         svg.text((left - 14.0, y - 3.0), Anchor::End, SMALL, INK, &comparison.changed, "");
         svg.text((left - 14.0, y + 13.0), Anchor::End, SMALL, "#6b6b6b", &against(&comparison.base), "");
     }
-    for (column, figure) in experiment.figures.iter().enumerate() {
+    for (column, &figure) in figures.iter().enumerate() {
         let x0 = left + column as f64 * (COLUMN + GAP);
         let of = |compared: &Compared<'_>| compared.of_figure(*figure).cloned().unwrap_or_default();
         let values = all.iter().flat_map(|it| of(it).0).map(|ratio| ratio.value);

@@ -63,10 +63,8 @@ fn rays(rows: &[Row]) -> String {
 fn means(compared: &[Compared<'_>]) -> String {
     let Some(first) = compared.first() else { return String::new() };
     let figures: Vec<&str> = first.ratios.iter().map(|(figure, _)| name(*figure)).collect();
-    // What whole frames do not tell, as steps, is in no count.
-    let is_measured = |one: &Compared<'_>, figure| one.of_figure(figure).is_some_and(|all| !all.0.is_empty());
     let of_trees =
-        |figure: Figure| figure != Figure::Build && compared.iter().any(|one| is_measured(one, figure));
+        |figure: Figure| figure != Figure::Build && compared.iter().any(|one| one.is_measured(figure));
     let worse: Vec<&str> = first
         .ratios
         .iter()
