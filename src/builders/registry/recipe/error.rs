@@ -22,7 +22,7 @@ pub enum RecipeError {
         known: String,
     },
     /// A value of another kind, or out of range.
-    #[error("{builder}.{change}: {reason}")]
+    #[error("{builder}.{}: {}", on_a_line(change), on_a_line(reason))]
     Value {
         /// The builder.
         builder: &'static str,
@@ -31,6 +31,11 @@ pub enum RecipeError {
         /// What is wrong, and what it may be.
         reason: String,
     },
+}
+
+/// `text`, which may quote a value, without line breaks and the like.
+fn on_a_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '?' } else { c }).collect()
 }
 
 fn known() -> String {

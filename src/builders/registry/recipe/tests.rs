@@ -123,3 +123,11 @@ fn a_changed_builder_builds() {
         assert_eq!(tree.validate(&mesh), Ok(()), "{name}");
     }
 }
+
+#[test]
+fn a_refused_value_is_told_in_one_line() {
+    for name in ["phr-fast[max_leaf=l_l\u{1}\n0]", "phr-fast[alpha=\n]", "phr-fast[delta=1\n=2]"] {
+        let error = Recipe::parse(name).unwrap_err().to_string();
+        assert_eq!(error.lines().count(), 1, "{error:?}");
+    }
+}
