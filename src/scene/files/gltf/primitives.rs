@@ -39,7 +39,7 @@ struct MeshPlan {
 pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) -> Result<Plan, Fault> {
     let mut plan = Plan::default();
     let mut morphed = 0;
-    let mut known = Known::default();
+    let mut known = Known::nothing();
     for placed in placed {
         let mesh = match plan.meshes.entry(placed.mesh) {
             Entry::Occupied(known) => known.into_mut(),
@@ -49,9 +49,9 @@ pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) 
                 place.insert(mesh)
             }
         };
-        known.enter(&placed.transform);
+        let known = known.at(&placed.transform);
         for (&accessor, &count) in &mesh.vertices {
-            if known.ranges.insert(accessor, (0, 0)).is_none() {
+            if known.insert(accessor, ()).is_none() {
                 plan.vertices = plan.vertices.saturating_add(count);
             }
         }
@@ -68,21 +68,24 @@ pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) 
     Ok(plan)
 }
 
-/// The vertices of each accessor that are in the scene already, moved as those of the mesh at hand: primitives of a mesh
-/// often share theirs, and in some files all meshes do.
-#[derive(Default)]
-struct Known {
+/// What is known of the accessors whose vertices are in the scene already, moved as those of the mesh at hand: primitives of
+/// a mesh often share theirs, and in some files all meshes do.
+struct Known<T> {
     transform: DMat4,
-    /// First vertex and number of vertices.
-    ranges: HashMap<usize, (u32, u32)>,
+    accessors: HashMap<usize, T>,
 }
 
-impl Known {
-    /// Forgets vertices that were moved otherwise.
-    fn enter(&mut self, transform: &DMat4) {
+impl<T> Known<T> {
+    fn nothing() -> Self {
+        Self { transform: DMat4::IDENTITY, accessors: HashMap::new() }
+    }
+
+    /// The accessors of a mesh placed by `transform`; forgets vertices that were moved otherwise.
+    fn at(&mut self, transform: &DMat4) -> &mut HashMap<usize, T> {
         if self.transform != *transform {
-            *self = Self { transform: *transform, ranges: HashMap::new() };
+            *self = Self { transform: *transform, ..Self::nothing() };
         }
+        &mut self.accessors
     }
 }
 
@@ -121,11 +124,12 @@ pub(super) fn append(
     raw: &mut RawMesh<'_>,
 ) -> Result<(), Fault> {
     let mut corners = Vec::new();
-    let mut known = Known::default();
+    // First vertex and number of vertices.
+    let mut known: Known<(u32, u32)> = Known::nothing();
     for placed in placed {
-        known.enter(&placed.transform);
+        let known = known.at(&placed.transform);
         for faces in plan.meshes.get(&placed.mesh).into_iter().flat_map(|mesh| &mesh.faces) {
-            let (first, count) = match known.ranges.get(&faces.positions) {
+            let (first, count) = match known.get(&faces.positions) {
                 Some(&range) => range,
                 None => {
                     let begin = raw.vertices.len();
@@ -134,7 +138,7 @@ pub(super) fn append(
                     let (first, end) = range.ok_or_else(|| {
                         Fault::new("its size", "more than 2^32 vertices", "split the scene")
                     })?;
-                    known.ranges.insert(faces.positions, (first, end - first));
+                    known.insert(faces.positions, (first, end - first));
                     (first, end - first)
                 }
             };
