@@ -17,6 +17,10 @@ pub(crate) fn try_reserve<T>(array: &mut Vec<T>, len: usize, what: &'static str)
     if array.capacity() >= len {
         return Ok(());
     }
+    if array.is_empty() {
+        // What grows is copied, even where it holds nothing.
+        *array = Vec::new();
+    }
     array
         .try_reserve_exact(len - array.len())
         .map_err(|_| OutOfMemory { what, bytes: len.saturating_mul(size_of::<T>()) })?;

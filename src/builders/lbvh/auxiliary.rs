@@ -54,7 +54,7 @@ impl Auxiliary {
         self.order.presplit(geometry, prims, config.presplit.as_ref(), watch);
     }
 
-    /// Sorts their references.
+    /// Sorts their references, in the memory of the nodes that are going to be made of them.
     pub fn sort<G: Geometry>(
         &mut self,
         geometry: &G,
@@ -62,6 +62,8 @@ impl Auxiliary {
         config: &AuxiliaryConfig,
         watch: &mut Stopwatch,
     ) {
+        let references = prims.len() + self.order.more();
+        reserve_pairs(&mut self.tree.pairs, references, config.leaf());
         self.order.sort(geometry, prims, config.sort().0, &mut self.tree.pairs, watch);
     }
 
@@ -98,6 +100,13 @@ impl Auxiliary {
     }
 }
 
+/// Room for the nodes over so many references, if up to `leaf` of them always become a leaf.
+fn reserve_pairs(pairs: &mut Vec<[Node; 2]>, references: usize, leaf: u32) {
+    // Of leaves of several references about half are full.
+    let most = references.div_ceil(leaf as usize) * if leaf == 1 { 1 } else { 2 };
+    huge_pages::reserve(pairs, most + most / 1000 + 64, "the auxiliary tree");
+}
+
 /// The root of the LBVH over one or more keys.
 fn lbvh<G: Geometry>(
     refs: &PrimRefs<'_, G>,
@@ -107,9 +116,7 @@ fn lbvh<G: Geometry>(
     pairs: &mut Vec<[Node; 2]>,
     treelets: &Pool<LbvhTreelet>,
 ) -> Node {
-    // Of leaves of several references about half are full.
-    let most = keys.len().div_ceil(rule.always as usize) * if rule.always == 1 { 1 } else { 2 };
-    huge_pages::reserve(pairs, most + most / 1000 + 64, "the auxiliary tree");
+    reserve_pairs(pairs, keys.len(), rule.always);
     let (top, tasks) = top_tree(refs, keys, depth);
     let make = |i: usize, treelet: &mut LbvhTreelet| {
         let Treelet { first, depth, keys } = tasks.take(i);

@@ -50,7 +50,7 @@ impl AuxiliaryConfig {
     }
 
     /// Subtrees of at most this many references are always leaves.
-    fn leaf(&self) -> u32 {
+    pub(super) fn leaf(&self) -> u32 {
         self.auxiliary_leaf.unwrap_or(1)
     }
 

@@ -77,8 +77,7 @@ impl MortonOrder {
         watch: &mut Stopwatch,
     ) {
         let info = self.info.expect("references are taken up before they are sorted");
-        let more: usize = self.presplit.chunks.iter().map(|chunk| chunk.pieces - chunk.needles).sum();
-        let keys = huge_pages::lend(spare, prims.len() + more, "keys");
+        let keys = huge_pages::lend(spare, prims.len() + self.more(), "keys");
         self.encode(geometry, prims, &MortonEncoder::new(info.centers), bits.mask(), keys);
         // SAFETY: `encode` has written every key.
         let keys = unsafe { &mut *(std::ptr::from_mut(keys) as *mut [MortonKey]) };
@@ -89,6 +88,11 @@ impl MortonOrder {
             SortBits::Highest => radix_sort::bucket_sort(keys, &mut self.keys),
         }
         watch.lap("sort");
+    }
+
+    /// References beyond one of each primitive that was taken up.
+    pub fn more(&self) -> usize {
+        self.presplit.chunks.iter().map(|chunk| chunk.pieces - chunk.needles).sum()
     }
 
     /// Sorts all primitives of a geometry by all bits of their codes, likewise.
