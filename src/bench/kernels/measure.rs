@@ -127,7 +127,9 @@ fn rays(scene: &Scene, tracer: &dyn Tracer, settings: &KernelSettings) -> RayBat
     all
 }
 
-/// Seconds of each contestant in each round, and its answers, on the current pool.
+/// Seconds of each contestant in each round, and its answers, on the current pool. The pass before the timed one fills the
+/// caches with its tree: else who follows another over the same tree finds it there, and who follows one over another
+/// does not.
 fn rounds(
     contestants: &[Contestant<'_>],
     kind: RayKind,
@@ -140,6 +142,7 @@ fn rounds(
         for turn in 0..contestants.len() {
             let index = (turn + round) % contestants.len();
             let (tracer, answers) = (&*contestants[index].tracer, &mut answers[index]);
+            fill(answers, tracer, rays);
             answers.reset();
             let start = Instant::now();
             fill(answers, tracer, rays);
