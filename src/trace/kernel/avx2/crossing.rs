@@ -35,7 +35,7 @@ impl Crossing {
         let lane = (lanes.trailing_zeros() & 3) as usize;
         let one = _mm_set1_ps(1.0);
         *hit = Hit {
-            t: array(t)[lane],
+            t: _mm_cvtss_f32(least),
             u: array(_mm_min_ps(_mm_mul_ps(self.u, scale), one))[lane],
             v: array(_mm_min_ps(_mm_mul_ps(self.v, scale), one))[lane],
             prim: prims[lane],

@@ -90,13 +90,14 @@ impl<R: Reciprocal> FastAvx2<R> {
         let u = _mm_xor_ps(dot(r, e2), sign);
         let v = _mm_xor_ps(dot(r, e1), sign);
         let inside = _mm_and_ps(
-            _mm_and_ps(_mm_cmpneq_ps(den, zero), _mm_cmpge_ps(u, zero)),
-            _mm_and_ps(_mm_cmpge_ps(v, zero), _mm_cmple_ps(_mm_add_ps(u, v), abs_den)),
+            _mm_and_ps(_mm_cmpge_ps(u, zero), _mm_cmpge_ps(v, zero)),
+            _mm_cmple_ps(_mm_add_ps(u, v), abs_den),
         );
         // Not left early where no lane is inside: whether one is cannot be foreseen, and the rest takes less time than
         // a wrong guess.
         let t = _mm_xor_ps(dot(normal, c), sign);
         let beyond = _mm_cmplt_ps(_mm_mul_ps(abs_den, _mm_set1_ps(self.slabs.tnear())), t);
+        // Both fail where `den` is zero: no distance is beyond 0 and up to 0.
         let before = _mm_cmple_ps(t, _mm_mul_ps(abs_den, _mm_set1_ps(tfar)));
         let valid = _mm_and_ps(inside, _mm_and_ps(beyond, before));
         (_mm_movemask_ps(valid) != 0).then_some(Crossing { t, u, v, den: abs_den, valid })
