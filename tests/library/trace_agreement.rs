@@ -2,18 +2,30 @@
 
 use crate::trace_support::*;
 use glam::Vec3;
-use phr::geometry::{Hit, Mesh, Ray};
+use phr::geometry::{Hit, Mesh, Ray, Tracer};
 use phr::random::SplitMix64;
 use phr::trace::verify::{compare_any, compare_closest, witness};
-use phr::trace::{BatchTracer, BvhTracer, Isa, WatertightTracer};
+use phr::trace::{BatchTracer, BruteForce, BvhTracer, Isa, WatertightTracer};
 
-/// Holds the answers of every instruction set, width and kernel to those of the scalar one over four children. At most
-/// `edge` rays per thousand may be left to rounding.
-fn agree(what: &str, mesh: &Mesh, rays: &[Ray], edge: usize) {
+/// What a case leaves open.
+struct Case {
+    what: &'static str,
+    /// Rays per thousand that rounding may decide, at most.
+    edge: usize,
+    /// Rays per thousand that hit something, at least: where none does, nothing is compared.
+    hit: usize,
+}
+
+/// Holds the answers of every instruction set, width and kernel, of brute force and of Embree to those of our scalar kernel
+/// over four children.
+fn agree(case: &Case, mesh: &Mesh, rays: &[Ray]) {
+    let Case { what, edge, hit } = *case;
     let (four, eight) = (median_tree::<4>(mesh, 4), median_tree::<8>(mesh, 11));
     let reference = BvhTracer::with_isa(&four, Isa::Scalar);
     let (hits, shadows) = (closest(&reference, rays), any(&reference, rays));
-    let check = |name: String, tracer: &dyn phr::geometry::Tracer| {
+    let found = hits.iter().filter(|hit| hit.is_hit()).count();
+    assert!(found * 1000 >= hit * rays.len(), "{what}: {found} of {} rays hit", rays.len());
+    let check = |name: &str, tracer: &dyn Tracer| {
         let found = closest(tracer, rays);
         let verdict = compare_closest(mesh, rays, &hits, &found);
         assert!(verdict.is_ok() && verdict.edge * 1000 <= edge * rays.len(), "{what}, {name}: {verdict}");
@@ -25,11 +37,21 @@ fn agree(what: &str, mesh: &Mesh, rays: &[Ray], edge: usize) {
         }
     };
     for isa in Isa::available() {
-        check(format!("{isa}, width 4"), &BvhTracer::with_isa(&four, isa));
-        check(format!("{isa}, width 8"), &BvhTracer::with_isa(&eight, isa));
-        check(format!("{isa}, batches, width 4"), &BatchTracer::with_isa(&four, isa));
-        check(format!("{isa}, batches, width 8"), &BatchTracer::with_isa(&eight, isa));
-        check(format!("{isa}, watertight"), &WatertightTracer::with_isa(&eight, mesh, isa));
+        check(&format!("{isa}, width 4"), &BvhTracer::with_isa(&four, isa));
+        check(&format!("{isa}, width 8"), &BvhTracer::with_isa(&eight, isa));
+        check(&format!("{isa}, batches, width 4"), &BatchTracer::with_isa(&four, isa));
+        check(&format!("{isa}, batches, width 8"), &BatchTracer::with_isa(&eight, isa));
+        check(&format!("{isa}, watertight, width 4"), &WatertightTracer::with_isa(&four, mesh, isa));
+        check(&format!("{isa}, watertight, width 8"), &WatertightTracer::with_isa(&eight, mesh, isa));
+    }
+    check("brute force", &BruteForce(mesh));
+    #[cfg(feature = "embree")]
+    for width in phr::embree::Width::ALL {
+        use phr::embree::{Config, Device, EmbreeBuilder};
+        let config = Config { builder: EmbreeBuilder::Sah, width, threads: 2 };
+        for device in [Device::new(&config), Device::robust(&config)].map(Result::unwrap) {
+            check(device.config(), &device.prepare(mesh).unwrap().commit().unwrap());
+        }
     }
 }
 
@@ -53,9 +75,10 @@ fn over_random_rays_at_all_scales() {
             let [tnear, tfar] = [ray.tnear * scale, ray.tfar * scale];
             Ray { org: ray.org * scale, tnear, tfar, ..*ray }
         });
-        agree(&format!("scale {scale}"), &mesh, &unscaled.collect::<Vec<_>>(), 5);
+        let case = |what| Case { what, edge: 5, hit: 300 };
+        agree(&case("scenes scaled"), &mesh, &unscaled.collect::<Vec<_>>());
         let scaled = random.iter().map(|ray| Ray { org: ray.org * scale, dir: ray.dir * scale, ..*ray });
-        agree(&format!("scale {scale} of directions, too"), &mesh, &scaled.collect::<Vec<_>>(), 5);
+        agree(&case("directions scaled with the scene"), &mesh, &scaled.collect::<Vec<_>>());
     }
 }
 
@@ -67,7 +90,7 @@ fn over_rays_along_axes() {
             dir[random.below(3)] = if random.unit() < 0.5 { -1.0 } else { 2.0 };
             ray_of(1.5 * random.point(-1.0, 1.0), dir)
         });
-        agree("along axes", &mesh, &rays, 20);
+        agree(&Case { what: "along axes", edge: 20, hit: 300 }, &mesh, &rays);
     }
 }
 
@@ -80,7 +103,7 @@ fn over_rays_in_planes_of_triangles() {
             let org = a + u * (b - a) + v * (c - a);
             ray_of(org, a + random.unit() * (b - a) + random.unit() * (c - a) - org)
         });
-        agree("in planes", &mesh, &rays, 1000);
+        agree(&Case { what: "in planes", edge: 500, hit: 300 }, &mesh, &rays);
     }
 }
 
@@ -92,7 +115,7 @@ fn over_rays_from_far_away() {
         let org = 1e6 * away;
         ray_of(org, random.point(-1.0, 1.0) - org)
     });
-    agree("from far away", &mesh, &rays, 200);
+    agree(&Case { what: "from far away", edge: 200, hit: 300 }, &mesh, &rays);
 }
 
 #[test]
@@ -108,30 +131,39 @@ fn over_denormal_and_zero_components() {
             org[random.below(3)] = tiny[random.below(tiny.len())];
             ray_of(org, dir)
         });
-        agree("tiny components", &mesh, &rays, 30);
+        agree(&Case { what: "tiny components", edge: 30, hit: 300 }, &mesh, &rays);
     }
 }
 
 #[test]
 fn over_intervals_of_one_point() {
     let mesh = soup(1000, 11);
-    let tree = median_tree::<8>(&mesh, 4);
-    let rays = rays(&mesh, 3000, 12);
+    at_one_point::<4>(&mesh);
+    at_one_point::<8>(&mesh);
+}
+
+/// An interval is open at its start: at the very distance of a hit there is nothing within it, but in one that begins just
+/// before, there is, where rounding allows.
+fn at_one_point<const N: usize>(mesh: &Mesh) {
+    let tree = median_tree::<N>(mesh, 4);
+    let rays = rays(mesh, 3000, 12);
     for isa in Isa::available() {
-        let watertight = WatertightTracer::with_isa(&tree, &mesh, isa);
+        let watertight = WatertightTracer::with_isa(&tree, mesh, isa);
         let (single, batch) = (BvhTracer::with_isa(&tree, isa), BatchTracer::with_isa(&tree, isa));
-        for tracer in [&single as &dyn phr::geometry::Tracer, &batch, &watertight] {
-            // At the very distance of a hit, too, nothing lies within an interval that is open at its start.
+        for tracer in [&single as &dyn Tracer, &batch, &watertight] {
             let hits = closest(tracer, &rays);
-            let points: Vec<Ray> = rays
-                .iter()
-                .zip(&hits)
-                .map(|(ray, hit)| if hit.is_hit() { hit.t } else { ray.tnear })
-                .zip(&rays)
-                .map(|(t, ray)| Ray { tnear: t, tfar: t, ..*ray })
-                .collect();
+            let at: Vec<(Ray, Hit)> =
+                rays.iter().copied().zip(hits).filter(|(_, hit)| hit.is_hit()).collect();
+            let within = |begin: fn(f32) -> f32, end: fn(f32) -> f32| -> Vec<Ray> {
+                at.iter().map(|(ray, hit)| Ray { tnear: begin(hit.t), tfar: end(hit.t), ..*ray }).collect()
+            };
+            let points = within(|t| t, |t| t);
             assert!(closest(tracer, &points).iter().all(|hit| *hit == Hit::MISS), "{isa}");
             assert!(!any(tracer, &points).contains(&true), "{isa}");
+            let around = within(|t| t * 0.99999, |t| t * 1.00001);
+            let again = closest(tracer, &around);
+            let same = again.iter().zip(&at).filter(|(again, (_, hit))| again.t == hit.t).count();
+            assert!(at.len() > 500 && same * 100 >= 99 * at.len(), "{isa}: {same} of {}", at.len());
         }
     }
 }
@@ -159,7 +191,7 @@ fn over_invalid_rays() {
     let rays: Vec<Ray> = rays.iter().copied().chain(still).collect();
     for isa in Isa::available() {
         let watertight = WatertightTracer::with_isa(&eight, &mesh, isa);
-        let tracers: [&dyn phr::geometry::Tracer; 5] = [
+        let tracers: [&dyn Tracer; 5] = [
             &BvhTracer::with_isa(&four, isa),
             &BvhTracer::with_isa(&eight, isa),
             &BatchTracer::with_isa(&four, isa),
