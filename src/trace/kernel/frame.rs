@@ -60,7 +60,8 @@ impl Frame {
             rdir: rdir.to_array(),
             near_org_rdir: ((org + outwards) * rdir).to_array(),
             far_org_rdir: ((org - outwards) * rdir).to_array(),
-            tnear: ray.tnear,
+            // Not -0, as which valid rays may begin.
+            tnear: if ray.tnear > 0.0 { ray.tnear } else { 0.0 },
         }
     }
 
