@@ -7,7 +7,7 @@
 
 #![allow(unsafe_code)]
 
-#[cfg(not(target_arch = "x86_64"))]
+#[cfg(any(test, not(target_arch = "x86_64")))]
 mod elsewhere;
 pub(crate) mod vector;
 
