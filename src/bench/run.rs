@@ -10,6 +10,7 @@ use super::pools::Pools;
 use super::precision::widest;
 use super::recorder::{RecordOptions, Recorder};
 use super::row::Row;
+use super::samples::SceneSamples;
 use super::visit::{Bench, SceneTraces, Turn};
 use super::{contender, memory, rays, rows};
 use crate::geometry::Tracer;
@@ -17,7 +18,7 @@ use crate::random::SplitMix64;
 use crate::scene::Scene;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Receives the progress of a run.
 pub trait Progress {
@@ -70,11 +71,7 @@ impl Run<'_> {
         progress.begin(self.plan.scenes.iter().map(|(scene, cells)| weight(scene) * visits(cells)).sum());
         let mut ended = Ok(());
         for (scene, cells) in &self.plan.scenes {
-            if recorder
-                .samples
-                .scene(&scene.name)
-                .is_some_and(|s| s.is_done(cells, self.plan.settings.rounds))
-            {
+            if recorder.samples.scene(&scene.name).is_some_and(|samples| self.is_done(samples, cells)) {
                 progress.advance(weight(scene) * visits(cells));
                 continue;
             }
@@ -84,11 +81,26 @@ impl Run<'_> {
             }
         }
         let complete = ended.is_ok() && !self.stopped();
-        recorder.close(complete)?;
+        let imprecise = recorder.samples.scenes.iter().filter_map(|scene| self.imprecise(scene)).collect();
+        recorder.close(complete, imprecise)?;
         ended?;
         let failures =
             recorder.samples.scenes.iter().flat_map(|s| &s.cells).filter(|cell| cell.failed()).count();
         Ok(Outcome { complete, failures, rows: recorder.rows() })
+    }
+
+    /// True if a scene that was begun wants no more rounds.
+    fn is_done(&self, samples: &SceneSamples, cells: &[Cell]) -> bool {
+        let Plan { settings, all_scenes, .. } = self.plan;
+        !settings.wants(samples.finished_rounds(cells), samples.spent, all_scenes.len(), || widest(samples))
+    }
+
+    /// What is to be told of a scene whose intervals are not as narrow as was asked for.
+    fn imprecise(&self, scene: &SceneSamples) -> Option<String> {
+        let width = widest(scene);
+        let told =
+            || format!("{}: intervals within ±{:.1} % after {:.0} s", scene.name, 100.0 * width, scene.spent);
+        self.plan.settings.is_wide(self.plan.all_scenes.len(), || width).then(told)
     }
 
     fn stopped(&self) -> bool {
@@ -140,11 +152,11 @@ impl Run<'_> {
         let invalid = rays.iter().map(|view| view.invalid as u64).sum();
         let index = recorder.scene(planned, scene, cells, rays.len(), invalid)?;
         let mut bench = Bench::new(SceneTraces::new(scene, &rays, reference, settings, pools, self.stop));
+        let before = recorder.samples.scenes[index].spent;
         let start = Instant::now();
-        let scenes = self.plan.all_scenes.len();
         for round in 0.. {
-            let width = || widest(&recorder.samples.scenes[index]);
-            if !settings.wants(round, start.elapsed(), scenes, width) {
+            let samples = &recorder.samples.scenes[index];
+            if !settings.wants(round, samples.spent, self.plan.all_scenes.len(), || widest(samples)) {
                 break;
             }
             for (place, cell) in order(cells, &planned.name, settings.seed, round).into_iter().enumerate() {
@@ -167,6 +179,7 @@ impl Run<'_> {
                     if bench.visit(cell, Turn { round, place }, samples).is_err() {
                         return Ok(());
                     }
+                    recorder.samples.scenes[index].spent = before + start.elapsed().as_secs_f64();
                     recorder.save()?;
                 }
                 if round < settings.rounds {
@@ -174,14 +187,7 @@ impl Run<'_> {
                 }
             }
         }
-        let width = widest(&recorder.samples.scenes[index]);
-        if settings.wants(settings.rounds, Duration::ZERO, scenes, || width) && settings.until_permille > 0 {
-            let (name, spent) = (&planned.name, start.elapsed().as_secs());
-            let note =
-                format!("{name}: intervals within ±{:.1} % when its {spent} s were over", 100.0 * width);
-            progress.note(&note);
-            recorder.imprecise.push(note);
-        }
+        self.imprecise(&recorder.samples.scenes[index]).iter().for_each(|note| progress.note(note));
         progress.scene(&rows::scene_rows(&recorder.samples.scenes[index], &recorder.header()));
         Ok(())
     }

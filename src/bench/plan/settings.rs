@@ -3,7 +3,6 @@
 use crate::bench::error::PlanError;
 use crate::trace::PathSettings;
 use serde::{Deserialize, Serialize};
-use std::time::Duration;
 
 /// Threads of any verb.
 pub const MOST_THREADS: usize = 1 << 10;
@@ -71,13 +70,18 @@ impl Settings {
         PathSettings { width: self.width, height: self.height, max_depth: self.max_depth, seed: self.seed }
     }
 
-    /// Whether `round` is to be run in one of `scenes` whose rounds so far took `spent` and left intervals of `width`
-    /// to either side: the error of a mean is that of its scenes over the root of their number.
-    pub fn wants(&self, round: usize, spent: Duration, scenes: usize, width: impl FnOnce() -> f64) -> bool {
-        let is_wide = || width() > 0.001 * f64::from(self.until_permille) * (scenes as f64).sqrt();
+    /// Whether `round` is to be run in one of `scenes` whose rounds so far took `spent` seconds and left intervals of
+    /// `width` to either side.
+    pub fn wants(&self, round: usize, spent: f64, scenes: usize, width: impl FnOnce() -> f64) -> bool {
         round < self.rounds
-            || spent < Duration::from_secs(self.seconds)
-            || self.until_permille > 0 && spent < Duration::from_secs(self.limit) && is_wide()
+            || spent < self.seconds as f64
+            || spent < self.limit as f64 && self.is_wide(scenes, width)
+    }
+
+    /// Whether narrow intervals are asked for and `width`, of one of `scenes`, is not narrow: the error of a mean is that
+    /// of its scenes over the root of their number.
+    pub fn is_wide(&self, scenes: usize, width: impl FnOnce() -> f64) -> bool {
+        self.until_permille > 0 && width() > 0.001 * f64::from(self.until_permille) * (scenes as f64).sqrt()
     }
 
     /// Refuses values out of range.
@@ -127,15 +131,13 @@ mod tests {
     #[test]
     fn rounds_are_added_until_the_time_is_over() {
         let settings = Settings { rounds: 3, seconds: 60, ..Settings::new(8, 1, 1, 1) };
-        let wants = |settings: &Settings, round, seconds| {
-            settings.wants(round, Duration::from_secs(seconds), 4, || 0.05)
-        };
-        assert!(wants(&settings, 2, 1000) && !wants(&settings, 3, 1000));
-        assert!(wants(&settings, 3, 59) && wants(&settings, 300, 59) && !wants(&settings, 3, 60));
+        let wants = |settings: &Settings, round, seconds: f64| settings.wants(round, seconds, 4, || 0.05);
+        assert!(wants(&settings, 2, 1e3) && !wants(&settings, 3, 1e3));
+        assert!(wants(&settings, 3, 59.0) && wants(&settings, 300, 59.0) && !wants(&settings, 3, 60.0));
         let settings = Settings { seconds: 0, ..settings };
-        assert!(!wants(&settings, 3, 0));
+        assert!(!wants(&settings, 3, 0.0));
         // Four scenes of 5 % are a mean of 2.5 %.
         let until = |until_permille| Settings { until_permille, limit: 90, ..settings.clone() };
-        assert!(wants(&until(20), 3, 89) && !wants(&until(20), 3, 90) && !wants(&until(26), 3, 0));
+        assert!(wants(&until(20), 3, 89.0) && !wants(&until(20), 3, 90.0) && !wants(&until(26), 3, 0.0));
     }
 }

@@ -53,8 +53,6 @@ pub struct Recorder<'a> {
     environment: Environment,
     rounds: usize,
     threads: usize,
-    /// Scenes whose time was over before their intervals were narrow.
-    pub imprecise: Vec<String>,
 }
 
 impl<'a> Recorder<'a> {
@@ -107,14 +105,8 @@ impl<'a> Recorder<'a> {
             environment.notes = old.notes;
         }
         environment.before.push(Moment::now(settings.threads));
-        let recorder = Self {
-            folder,
-            samples,
-            environment,
-            rounds: settings.rounds,
-            threads: settings.threads,
-            imprecise: Vec::new(),
-        };
+        let recorder =
+            Self { folder, samples, environment, rounds: settings.rounds, threads: settings.threads };
         recorder.write_environment()?;
         if !options.resume {
             remove_made_of_rows(folder, &[ROWS, ROUNDS, PHASES, SAMPLES])?;
@@ -143,6 +135,7 @@ impl<'a> Recorder<'a> {
                 remarks: scene.remarks(),
                 views,
                 invalid_rays,
+                spent: 0.0,
                 cells: Vec::new(),
             });
         }
@@ -222,8 +215,8 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
-    /// Writes how the run ended.
-    pub fn close(&mut self, complete: bool) -> Result<(), RunError> {
+    /// Writes how the run ended, with a line for each of its scenes that is `imprecise`.
+    pub fn close(&mut self, complete: bool, imprecise: Vec<String>) -> Result<(), RunError> {
         self.environment.state = if complete { State::Complete } else { State::Interrupted };
         self.environment.after = Some(Moment::now(self.threads));
         let mut notes = Vec::new();
@@ -234,7 +227,7 @@ impl<'a> Recorder<'a> {
                 notes.push(format!("{}: {count} rays left out that Embree would not accept", scene.name));
             }
         }
-        notes.append(&mut self.imprecise);
+        notes.extend(imprecise);
         self.environment.notes = notes;
         if !self.samples.scenes.is_empty() {
             self.environment.written = Some(self.save()?);

@@ -7,7 +7,7 @@ use crate::bench::samples::{Check, KernelChecks, Timing};
 use crate::bench::settings::Settings;
 use crate::geometry::Tracer;
 use crate::scene::Scene;
-use crate::trace::verify::Verdict;
+use crate::trace::verify::{self, Mismatch, Verdict};
 use crate::trace::{self, RayKind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -123,7 +123,7 @@ impl<'a> SceneTraces<'a> {
 
     /// Times each batch, and in the first pass frames where they are asked for. Answers whose hash differs from the
     /// first trace's are compared with the reference again: trees of parallel builders may differ, but every hit must
-    /// be right.
+    /// be right, and no more of them excused than in the first.
     ///
     /// # Errors
     /// `Stopped` if the run was told to stop meanwhile.
@@ -150,7 +150,9 @@ impl<'a> SceneTraces<'a> {
                     checks.checks.iter().find(|check| check.view == index && check.kind == Some(kind));
                 if first.is_none_or(|first| first.hash != format!("{:016x}", answers.hash())) {
                     let verdict = self.verdict(tracer, index, slot);
-                    if let Some(wrong) = verdict.mismatches.first() {
+                    let [edges, near_misses] = [verdict.edge, verdict.near_misses].map(|count| count as u64);
+                    let excess = verify::excess(rays.len() as u64, edges, near_misses, checks.excused());
+                    if let Some(wrong) = verdict.mismatches.first().map(Mismatch::to_string).or(excess) {
                         checks.mismatch =
                             Some(format!("view {index}, {}: in a later round {wrong}", kind.name()));
                         return Ok(timings);

@@ -30,6 +30,20 @@ fn a_run_goes_on_where_it_stopped() {
     assert!(text(&other.stderr).contains("geometry"), "{}", text(&other.stderr));
 }
 
+/// The time spent in a scene counts over all sessions, and what it was too short for is told by each.
+#[test]
+fn time_goes_on_where_a_run_stopped() {
+    let (_keep, folder) = workplace();
+    let visits = || Samples::read(&folder.join("out")).unwrap().scenes[0].cells[0].visits.len();
+    assert!(phr(&folder, &tiny("sheet.ply", &["--rounds", "2"])).status.success());
+    let until = ["--rounds", "2", "--seconds", "1", "--until", "0.1%", "--limit", "1", "--resume"];
+    assert!(phr(&folder, &tiny("sheet.ply", &until)).status.success());
+    let (all, notes) = (visits(), environment(&folder).notes);
+    assert!(all > 2 && notes.iter().any(|note| note.starts_with("sheet: intervals within ±")), "{notes:?}");
+    assert!(phr(&folder, &tiny("sheet.ply", &until)).status.success());
+    assert_eq!((visits(), environment(&folder).notes), (all, notes), "the time was over");
+}
+
 /// Starts a run that would last for ever, and stops it with `signal` once rows are on disk.
 fn stopped_by(signal: &str, folder: &Path) -> Option<i32> {
     let mut command = command(folder, &tiny("sheet.ply", &["--rounds", "60000"]));

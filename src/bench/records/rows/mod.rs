@@ -189,6 +189,7 @@ mod tests {
             remarks: Vec::new(),
             views: 2,
             invalid_rays: 0,
+            spent: 0.0,
             cells,
         }
     }
