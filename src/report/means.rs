@@ -123,6 +123,7 @@ pub const WORST: &str = "worst: the scene of the largest ratio, with its own 95 
 pub fn means(rows: &[Row], under: &Under) -> String {
     let sections = [
         ("Build time", Figure::Build),
+        ("Build time, first of a new builder or device", Figure::First),
         ("Build time, all memory reused", Figure::Rebuild),
         ("Build time on processors, all threads", Figure::BuildCpu),
         ("SAH cost", Figure::Cost),

@@ -82,17 +82,29 @@ const TIMES: [Target; 9] = [
 ];
 
 /// Memory, at either width.
-const BYTES: [Target; 13] = [
+const BYTES: [Target; 25] = [
     mean("lbvh", PeakTo(MORTON), 0.8),
     mean("phr-turbo", PeakTo(MORTON), 0.8),
     mean("phr-speed", PeakTo(MORTON), 0.8),
     mean("phr-quality", PeakTo(MORTON), 0.8),
     mean("phr-best", PeakTo(MORTON), 0.8),
+    beside("lbvh", Peak),
+    beside("phr-fast", Peak),
+    beside("phr-hq", Peak),
+    beside("phr-turbo", Peak),
     beside("phr-speed", Peak),
+    beside("phr-quality", Peak),
+    beside("phr-best", Peak),
     beside(MORTON, Peak),
     beside(SAH, Peak),
     beside(SPATIAL, Peak),
+    beside("lbvh", Tree),
+    beside("phr-fast", Tree),
+    beside("phr-hq", Tree),
+    beside("phr-turbo", Tree),
     beside("phr-speed", Tree),
+    beside("phr-quality", Tree),
+    beside("phr-best", Tree),
     beside(MORTON, Tree),
     beside(SAH, Tree),
     beside(SPATIAL, Tree),
