@@ -12,7 +12,7 @@ use crate::bench::tree_facts::TreeFacts;
 pub use traces::SceneTraces;
 use traces::Stopped;
 
-/// How often a visit traces all batches; the median of the passes is robust against single disturbances.
+/// How often a visit traces all batches under each kernel; the median of the passes is robust against single disturbances.
 const PASSES: usize = 3;
 
 /// A scene under measurement.
@@ -141,7 +141,8 @@ impl<'a> Bench<'a> {
         trees.rotate_left(turn.round % kernels);
         let mut timings = Vec::new();
         let clock = CpuClock::read();
-        let passes = (0..PASSES).flat_map(|pass| trees.iter().map(move |tree| (pass, tree)));
+        // All passes of a kernel at once: but for the first, each finds the tree in the caches, as far as it fits.
+        let passes = trees.iter().flat_map(|tree| (0..PASSES).map(move |pass| (pass, tree)));
         for (pass, tree) in passes {
             let Ok(tracer) = tree.tracer() else { continue };
             let Some(checks) = samples.checks.iter_mut().find(|checks| checks.kernel == tree.kernel) else {
