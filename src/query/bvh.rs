@@ -42,9 +42,6 @@ enum Tree {
     Eight(ProvenTree<8>),
 }
 
-/// Rays answered at a time: enough for the tracer of batches, and their hits stay in the first-level cache.
-const RUN: usize = 1024;
-
 impl Bvh {
     /// Builds a tree over `mesh` on the current rayon pool. To keep a builder's memory from one build to the next, or to
     /// build with parameters of your own, use a [`builders::Builder`] and make a `Bvh` of its tree.
@@ -79,16 +76,12 @@ impl Bvh {
     /// If there are not as many `hits` as `rays`.
     pub fn intersect_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len(), "as many hits as rays");
-        let mut found = [geometry::Hit::MISS; RUN];
-        self.trace_batch(|tracer| {
-            for (rays, hits) in rays.chunks(RUN).zip(hits.chunks_mut(RUN)) {
-                let found = &mut found[..rays.len()];
-                tracer.closest(rays, found);
-                for (hit, found) in hits.iter_mut().zip(found) {
-                    *hit = self.with_normal(found);
-                }
-            }
-        });
+        hits.fill(None);
+        let answer = |place: usize, hit: geometry::Hit| hits[place] = self.with_normal(&hit);
+        match &self.tree {
+            Tree::Four(tree) => tree.batch_tracer().closest_hits(rays, answer),
+            Tree::Eight(tree) => tree.batch_tracer().closest_hits(rays, answer),
+        }
     }
 
     /// Whether each of `rays` hits anything, likewise.
@@ -97,7 +90,10 @@ impl Bvh {
     /// If there are not as many places in `occluded` as `rays`.
     pub fn occluded_batch(&self, rays: &[Ray], occluded: &mut [bool]) {
         assert_eq!(rays.len(), occluded.len(), "as many answers as rays");
-        self.trace_batch(|tracer| tracer.any(rays, occluded));
+        match &self.tree {
+            Tree::Four(tree) => tree.batch_tracer().any(rays, occluded),
+            Tree::Eight(tree) => tree.batch_tracer().any(rays, occluded),
+        }
     }
 
     /// Saves the tree, which was built over `mesh`, at `path`: [`saved`](crate::bvh::saved) describes the format.
@@ -162,14 +158,6 @@ impl Bvh {
         match &self.tree {
             Tree::Four(tree) => f(&tree.tracer()),
             Tree::Eight(tree) => f(&tree.tracer()),
-        }
-    }
-
-    /// The same with our kernel for batches, to which invalid rays may be given.
-    fn trace_batch<R>(&self, f: impl FnOnce(&dyn Tracer) -> R) -> R {
-        match &self.tree {
-            Tree::Four(tree) => f(&tree.batch_tracer()),
-            Tree::Eight(tree) => f(&tree.batch_tracer()),
         }
     }
 

@@ -108,6 +108,31 @@ fn distances_are_in_units_of_the_direction() {
     }
 }
 
+/// Slanted directions of either sign, with a component that is small beside the others, are hit alike at any length.
+#[test]
+fn lengths_of_slanted_directions_do_not_matter() {
+    let mesh = soup(1000, 17);
+    let mut random = SplitMix64::new(18);
+    let rays: Vec<Ray> = (0..2000)
+        .map(|_| {
+            let mut dir = random.point(-1.0, 1.0);
+            dir[random.below(3)] *= 1e-3;
+            Ray { org: -1.5 * dir + 0.3 * random.point(-1.0, 1.0), tnear: 0.0, dir, tfar: f32::INFINITY }
+        })
+        .collect();
+    for bvh in both(&mesh) {
+        let found: Vec<_> = rays.iter().map(|ray| bvh.intersect(ray)).collect();
+        assert!(found.iter().flatten().count() > 500);
+        // Powers of two change no digit.
+        for length in [2f32.powi(-33), 2f32.powi(33)] {
+            for (ray, found) in rays.iter().zip(&found) {
+                let hit = bvh.intersect(&Ray { dir: ray.dir * length, ..*ray });
+                assert_eq!(hit.map(|hit| hit.prim), found.map(|hit| hit.prim), "{length}: {ray:?}");
+            }
+        }
+    }
+}
+
 /// Where the products of the test leave the range of `f32` there may be no hit, but never a wrong distance.
 #[test]
 fn no_hit_has_a_distance_that_is_none() {

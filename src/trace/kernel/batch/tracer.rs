@@ -17,6 +17,7 @@ use crate::trace::kernel::avx2::{FastAvx2, Reciprocal};
 use crate::trace::kernel::scalar::SMALLEST_DIRECTION;
 use crate::trace::kernel::sound_tree::{ProvenTree, SoundTree};
 use crate::trace::kernel::tracer::{BvhTracer, sound};
+use std::slice::{from_mut, from_ref};
 
 /// Traces many rays at once: see the module. Hits are those of [`BvhTracer`] but for the choice among those that are equally
 /// close up to rounding; rays that are not valid miss. Rays that go alike should be neighbours, as a camera's are; others may
@@ -128,6 +129,21 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
         );
     }
 
+    /// Finds the closest hits of `rays` and tells `answer` the place and the hit of each that hits, and maybe of others.
+    pub(crate) fn closest_hits(&self, rays: &[Ray], mut answer: impl FnMut(usize, Hit)) {
+        for (chunk, rays) in rays.chunks(AT_ONCE).enumerate() {
+            let first = chunk * AT_ONCE;
+            if !self.run::<false>(rays, |place, hit| answer(first + place, hit)) {
+                let singles = self.singles();
+                for (place, ray) in rays.iter().enumerate() {
+                    let mut hit = Hit::MISS;
+                    singles.closest(from_ref(ray), from_mut(&mut hit));
+                    answer(first + place, hit);
+                }
+            }
+        }
+    }
+
     /// The tracer of single rays, for processors without AVX2.
     fn singles(&self) -> BvhTracer<'a, N> {
         BvhTracer::of_sound(self.tree, self.isa)
@@ -145,11 +161,7 @@ impl<const N: usize> Tracer for BatchTracer<'_, N> {
     fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
         assert_eq!(rays.len(), hits.len(), "as many hits as rays");
         hits.fill(Hit::MISS);
-        for (rays, hits) in rays.chunks(AT_ONCE).zip(hits.chunks_mut(AT_ONCE)) {
-            if !self.run::<false>(rays, |place, hit| hits[place] = hit) {
-                self.singles().closest(rays, hits);
-            }
-        }
+        self.closest_hits(rays, |place, hit| hits[place] = hit);
     }
 
     fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
