@@ -101,8 +101,15 @@ fn hits_over_embrees_own_trees_are_its_very_bits() {
                             (closest(&tracer, &rays), any(&tracer, &rays))
                         }),
                     };
-                    // Another release of Embree keeps its trees to itself.
-                    let Ok((hits, shadows)) = traced else { continue };
+                    let Ok((hits, shadows)) = traced else {
+                        let version = phr::embree::version();
+                        assert!(
+                            !["3.13.5", "4.3.3"].contains(&version.as_str()),
+                            "Embree {version} is known"
+                        );
+                        println!("not compared: the trees of Embree {version} cannot be read");
+                        return;
+                    };
                     let what = format!("{name} {} {isa}", device.config());
                     let verdict = compare_closest(&mesh, &rays, &reference, &hits);
                     assert_alike(&what, &verdict);
