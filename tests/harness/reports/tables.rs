@@ -3,6 +3,7 @@
 use super::*;
 use phr::report::figures::Under;
 use phr::report::{readme, table};
+use std::collections::BTreeMap;
 
 #[test]
 fn table_1_has_the_figures_of_the_rows() {
@@ -91,5 +92,57 @@ fn the_summary_has_the_means_and_the_worst_trace() {
     assert!(text.contains("over 2 scenes, 2 threads"), "{text}");
     for unknown in ["aac", "phr-hq/8", "phr-hq/wide"] {
         assert!(made(unknown).unwrap_err().contains(&format!("trace and cost of {unknown}")));
+    }
+}
+
+/// The numbers of a configuration by the names of their fields, extensions that are off left out.
+fn numbers(config: &serde_json::Value, path: &str, found: &mut BTreeMap<String, f64>) {
+    for (name, value) in config.as_object().into_iter().flatten() {
+        // `phr-best` is a PHR and what optimises its tree, whose costs are those of the collapse of others.
+        let path = match name.as_str() {
+            "phr" | "optimise" => String::new(),
+            "costs" => "collapse.".into(),
+            name if value.is_object() => format!("{path}{name}."),
+            name => format!("{path}{name}"),
+        };
+        match value.as_f64() {
+            Some(number) => drop(found.insert(path, number)),
+            None => numbers(value, &path, found),
+        }
+    }
+}
+
+#[test]
+fn every_constant_of_a_preset_is_listed_with_its_scenes() {
+    let of = |name: &str| {
+        let mut found = BTreeMap::new();
+        numbers(&phr::builders::by_name::<4>(name).unwrap().config(), "", &mut found);
+        found
+    };
+    let list = concat!(env!("CARGO_MANIFEST_DIR"), "/results/constants/chosen.csv");
+    let lines: Vec<[String; 4]> = csv::Reader::from_path(list)
+        .unwrap()
+        .records()
+        .map(|line| std::array::from_fn(|i| line.as_ref().unwrap()[i].into()))
+        .collect();
+    let number = |text: &str| {
+        let (above, below) = text.split_once('/').unwrap_or((text, "1"));
+        above.parse::<f64>().unwrap() / below.parse::<f64>().unwrap()
+    };
+    let papers = of("phr-fast");
+    for preset in ["phr-turbo", "phr-speed", "phr-quality", "phr-best"] {
+        let constants = of(preset);
+        for (field, value) in constants.iter().filter(|(field, value)| papers.get(*field) != Some(value)) {
+            let listed = lines.iter().any(|[of, width, name, listed]| {
+                (of.as_str(), width.as_str(), name.as_str()) == (preset, "4", field)
+                    && (number(listed) - value).abs() < 1e-6 * value
+            });
+            assert!(listed, "{list}: no line of width 4 for {field} of {preset}, {value}; add it");
+        }
+    }
+    for [preset, _, field, value] in &lines {
+        let own = of(preset);
+        let is_own = own.get(field).is_some_and(|own| (number(value) - own).abs() < 1e-6 * own);
+        assert!(is_own, "{list}: {field} of {preset} is {:?}, not {value}; mend the line", own.get(field));
     }
 }
