@@ -1,6 +1,6 @@
 //! The short table of the first page: a few trees relative to Embree SAH.
 
-use crate::bench::row::Row;
+use crate::bench::row::{Row, WARM};
 use crate::bench::statistics::Summary;
 use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, scenes, tree_name, trees};
 use crate::report::grid::Grid;
@@ -61,8 +61,9 @@ pub fn summary(
     let withheld = withheld.map_or_else(String::new, |rows| {
         let revision = rows.first().map_or("", |row| &row.git_rev);
         let scenes = scenes(rows).len();
+        let reused = if rows.iter().any(|row| row.regime == WARM) { ", our builds in reused memory" } else { "" };
         format!(
-            " (withheld: {scenes}, which nobody who tuned has seen, on another machine, revision {revision})"
+            " (withheld: {scenes}, which nobody who tuned has seen, on another machine, revision {revision}{reused})"
         )
     });
     Ok(format!(
