@@ -103,7 +103,7 @@ NDEBUG = $(CURDIR)/target/embree-ndebug
 GROWTH = $(foreach size,1 2 4 8 16 32,scalable-$(size)M)
 PACKAGES = libembree-dev libclang-dev
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
-KERNEL_TESTS = --test library -- trace_agreement trace_batches trace_watertight query::
+KERNEL_TESTS = --test library -- trace_agreement trace_batches trace_kernel trace_watertight query:: primitives:: instances::
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
