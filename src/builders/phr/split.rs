@@ -1,5 +1,5 @@
-//! One split of a cut: find the cheapest object or spatial split (paper 4.2, 4.4), partition the nodes, refine both sides
-//! (4.3).
+//! One split of a cut: find the cheapest object or spatial split (paper 4.2, 4.4), partition the nodes, refine both
+//! sides (4.3).
 
 use super::clip::open;
 use super::cut::{Cut, CutBuilder, CutLevel, Side};
@@ -20,9 +20,9 @@ use crate::geometry::Aabb;
 
 impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
     /// Splits a cut in two and refines both sides, either of which may be clipped away.
-    pub(super) fn split_cut(&self, part: &Cut, scratch: &mut CutScratch) -> [Option<Cut>; 2] {
+    pub(super) fn split_cut(&self, given: &Cut, scratch: &mut CutScratch) -> [Option<Cut>; 2] {
         let CutScratch { counts, arena, object: object_sweep, spatial: spatial_sweep, sides, .. } = scratch;
-        let cut = self.open_for_split(part, arena);
+        let cut = self.open_for_split(given, arena);
         if cut.len == 0 {
             return [None, None];
         }
@@ -46,8 +46,8 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         if let Some(split) = spatial {
             counts.spatial_splits += 1;
             for node in nodes {
-                for (side, part) in sides.iter_mut().zip(self.parts(node, &split)) {
-                    part.into_iter().for_each(|part| side.push(part));
+                for (side, piece) in sides.iter_mut().zip(self.pieces(node, &split)) {
+                    piece.into_iter().for_each(|piece| side.push(piece));
                 }
             }
             clips = [split.left_of(cut.clip), split.right_of(cut.clip)];
@@ -59,7 +59,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         }
 
         // A leaf, where it costs no more than a node with the two sides as leaves.
-        if part.kind != Kind::SoftLeaf
+        if given.kind != Kind::SoftLeaf
             && cut.count <= self.config.leaf_size()
             && leaf_is_cheaper((cut.area, cut.count), sides.each_ref().map(Side::measure))
         {
@@ -68,21 +68,20 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
 
         // Refine, which may change the sides: what is to be seen of them is copied.
         let references = sides[0].count + sides[1].count;
-        let seen =
+        let copies =
             if P::SEES { sides.each_ref().map(|side| side.nodes.clone()) } else { [const { Vec::new() }; 2] };
         let refined = [0, 1].map(|i| self.refine(&cut, clips[i], references, &mut sides[i], arena));
         if P::SEES {
+            let nodes = |cut: &Cut| &arena[cut.range()];
             self.policy.see(&SeenSplit {
                 tree: self.tree,
                 depth: cut.depth,
                 axis: spatial.map_or(object.axis, |split| split.axis),
                 plane: spatial.map(|split| split.plane),
-                cut: &arena[cut.range()],
-                sides: seen.each_ref().map(|nodes| &nodes[..]),
+                cut: nodes(&cut),
+                sides: copies.each_ref().map(|nodes| &nodes[..]),
                 clips,
-                refined: refined
-                    .each_ref()
-                    .map(|cut| cut.as_ref().map_or(&[][..], |cut| &arena[cut.range()])),
+                refined: refined.each_ref().map(|cut| cut.as_ref().map_or(&[][..], nodes)),
             });
         }
         refined
@@ -169,19 +168,19 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         (is_preferred && references <= u64::from(cut.capacity)).then_some(split)
     }
 
-    /// The parts of a node on both sides of a spatial split.
-    fn parts(&self, node: &Node, split: &SpatialSplit) -> [Option<Node>; 2] {
+    /// The pieces of a node on both sides of a spatial split.
+    fn pieces(&self, node: &Node, split: &SpatialSplit) -> [Option<Node>; 2] {
         let bounds = node.bounds();
         let sides = [split.on_left(bounds), split.on_right(bounds)];
         let clips_primitive = self.config.extensions.clip_triangles && node.is_leaf() && node.count() == 1;
-        let parts = if clips_primitive && sides == [true; 2] {
+        let pieces = if clips_primitive && sides == [true; 2] {
             let prim = self.order.prim(node.run().start);
             self.order.refs.geometry.split(prim, bounds, split.axis, split.plane)
         } else {
             [split.left_of(bounds), split.right_of(bounds)]
         };
         // The primitive may be on one side only of a plane through its box.
-        [0, 1].map(|side| (sides[side] && !parts[side].is_empty()).then(|| node.with_bounds(parts[side])))
+        [0, 1].map(|side| (sides[side] && !pieces[side].is_empty()).then(|| node.with_bounds(pieces[side])))
     }
 
     /// Refines one side of a split into a cut of its own; both sides hold `references` in all.
