@@ -75,7 +75,7 @@ pub fn hunt(mesh: &Mesh, config: &HuntConfig, width: usize) -> Option<Wide> {
                 if inner.is_empty() {
                     return side;
                 }
-                let open = |(i, member): (usize, &super::cut::Member)| {
+                let open = |(i, member): (usize, &super::member::Member)| {
                     if inner.contains(&i) { member.open(clip) } else { vec![member.clone()] }
                 };
                 side = side.iter().enumerate().flat_map(open).collect();

@@ -1,6 +1,6 @@
 //! The cheapest wide tree over the binary splits of a part, as simple as it can be.
 
-use super::cut::Member;
+use super::member::Member;
 use super::subtree::{Side, Swept};
 use super::wide::Wide;
 use crate::builders::wide::optimal::CollapseCosts;
@@ -108,7 +108,8 @@ impl Binary {
     }
 }
 
-/// The least cost of two subtrees as `slots` children, and how many of these are on the left: the fewest, of equal ones.
+/// The least cost of two subtrees as `slots` children, and how many of these are on the left: the fewest, of equal
+/// ones.
 fn opened([left, right]: &[Binary; 2], slots: usize) -> (f32, usize) {
     let mut best = (f32::INFINITY, 1);
     for on_left in 1..slots {

@@ -1,11 +1,12 @@
-//! The oracle: the builders over cuts as the paper writes them down (Hendrich, Meister, Bittner 2017), and PLOC, as simple
-//! as they can be. The fast builders must agree with it node for node.
+//! The oracle: the builders over cuts as the paper writes them down (Hendrich, Meister, Bittner 2017), and PLOC, as
+//! simple as they can be. The fast builders must agree with it node for node.
 
 mod auxiliary;
 mod builders;
 mod cheapest;
 mod compare;
 mod cut;
+mod member;
 mod meshes;
 mod ploc;
 mod recursion;

@@ -39,8 +39,9 @@ pub fn clusters(mesh: &Mesh, config: &PlocConfig) -> Option<Rc<Tree>> {
     clusters.pop()
 }
 
-/// The nearest of the clusters within the radius around cluster `i`: that of the least area of the common box but for the
-/// lowest bits of it, then the nearest in order, then the other of a pair that begins at an even position, then the later.
+/// The nearest of the clusters within the radius around cluster `i`: that of the least area of the common box but
+/// for the lowest bits of it, then the nearest in order, then the other of a pair that begins at an even position,
+/// then the later.
 fn nearest(clusters: &[Rc<Tree>], i: usize, radius: usize) -> usize {
     let low = (2 * radius).next_power_of_two() as u32 - 1;
     let others = (i.saturating_sub(radius)..clusters.len().min(i + radius + 1)).filter(|&j| j != i);

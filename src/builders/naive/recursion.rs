@@ -2,7 +2,8 @@
 
 use super::auxiliary::Content;
 use super::cheapest::Binary;
-use super::cut::{Cut, Kind, Member};
+use super::cut::{Cut, Kind};
+use super::member::Member;
 use super::splits::{self, Plane};
 use super::subtree;
 use super::wide::Wide;

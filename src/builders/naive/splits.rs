@@ -9,8 +9,8 @@ pub struct Object {
     pub is_left: Vec<bool>,
 }
 
-/// Sweeps along all three axes over the members sorted by centroid, each of which counts as many as `counts` says. `None`
-/// if nothing is gained.
+/// Sweeps along all three axes over the members sorted by centroid, each of which counts as many as `counts` says.
+/// `None` if nothing is gained.
 pub fn object(boxes: &[Aabb], counts: &[usize], weight: Weight) -> Option<Object> {
     let n = boxes.len();
     let all: usize = counts.iter().sum();

@@ -1,9 +1,9 @@
 //! The binary tree over few references by sweeps down to blocks, as simple as it can be.
 
-use super::cut::Member;
+use super::member::Member;
 use super::splits::unions;
 use crate::builders::split::cost::Weight;
-use crate::builders::split::sweep_sah::STEPS;
+use crate::builders::split::subtree_sweep::STEPS;
 use crate::bvh::limits::SUBTREE_DEPTH;
 use crate::geometry::Aabb;
 use glam::Vec3A;
