@@ -1,5 +1,5 @@
-//! A binary tree in the form of an LBVH: its references are put into the order of its leaves, so that every subtree is a
-//! run of them, and the pairs below a node lie in a row that ends with its own. Small subtrees become leaves.
+//! A binary tree in the form of an LBVH: its references are put into the order of its leaves, so that every subtree
+//! is a run of them, and the pairs below a node lie in a row that ends with its own. Small subtrees become leaves.
 
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
@@ -10,10 +10,10 @@ use crate::memory::pool::Pool;
 use crate::parallel::ordered_append::{self, Chunk, Offset};
 use crate::parallel::task_tree::{Division, TaskTree};
 
-/// Subtrees of at most so many references are copied by one task,
+/// Subtrees of at most so many references are copied by one task.
 const GRAIN: u32 = 1 << 12;
-/// and those so many levels below the root.
-const DIVIDED: u32 = 64;
+/// Subtrees so many levels below the root are copied by one task, too.
+const MOST_DIVIDED_LEVELS: u32 = 64;
 
 /// Levels below the root of a task's subtree from which on references are halved by count: nothing bounds the depth of
 /// clusters of clusters (AAC with a large delta), and what reads the tree goes down it by recursion.
@@ -33,7 +33,7 @@ pub(crate) fn in_order(
     huge_pages::reserve(&mut ordered_keys, keys.len(), "ordered keys");
     huge_pages::reserve(&mut ordered.pairs, tree.pairs.len(), "ordered pairs");
     let divided = TaskTree::grow((root, 0, 0), &|(node, first, level): (Node, u32, u32)| {
-        if node.count() <= GRAIN || node.is_leaf() || level == DIVIDED {
+        if node.count() <= GRAIN || node.is_leaf() || level == MOST_DIVIDED_LEVELS {
             return Division::Task((node, first, level));
         }
         let [left, right] = tree.children(&node);
@@ -164,6 +164,6 @@ mod tests {
                 pending.extend(children.map(|child| (child, level + 1)));
             }
         }
-        assert!(depth > DEEPEST && depth < DEEPEST + DIVIDED + 20, "{depth}");
+        assert!(depth > DEEPEST && depth < DEEPEST + MOST_DIVIDED_LEVELS + 20, "{depth}");
     }
 }

@@ -44,8 +44,8 @@ impl AreaScale {
         }
     }
 
-    /// Those of a scene whose keys are sorted: the scale is `parts` times the median area of parts of the scene, runs of
-    /// [`PART`] references along the Morton curve.
+    /// Those of a scene whose keys are sorted: the scale is `parts` times the median area of parts of the scene,
+    /// runs of [`PART`] references along the Morton curve.
     fn calibrated<G: Geometry>(scene: Aabb, keys: &[MortonKey], refs: &PrimRefs<'_, G>, parts: f32) -> Self {
         let whole = Self::of(scene);
         let count = PARTS.min(keys.len() / PART);

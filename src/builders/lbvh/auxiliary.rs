@@ -1,9 +1,9 @@
 //! Paper 4.7: the auxiliary BVH, an LBVH (Lauterbach et al. 2009): Morton codes, a parallel sort, and a tree that
 //! partitions each run of codes where their highest bit changes.
 //!
-//! Three changes: the sort is a radix sort of all 32 bits, not by the highest 12 ([`AuxiliaryConfig::bucket_sort`] is the
-//! paper's); boxes are merged on the way up instead of by atomic counters; and references that share a code are
-//! partitioned by the middle of their own centroids' bounds, so that 32 bits suffice for any scene.
+//! Three changes: the sort is a radix sort of all 32 bits, not by the highest 12 ([`AuxiliaryConfig::bucket_sort`]
+//! is the paper's); boxes are merged on the way up instead of by atomic counters; and references that share a code
+//! are partitioned by the middle of their own centroids' bounds, so that 32 bits suffice for any scene.
 
 use super::area_scale::AreaScale;
 use super::config::AuxiliaryConfig;
@@ -77,8 +77,8 @@ impl Auxiliary {
         self.treelets = treelets;
     }
 
-    /// Has `grow` make the tree over one or more sorted references, of which it returns the root: leaves are small by the
-    /// rule, and runs of the keys, which are put into the order of the tree.
+    /// Has `grow` make the tree over one or more sorted references, of which it returns the root: leaves are small
+    /// by the rule, and runs of the keys, which are put into the order of the tree.
     pub fn grow<G: Geometry>(
         &mut self,
         geometry: &G,

@@ -1,5 +1,5 @@
-//! The binary tree over a row of leaves with the deltas of neighbours: their Cartesian tree, in one pass with a stack (cf.
-//! Apetrei 2014).
+//! The binary tree over a row of leaves with the deltas of neighbours: their Cartesian tree, in one pass with a
+//! stack (cf. Apetrei 2014).
 
 /// More than the levels at which neighbours are separated: each subtree on the stack has a delta of its own.
 const STACK: usize = 128;

@@ -22,9 +22,9 @@ pub struct Clusters {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AuxiliaryConfig {
-    /// Codes are sorted by their highest 12 bits alone, as in the paper. Within a bucket the other bits are in no order, so
-    /// that no search finds where they change (the paper does not say what becomes of it): its run, in the order of the
-    /// mesh, is halved by count.
+    /// Codes are sorted by their highest 12 bits alone, as in the paper. Within a bucket the other bits are in no
+    /// order, so that no search finds where they change (the paper does not say what becomes of it): its run, in
+    /// the order of the mesh, is halved by count.
     pub bucket_sort: bool,
     /// Which triangles are split before the sort (paper 5.3).
     pub presplit: Option<PresplitConfig>,
@@ -43,8 +43,8 @@ impl AuxiliaryConfig {
     pub const PAPER: Self =
         Self { bucket_sort: false, presplit: None, auxiliary_leaf: None, clusters: None, calibration: None };
 
-    /// What codes are sorted by, and at which depth of partitions by the middle the tree begins: below the last such depth
-    /// runs are halved.
+    /// The bits that codes are sorted by, and how many partitions by the middle count as done: all of them for
+    /// buckets, whose equal codes are then halved by count.
     pub(crate) const fn sort(&self) -> (SortBits, u32) {
         if self.bucket_sort { (SortBits::Highest, MIDDLE_DEPTH) } else { (SortBits::All, 0) }
     }

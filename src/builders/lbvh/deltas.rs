@@ -1,8 +1,9 @@
 //! The level at which an LBVH separates two neighbours in a run of sorted keys: all that its topology depends on (the
 //! deltas of Karras 2012).
 //!
-//! A delta is a byte, so that a vector holds many. Below a common ancestor two neighbours are separated once, where their
-//! codes differ in the highest bit, or, below that, where references of one code are partitioned by the middle.
+//! A delta is a byte, so that a vector holds many. Below a common ancestor two neighbours are separated once, where
+//! their codes differ in the highest bit, or, below that, where references of one code are partitioned by the
+//! middle.
 
 use super::key::{MortonKey, code};
 

@@ -34,9 +34,9 @@ pub(crate) struct EqualCodes {
 }
 
 impl EqualCodes {
-    /// Partitions the runs of equal codes among `len` references down to leaves of `leaf` references, where `deltas` are
-    /// those of the codes and `depth` counts earlier partitions by the middle. `center2` gives doubled centroids.
-    /// [`EqualCodes::reorder`] then brings other arrays into the new order.
+    /// Partitions the runs of equal codes among `len` references down to leaves of `leaf` references, where
+    /// `deltas` are those of the codes and `depth` counts earlier partitions by the middle. `center2` gives doubled
+    /// centroids. [`EqualCodes::reorder`] then brings other arrays into the new order.
     pub fn partition(
         &mut self,
         deltas: &mut Deltas,
@@ -107,8 +107,8 @@ struct Queue<'a> {
 }
 
 impl Queue<'_> {
-    /// The first reference and the length of either half of a group. Sets its delta, and those of halves that are pairs,
-    /// which need no comparison.
+    /// The first reference and the length of either half of a group. Sets its delta, and those of halves that are
+    /// pairs, which need no comparison.
     #[inline(always)]
     fn halves(&self, group: Group, split: u32, deltas: &mut Deltas) -> [(u32, u32); 2] {
         let Group { first, len, depth } = group;

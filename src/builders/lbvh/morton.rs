@@ -84,8 +84,8 @@ impl MortonEncoder {
     /// Calls `write` with the code of each point, once and in turn.
     #[inline]
     pub fn codes(&self, points: impl Iterator<Item = Vec3A>, write: impl FnMut(u32)) {
-        // Some processors that have AVX2 but no AVX-512 take long to deposit bits. Codes are the same either way, so the
-        // processor decides, not the instructions that a builder was given.
+        // Some processors that have AVX2 but no AVX-512 take long to deposit bits. Codes are the same either way,
+        // so the processor decides, not the instructions that a builder was given.
         #[cfg(target_arch = "x86_64")]
         if let Isa::Avx512(token) = Isa::best() {
             return self.codes_deposited(token.avx2(), points, write);

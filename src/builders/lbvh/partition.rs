@@ -7,9 +7,10 @@ use crate::bvh::limits::MIDDLE_DEPTH;
 use crate::geometry::Aabb;
 use glam::Vec3A;
 
-/// Partitions a run of two or more sorted keys where the highest bit changes in which their codes differ; returns the
-/// length of the left side. A run of one code is reordered and partitioned at the middle of its centroids' bounds, which
-/// is what further bits would say; `depth` counts such partitions, which bounds the depth of any tree.
+/// Partitions a run of two or more sorted keys where the highest bit changes in which their codes differ; returns
+/// the length of the left side. A run of one code is reordered and partitioned at the middle of its centroids'
+/// bounds, which is what further bits would say; `depth` counts such partitions, which bounds the depth of any
+/// tree.
 pub(crate) fn partition<G: Geometry>(
     keys: &mut [MortonKey],
     refs: &PrimRefs<'_, G>,

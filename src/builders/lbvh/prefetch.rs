@@ -7,8 +7,8 @@ use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::memory::prefetch::line;
 
-/// Prefetches the pairs and the primitives below `node`, which one thread is about to build, in a tree of leaves of up to
-/// `leaf` references. Their addresses depend on loads; here many such loads are in flight at once.
+/// Prefetches the pairs and the primitives below `node`, which one thread is about to build, in a tree of leaves of
+/// up to `leaf` references. Their addresses depend on loads; here many such loads are in flight at once.
 pub(crate) fn subtree<G: Geometry>(
     tree: &BinaryTree,
     keys: &[MortonKey],

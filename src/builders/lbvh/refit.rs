@@ -1,5 +1,5 @@
-//! Refitting the auxiliary BVH to a mesh that has moved: the order of the references and the tree over them stay, boxes and
-//! scales of area are made anew.
+//! Refitting the auxiliary BVH to a mesh that has moved: the order of the references and the tree over them stay,
+//! boxes and scales of area are made anew.
 
 use super::area_scale::AreaScale;
 use super::auxiliary::Auxiliary;

@@ -20,8 +20,8 @@ use std::ops::Range;
 pub(crate) enum SortBits {
     /// All 32 bits.
     All,
-    /// The highest 12 bits, the others of which are then zero: the buckets of the paper. Within one, references are in the
-    /// order of the mesh, pieces of triangles after whole ones.
+    /// The highest 12 bits, the others of which are then zero: the buckets of the paper. Within one, references are
+    /// in the order of the mesh, pieces of triangles after whole ones.
     Highest,
 }
 
@@ -66,8 +66,8 @@ impl MortonOrder {
         self.info = Some(info);
     }
 
-    /// Sorts the references of `prims`, which were taken up before, by these bits of their codes. The memory of `spare` is used
-    /// meanwhile; its elements are lost.
+    /// Sorts the references of `prims`, which were taken up before, by these bits of their codes. The memory of
+    /// `spare` is used meanwhile; its elements are lost.
     pub fn sort<G: Geometry, T>(
         &mut self,
         geometry: &G,

@@ -15,11 +15,11 @@ use crate::parallel::ordered_append::{Chunk, Offset};
 /// Which subtrees become leaves.
 #[derive(Clone, Copy)]
 pub(crate) struct LeafRule {
-    /// Subtrees of at most this many references, 1 to 4,
+    /// Subtrees of at most this many references are leaves: 1 to 4.
     pub always: u32,
-    /// and clusters: subtrees of at most this many
+    /// Clusters, which are leaves too, have at most this many references.
     pub most: u32,
-    /// whose box has at most this half area.
+    /// Clusters have a box of at most this half area.
     pub area: f32,
 }
 

@@ -15,8 +15,8 @@ use crate::simd::Isa;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OptimisedPhrConfig {
-    /// Of the tree; its `max_leaf` does not count, as that of [`OptimiseConfig::costs`] does, and for the same reason it
-    /// has no `collapse`.
+    /// Of the tree; its `max_leaf` does not count, as that of [`OptimiseConfig::costs`] does, and for the same
+    /// reason it has no `collapse`.
     pub phr: PhrConfig,
     /// Of its optimisation.
     pub optimise: OptimiseConfig,

@@ -1,7 +1,7 @@
 //! The passes of the optimisation, and their memory.
 
+use super::collapsed::CollapsedTree;
 use super::config::OptimiseConfig;
-use super::emit::CollapsedTree;
 use super::record::RecordedChunk;
 use super::reinsertion::Reinsertion;
 use super::tree::{ROOT, Tree};

@@ -1,5 +1,5 @@
-//! The binary splits of a recursion, recorded as a tree to be optimised: no wide node and no leaf block is made before it
-//! is known which pay.
+//! The binary splits of a recursion, recorded as a tree to be optimised: no wide node and no leaf block is made
+//! before it is known which pay.
 
 use super::tree::{LinkedNode, Pair, Tree};
 use crate::builders::binary::kind::Kind;
@@ -42,8 +42,8 @@ impl Chunk for RecordedChunk {
 }
 
 impl Tree {
-    /// Becomes the tree of the splits of `recursion` below `root`, over leaves of up to four primitives of `geometry`. Returns
-    /// false if there are none.
+    /// Becomes the tree of the splits of `recursion` below `root`, over leaves of up to four primitives of
+    /// `geometry`. Returns false if there are none.
     pub fn record<P: CutPolicy, G: Geometry, const N: usize>(
         &mut self,
         recursion: &CutRecursion<'_, P, G>,

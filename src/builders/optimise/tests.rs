@@ -1,6 +1,6 @@
 //! The passes against their definitions.
 
-use super::emit::CollapsedTree;
+use super::collapsed::CollapsedTree;
 use super::reinsertion::Reinsertion;
 use super::tree::{ROOT, Tree};
 use crate::builders::lbvh::auxiliary::Auxiliary;

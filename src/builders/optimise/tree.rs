@@ -88,8 +88,9 @@ impl Pair {
     pub const UNUSED: Self = Self([LinkedNode(TaggedBox::ZERO); 2]);
 }
 
-/// A binary tree over leaves of up to four triangles. LinkedNode `i` is half `i % 2` of pair `i / 2`; the root is node 0,
-/// whose sibling is not in use. In pairs that came from a build siblings and the subtrees below are near each other.
+/// A binary tree over leaves of up to four triangles. Node `i` is half `i % 2` of pair `i / 2`; the root is
+/// node 0, whose sibling is not in use. In pairs that came from a build siblings and the subtrees below are near
+/// each other.
 #[derive(Default)]
 pub(crate) struct Tree {
     /// The nodes.
@@ -133,7 +134,7 @@ impl Tree {
         });
     }
 
-    /// LinkedNode `index`.
+    /// Node `index`.
     #[inline(always)]
     pub fn node(&self, index: u32) -> &LinkedNode {
         &self.pairs[index as usize / 2].0[index as usize % 2]
@@ -154,7 +155,7 @@ impl Tree {
         }
     }
 
-    /// LinkedNode `index` with the box and height of its children.
+    /// Node `index` with the box and height of its children.
     #[inline(always)]
     pub fn fitted(&self, index: u32) -> LinkedNode {
         let node = *self.node(index);

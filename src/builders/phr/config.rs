@@ -17,7 +17,8 @@ pub struct PhrConfig {
     /// Most nodes of the initial cut (paper 4.1: "e.g. 2048").
     pub max_cut: usize,
     /// Spatial splits are tried in nodes whose area relative to the scene's exceeds this (paper 4.4: "e.g. 1e-3");
-    /// with [`AuxiliaryConfig::calibration`] relative to that scale. Infinite, `null` in JSON: there are no spatial splits.
+    /// with [`AuxiliaryConfig::calibration`] relative to that scale. Infinite, `null` in JSON: there are no spatial
+    /// splits.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "or_infinite"))]
     pub spatial_threshold: f32,
     /// Most triangles of a leaf, 4 to 28. Up to four always are a leaf; more are one where the cost model has a leaf of
@@ -47,8 +48,9 @@ pub struct Extensions {
     /// Which builder makes the auxiliary tree (paper 5.5).
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "AuxiliaryTree::is_lbvh"))]
     pub auxiliary_tree: AuxiliaryTree,
-    /// The initial cut has this share of the triangles as nodes, at least 2048 and at most `max_cut`, however small they
-    /// are: in a scene of a few huge triangles all else is smaller than a threshold taken from the scene's area.
+    /// The initial cut has this share of the triangles as nodes, at least 2048 and at most `max_cut`, however small
+    /// they are: in a scene of a few huge triangles all else is smaller than a threshold taken from the scene's
+    /// area.
     pub cut_share: Option<f32>,
     /// Large parts of the scene are opened by their own area too.
     #[cfg_attr(feature = "serde", serde(rename = "own_threshold"))]
@@ -58,25 +60,25 @@ pub struct Extensions {
     pub spatial_bias: Option<f32>,
     /// Where a spatial split cuts a node of a single triangle, the triangle is clipped and not only its box.
     pub clip_triangles: bool,
-    /// Sides of splits are weighed by the triangles below their nodes in place of the nodes, the alternative that the paper
-    /// names in 4.2. For an experiment: splits are found in plain code.
+    /// Sides of splits are weighed by the triangles below their nodes in place of the nodes, the alternative that
+    /// the paper names in 4.2. For an experiment: splits are found in plain code.
     pub triangle_counts: bool,
     /// Cuts of at most this many references, whose boxes are too small for spatial splits, are split down to leaves
     /// in one go by sweeps over all of them.
     pub subtree_sweep: Option<u32>,
-    /// Parts of the tree that fit a cache are split down to blocks and collapsed to the wide tree that is cheapest by these
-    /// costs; `max_leaf` does not count then.
+    /// Parts of the tree that fit a cache are split down to blocks and collapsed to the wide tree that is cheapest
+    /// by these costs; `max_leaf` does not count then.
     pub collapse: Option<CollapseCosts>,
 }
 
-/// A threshold beside that of equation 2, taken from the part that is split and not from the scene: a part that is small
-/// in the scene has few nodes large enough for equation 2, however much there is in it.
+/// A threshold beside that of equation 2, taken from the part that is split and not from the scene: a part that is
+/// small in the scene has few nodes large enough for equation 2, however much there is in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LocalThreshold {
-    /// It holds for sides of splits with at least this many references;
+    /// It holds for sides of splits with at least this many references.
     pub references: u32,
-    /// nodes of a larger area, relative to the side's, are opened too.
+    /// Nodes of a larger area, relative to the side's, are opened too.
     pub area: f32,
 }
 

@@ -9,8 +9,8 @@ use glam::Vec3A;
 /// All of space: the clip box above the first spatial split.
 pub(crate) const SPACE: Aabb = Aabb::new(Vec3A::NEG_INFINITY, Vec3A::INFINITY);
 
-/// A cut: disjoint subtrees of the auxiliary BVH in depth-first order, which is that of the Morton codes. Its nodes, with
-/// clipped boxes, stand in the arena of a thread.
+/// A cut: disjoint subtrees of the auxiliary BVH in depth-first order, which is that of the Morton codes. Its
+/// nodes, with clipped boxes, stand in the arena of a thread.
 ///
 /// All fields are of four bytes or vectors: cuts are copied often, and copies of single bytes are slow.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,9 @@
-//! Paper 4.1: the initial cut. Nodes larger than a threshold are opened, the largest first, until none is left or the cut
-//! is long enough.
+//! Paper 4.1: the initial cut. Nodes larger than a threshold are opened, the largest first, until none is left or
+//! the cut is long enough.
 //!
-//! The paper keeps a priority queue. But a node is no larger than its parent, so that opening the largest first opens all
-//! nodes above some area. That area is halved until too many nodes would be opened; then the last one that may be is
-//! selected among them. No queue is needed, and much of a cut is opened at a time, in parallel.
+//! The paper keeps a priority queue. But a node is no larger than its parent, so that opening the largest first
+//! opens all nodes above some area. That area is halved until too many nodes would be opened; then the last one
+//! that may be is selected among them. No queue is needed, and much of a cut is opened at a time, in parallel.
 
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;

@@ -7,7 +7,7 @@ use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::split::object::ObjectSweep;
 use crate::builders::split::spatial::SpatialSweep;
-use crate::builders::split::sweep_sah::SubtreeSweep;
+use crate::builders::split::subtree_sweep::SubtreeSweep;
 use crate::builders::wide::memory::{Memory, Scratch};
 use crate::builders::wide::optimal::Choices;
 use crate::bvh::{TriangleBlock, WideBvh};

@@ -10,8 +10,8 @@
 //! | 4.5, 4.6 wide tree, threads | [`crate::builders::wide`] |
 //! | 4.7 auxiliary BVH | [`crate::builders::lbvh`] |
 //!
-//! [`pipeline`] has the steps in order; [`exact`] holds shortcuts that give the same tree, [`extensions`] what changes it.
-//! [`cut`] and [`policy`] are shared with Hunt's method; [`watched`] shows the splits of a build.
+//! [`pipeline`] has the steps in order; [`exact`] holds shortcuts that give the same tree, [`extensions`] what
+//! changes it. [`cut`] and [`policy`] are shared with Hunt's method; [`watched`] shows the splits of a build.
 
 pub(crate) mod clip;
 pub(crate) mod config;

@@ -55,9 +55,9 @@ impl<const N: usize, B: LeafBlock> Phr<N, B> {
 }
 
 impl<const N: usize> Phr<N> {
-    /// Builds again over `mesh`, that of the build before with vertices moved: the auxiliary tree is fitted to it and keeps
-    /// its topology, so that nothing is sorted, and its cuts are refined as ever. A tree that has not moved is built as
-    /// before. (The paper, 5.6, leaves animation open.)
+    /// Builds again over `mesh`, that of the build before with vertices moved: the auxiliary tree is fitted to it
+    /// and keeps its topology, so that nothing is sorted, and its cuts are refined as ever. A tree that has not
+    /// moved is built as before. (The paper, 5.6, leaves animation open.)
     ///
     /// # Errors
     /// A mesh of another number of triangles, and presplit needles ([`AuxiliaryConfig::presplit`]).
@@ -83,11 +83,11 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Phr<N, G::Block> {
         let Self { config, memory, isa, .. } = self;
         let Extensions { auxiliary_tree, auxiliary: of_auxiliary, .. } = &config.extensions;
         let (auxiliary, mut watch) = (&mut memory.auxiliary, Stopwatch::start());
-        // Steps 1 to 3.
+        // Presplit, sort, and build the auxiliary tree.
         auxiliary.presplit(geometry, geometry.prims(), of_auxiliary, &mut watch);
         auxiliary.sort(geometry, geometry.prims(), of_auxiliary, &mut watch);
         auxiliary_tree.grow(auxiliary, geometry, of_auxiliary, *isa, &mut watch);
-        // Steps 4 to 6.
+        // Initial cut, recursion, wide nodes.
         build_from_cuts(memory, geometry, config, *isa, watch.phases)
     }
 
@@ -105,9 +105,9 @@ pub(crate) fn build_from_cuts<const N: usize, G: Geometry>(
     mut phases: Vec<Phase>,
 ) -> Build<N, G::Block> {
     let mut watch = Stopwatch::start();
-    // Step 4.
+    // Initial cut.
     let (recursion, cut) = begin(&memory.auxiliary, geometry, config, isa);
-    // Steps 5 and 6: wide nodes are made on the way back from the recursion.
+    // Recursion: wide nodes are made on the way back.
     let tree = build::build(&recursion, cut, geometry, &mut memory.recursion);
     watch.lap("cuts and nodes");
     phases.extend(watch.phases);

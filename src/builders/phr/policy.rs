@@ -27,11 +27,11 @@ pub(crate) struct SeenSplit<'a> {
 
 /// How a side of a split is refined to a cut of its own.
 pub(crate) trait CutPolicy: Sync {
-    /// Whether refining opens a lone node into its two children at most. Below a cut of one node the splits are then those
-    /// of the auxiliary BVH ([`super::exact::single_node`]).
+    /// Whether refining opens a lone node into its two children at most. Below a cut of one node the splits are
+    /// then those of the auxiliary BVH ([`super::exact::single_node`]).
     const KEEPS_SINGLE_NODES: bool;
-    /// Whether splits are shown to [`CutPolicy::see`]. Shortcuts to the same tree, which hide splits, are then not taken.
-    /// Where it is false nothing of this is left in the compiled builder.
+    /// Whether splits are shown to [`CutPolicy::see`]. Shortcuts to the same tree, which hide splits, are then not
+    /// taken. Where it is false nothing of this is left in the compiled builder.
     const SEES: bool = false;
 
     /// Is shown each split.

@@ -13,8 +13,8 @@ use crate::builders::wide::binary_source::{BinarySource, Leaves};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
 
 impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
-    /// The subtree of a cut that is split down to its leaves in one go, nothing if clipping left nothing; `None` for other
-    /// cuts.
+    /// The subtree of a cut that is split down to its leaves in one go, nothing if clipping left nothing; `None`
+    /// for other cuts.
     pub(super) fn sweep(&self, cut: &Cut, scratch: &mut CutScratch) -> Option<Option<Node>> {
         if self.splits_in_space(cut) || cut.level == CutLevel::Swept {
             None

@@ -1,6 +1,6 @@
-//! Splits whose sides are weighed by the triangles below their nodes in place of the nodes (Hunt, Mark, Fussell 2007): the
-//! alternative to equations 1 and 3 that the paper compares with in 4.2. An experiment, in plain code: what it says is the
-//! quality of trees, not the time of builds.
+//! Splits whose sides are weighed by the triangles below their nodes in place of the nodes (Hunt, Mark, Fussell
+//! 2007): the alternative to equations 1 and 3 that the paper compares with in 4.2. An experiment, in plain code:
+//! what it says is the quality of trees, not the time of builds.
 
 use super::cost::GAIN;
 use super::object::split::ObjectSplit;

@@ -3,12 +3,12 @@
 //! * [`cost`]: what the sides of a split cost (equations 1 and 3);
 //! * [`object`], [`spatial`]: one file each defines the split, the others find the same one faster;
 //! * [`by_triangles`]: both by the triangles below nodes, an experiment;
-//! * [`three_axes`]: sweeps along all axes at once, for cuts of middling length and for [`sweep_sah`];
-//! * [`sweep_sah`]: subtrees of a few references, split down to leaves in one go.
+//! * [`three_axes`]: sweeps along all axes at once, for cuts of middling length and for [`subtree_sweep`];
+//! * [`subtree_sweep`]: subtrees of a few references, split down to leaves in one go.
 
 pub(crate) mod by_triangles;
 pub(crate) mod cost;
 pub(crate) mod object;
 pub(crate) mod spatial;
-pub(crate) mod sweep_sah;
+pub(crate) mod subtree_sweep;
 pub(crate) mod three_axes;

@@ -22,7 +22,7 @@ use crate::builders::split::object::ranks::{self, RankSweep};
 use crate::builders::split::object::split::ObjectSplit;
 use crate::builders::split::object::{ObjectSweep, PlaneHint, lanes};
 use crate::builders::split::spatial::SpatialSweep;
-use crate::builders::split::sweep_sah::SubtreeSweep;
+use crate::builders::split::subtree_sweep::SubtreeSweep;
 use crate::builders::wide::treelet::WideTreelet;
 use crate::bvh::limits::BLOCK;
 use crate::bvh::{Link, TriangleBlock, WideNode};

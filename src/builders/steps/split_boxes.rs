@@ -20,7 +20,8 @@ pub struct SplitBoxes {
     pub sides: [SideBoxes; 2],
 }
 
-/// A side of a split, refined by opening nodes one level, as PHR does. Boxes are clipped by the planes of spatial splits.
+/// A side of a split, refined by opening nodes one level, as PHR does. Boxes are clipped by the planes of spatial
+/// splits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideBoxes {
     /// What is left of space; infinite where nothing was cut off.

@@ -1,5 +1,6 @@
-//! The splits of a build over cuts, as the builder makes them: sizes of cuts by depth (Figure 4 of the paper), and single
-//! splits of PHR as boxes (Figures 3 and 5). Cuts that an extension splits down to their leaves in one go are not seen.
+//! The splits of a build over cuts, as the builder makes them: sizes of cuts by depth (Figure 4 of the paper), and
+//! single splits of PHR as boxes (Figures 3 and 5). Cuts that an extension splits down to their leaves in one go
+//! are not seen.
 
 use super::split_boxes::SplitBoxes;
 use crate::builders::api::config_error::ConfigError;
@@ -33,7 +34,8 @@ pub struct CutsAtDepth {
     pub nodes: u64,
 }
 
-/// Builds over `mesh` on the current rayon pool, every split shown to `watcher`; the nodes are those of the builder's tree.
+/// Builds over `mesh` on the current rayon pool, every split shown to `watcher`; the nodes are those of the
+/// builder's tree.
 fn watched(
     mesh: &Mesh,
     config: &CutConfig,

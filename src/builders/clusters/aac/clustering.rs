@@ -150,8 +150,8 @@ fn combine(forest: &mut Forest, begin: usize, target: usize, first: usize, pairs
     }
 }
 
-/// A neighbour of a cluster: the area of their common box, then its index. The nearest is the least, and of equal ones the
-/// first: no branch is needed to find it.
+/// A neighbour of a cluster: the area of their common box, then its index. The nearest is the least, and of equal
+/// ones the first: no branch is needed to find it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Neighbour(u64);
 

@@ -1,8 +1,8 @@
 //! The search: the nearest of the clusters up to a radius before and after each.
 //!
-//! Every distance is computed once, for both clusters: at each offset the distances of a tile of clusters to those that
-//! far behind them are a row, from which both take the least. Rows are plain loops that the compiler turns into vectors of
-//! whatever instruction set it compiles them for; none depends on the order of additions.
+//! Every distance is computed once, for both clusters: at each offset the distances of a tile of clusters to those
+//! that far behind them are a row, from which both take the least. Rows are plain loops that the compiler turns
+//! into vectors of whatever instruction set it compiles them for; none depends on the order of additions.
 
 use crate::builders::binary::node::Node;
 use crate::simd::Isa;
@@ -10,10 +10,10 @@ use crate::simd::Isa;
 /// Clusters of a tile, whose rows fit the first cache.
 const TILE: usize = 512;
 
-/// The lowest bit of what stands for the neighbour `offset` after a position; that for the one before is the other. The
-/// lesser is taken at equal distances: next to each other the clusters of a pair that begins at an even position, so that
-/// clusters that are all alike pair off; elsewhere the one after. Either way some two are each other's nearest: of the
-/// least distance and offset, the last in their row at that offset.
+/// The lowest bit of what stands for the neighbour `offset` after a position; that for the one before is the other.
+/// The lesser is taken at equal distances. So at offset 1 the pair that begins at an even position wins, and clusters
+/// that are all alike pair off; at larger offsets the later cluster wins. Some two clusters are always each other's
+/// nearest: of the least distance and offset, the last in their row at that offset.
 #[inline(always)]
 fn side_after(position: u32, offset: u32) -> u32 {
     position & u32::from(offset == 1)
@@ -52,8 +52,8 @@ impl BoxPlanes {
         }
     }
 
-    /// How far after each cluster its nearest is, negative if before; not of `radius` ones at either end of those loaded,
-    /// the first of which is at an even position.
+    /// How far after each cluster its nearest is, negative if before; not of `radius` ones at either end of those
+    /// loaded, the first of which is at an even position.
     pub fn search(&mut self, isa: Isa, radius: usize, nearest: &mut Vec<i16>) {
         nearest.resize(self.planes[0].len() - 2 * radius, 0);
         match isa {
@@ -117,8 +117,8 @@ fn row(distances: &mut [u32], planes: &[Vec<f32>; 6], first: usize, offset: usiz
     }
 }
 
-/// Takes the least of the best so far and the neighbours `before` and `after` at an offset; the first is of the cluster at
-/// position `first`.
+/// Takes the least of the best so far and the neighbours `before` and `after` at an offset; the first is of the
+/// cluster at position `first`.
 #[inline(always)]
 fn take(best: &mut [u32], before: &[u32], after: &[u32], first: u32, offset: u32) {
     let which = 2 * (offset - 1);

@@ -5,7 +5,7 @@ use super::config::PlocConfig;
 use crate::builders::api::builder::{Build, Builder, Counts, Stopwatch};
 use crate::builders::api::config_error::ConfigError;
 use crate::builders::binary::tree::BinaryTree;
-use crate::builders::clusters::collapse::ClusterTree;
+use crate::builders::clusters::widen::ClusterTree;
 use crate::builders::lbvh::sort::MortonOrder;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::build;

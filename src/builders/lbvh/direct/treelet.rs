@@ -1,5 +1,5 @@
-//! One treelet of the builder `lbvh`, widened at once. As [`crate::builders::lbvh::treelet`], but its leaves are blocks and nobody opens
-//! it: corners are fetched once, for leaf blocks and boxes together.
+//! One treelet of the builder `lbvh`, widened at once. As [`crate::builders::lbvh::treelet`], but its leaves are
+//! blocks and nobody opens it: corners are fetched once, for leaf blocks and boxes together.
 
 use crate::builders::lbvh::cartesian::cartesian_tree;
 use crate::builders::lbvh::deltas::Deltas;
@@ -28,7 +28,8 @@ pub(crate) struct DirectTreelet<I, const N: usize> {
 }
 
 impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
-    /// Builds the subtree over `keys`, whole primitives of `geometry` that have been partitioned by the middle `depth` times.
+    /// Builds the subtree over `keys`, whole primitives of `geometry` that have been partitioned by the middle
+    /// `depth` times.
     pub fn build<G: Geometry<Item = I>>(
         &mut self,
         isa: Isa,

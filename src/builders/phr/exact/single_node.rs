@@ -1,6 +1,6 @@
-//! Below a cut of a single node the splits are known: to be split the node is opened into its two children, whatever the
-//! threshold, and either side is a single node again. The binary splits are those of the auxiliary BVH. In
-//! scenes of much detail that is most of them, and nothing has to be refined.
+//! Below a cut of a single node the splits are known: to be split the node is opened into its two children,
+//! whatever the threshold, and either side is a single node again. The binary splits are those of the auxiliary
+//! BVH. In scenes of much detail that is most of them, and nothing has to be refined.
 
 use crate::builders::api::builder::Counts;
 use crate::builders::binary::kind::Kind;

@@ -1,5 +1,6 @@
-//! Other auxiliary trees than an LBVH (paper 5.5 tried AAC and binned SAH). They are over the same sorted references, and
-//! are brought into the form of an LBVH, with leaves by its rules, so that cuts need not know which tree they are of.
+//! Other auxiliary trees than an LBVH (paper 5.5 tried AAC and binned SAH). They are over the same sorted
+//! references, and are brought into the form of an LBVH, with leaves by its rules, so that cuts need not know which
+//! tree they are of.
 
 use crate::builders::api::builder::{Phase, Stopwatch};
 use crate::builders::api::config_error::ConfigError;

@@ -1,6 +1,6 @@
-//! A static part of a scene and a dynamic one merged (paper, section 6, left open): the auxiliary tree of the static part is
-//! built once, by any of the builders of auxiliary trees, and kept. For each frame only that of the dynamic part is built;
-//! the two become the children of one root, and PHR refines cuts of the whole.
+//! A static part of a scene and a dynamic one merged (paper, section 6, left open): the auxiliary tree of the
+//! static part is built once, by any of the builders of auxiliary trees, and kept. For each frame only that of the
+//! dynamic part is built; the two become the children of one root, and PHR refines cuts of the whole.
 
 use super::auxiliary_tree::AuxiliaryTree;
 use crate::builders::api::builder::{Build, Phase, Stopwatch};
@@ -85,8 +85,8 @@ impl<const N: usize> MergedPhr<N> {
         Ok(phases)
     }
 
-    /// Builds the tree over `mesh`, the triangles of which after those of the static part have moved, are others, or are
-    /// more or fewer.
+    /// Builds the tree over `mesh`, the triangles of which after those of the static part have moved, are others,
+    /// or are more or fewer.
     ///
     /// # Errors
     /// A mesh of fewer triangles than the static part.

@@ -1,14 +1,14 @@
 //! Where [`super::config::Extensions`] change the tree, and the presets that use them.
 //!
 //! * [`presets`]: `phr-turbo`, `phr-speed` and `phr-quality`;
-//! * [`small_cuts`]: `subtree_sweep`, which splits by [`crate::builders::split::sweep_sah`];
+//! * [`small_cuts`]: `subtree_sweep`, which splits by [`crate::builders::split::subtree_sweep`];
 //! * [`collapse`]: the extension of that name;
 //! * [`auxiliary_tree`]: other auxiliary trees than an LBVH; [`binned`] makes one of them;
 //! * [`merged`]: the auxiliary trees of a static part and of a dynamic one under one root.
 //!
-//! The rest is a line where the paper's rule stands: `cut_share` in [`super::pipeline`], `local_threshold` (in records
-//! `own_threshold`) in [`super::refine`], `spatial_bias`, `clip_triangles` and `triangle_counts` in [`super::split`], those of
-//! the auxiliary BVH in [`crate::builders::lbvh`].
+//! The rest is a line where the paper's rule stands: `cut_share` in [`super::pipeline`], `local_threshold` (in
+//! records `own_threshold`) in [`super::refine`], `spatial_bias`, `clip_triangles` and `triangle_counts` in
+//! [`super::split`], those of the auxiliary BVH in [`crate::builders::lbvh`].
 
 pub(crate) mod auxiliary_tree;
 pub(crate) mod binned;

@@ -7,9 +7,9 @@ use crate::builders::prims::presplit::PresplitConfig;
 use crate::builders::wide::optimal::CollapseCosts;
 
 impl PhrConfig {
-    /// For the shortest build whose trees trace as Embree SAH's: PHR-Fast with shorter cuts that shrink more slowly, over
-    /// an auxiliary BVH whose leaves are blocks. The initial cut has 2048 nodes in any scene, and large parts are opened by
-    /// their own area; spatial splits are tried only in the largest parts.
+    /// For the shortest build whose trees trace as Embree SAH's: PHR-Fast with shorter cuts that shrink more
+    /// slowly, over an auxiliary BVH whose leaves are blocks. The initial cut has 2048 nodes in any scene, and
+    /// large parts are opened by their own area; spatial splits are tried only in the largest parts.
     pub const TURBO: Self = Self {
         alpha: 0.45,
         delta: 5.0,
@@ -29,9 +29,9 @@ impl PhrConfig {
     };
 
     /// For speed: PHR-Fast from an initial cut of 2048 nodes in any scene, over an auxiliary BVH whose leaves are
-    /// blocks or small clusters. Subtrees near the leaves are swept in one go, parts that fit a cache are collapsed to the
-    /// cheapest wide tree, and spatial splits are tried only in large parts. Needles are presplit, which saves scenes of
-    /// rods and pipes.
+    /// blocks or small clusters. Subtrees near the leaves are swept in one go, parts that fit a cache are collapsed
+    /// to the cheapest wide tree, and spatial splits are tried only in large parts. Needles are presplit, which
+    /// saves scenes of rods and pipes.
     pub const SPEED: Self = Self {
         spatial_threshold: 1e-2,
         extensions: Extensions {
@@ -55,9 +55,9 @@ impl PhrConfig {
         ..Self::FAST
     };
 
-    /// For quality: larger initial cuts, spatial splits tried in smaller parts, only the smallest clusters kept together
-    /// in the auxiliary BVH, which else has single triangles, all of which spatial splits clip, and larger subtrees
-    /// swept in one go. Equation 2 has little effect then: large parts are opened by their own area.
+    /// For quality: larger initial cuts, spatial splits tried in smaller parts, only the smallest clusters kept
+    /// together in the auxiliary BVH, which else has single triangles, all of which spatial splits clip, and larger
+    /// subtrees swept in one go. Equation 2 has little effect then: large parts are opened by their own area.
     pub const QUALITY: Self = Self {
         delta: 5.0,
         max_cut: 1 << 14,

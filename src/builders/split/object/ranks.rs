@@ -1,6 +1,6 @@
-//! The object split of a cut of middling length: the rank of each node in the order of centroids is counted, all nodes of
-//! a vector against one node at a time, which orders the nodes along an axis without a branch; one sweep then goes along
-//! all three axes.
+//! The object split of a cut of middling length: the rank of each node in the order of centroids is counted, all
+//! nodes of a vector against one node at a time, which orders the nodes along an axis without a branch; one sweep
+//! then goes along all three axes.
 
 use super::split::ObjectSplit;
 use crate::builders::binary::node::Node;

@@ -31,8 +31,8 @@ pub(crate) enum PlaneHint<'a> {
 }
 
 impl PlaneHint<'_> {
-    /// Bounds of the planes normal to `axis`, the second exclusive, at which a spatial split may cost less than `limit`;
-    /// `None` if no plane can.
+    /// Bounds of the planes normal to `axis`, the second exclusive, at which a spatial split may cost less than
+    /// `limit`; `None` if no plane can.
     pub fn planes_below(self, axis: usize, limit: f32, weight: Weight) -> Option<[f32; 2]> {
         match self {
             Self::Anywhere => Some([f32::NEG_INFINITY, f32::INFINITY]),

@@ -1,5 +1,5 @@
-//! The spatial split of a long cut: the boundaries of nodes are put into bins, which bound the cost of their planes from
-//! below, and only bins that may hold a cheaper plane are swept.
+//! The spatial split of a long cut: the boundaries of nodes are put into bins, which bound the cost of their planes
+//! from below, and only bins that may hold a cheaper plane are swept.
 
 use super::plane_sweep::{PlaneSweep, SpatialCut};
 use super::split::SpatialSplit;

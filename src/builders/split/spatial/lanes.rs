@@ -1,9 +1,9 @@
-//! The spatial split of a cut without sorting: every lane of a vector is a plane, and every node in turn joins the left or
-//! the right box of each, or both.
+//! The spatial split of a cut without sorting: every lane of a vector is a plane, and every node in turn joins the
+//! left or the right box of each, or both.
 //!
-//! Where there are more planes than lanes, lanes are first borders between slabs of planes: the nodes left of a slab and
-//! right of it bound the cost of its planes from below, and only planes in slabs that may hold one cheaper than the best
-//! so far are evaluated.
+//! Where there are more planes than lanes, lanes are first borders between slabs of planes: the nodes left of a
+//! slab and right of it bound the cost of its planes from below, and only planes in slabs that may hold one cheaper
+//! than the best so far are evaluated.
 
 use super::plane_sweep::SpatialCut;
 use super::split::SpatialSplit;
@@ -14,8 +14,8 @@ use crate::simd::vector::Lanes;
 pub(crate) const MOST_AVX2: usize = 64;
 
 /// Searches along an axis, in a range of planes without its end, for a split cheaper than `best`; of equal ones the
-/// first. Returns bounds of planes, the second exclusive, that are too many for lanes and not evaluated yet; `planes` is
-/// memory.
+/// first. Returns bounds of planes, the second exclusive, that are too many for lanes and not evaluated yet;
+/// `planes` is memory.
 #[inline]
 pub(crate) fn search<L: Lanes>(
     v: L,
@@ -162,8 +162,8 @@ struct Sides<L: Lanes> {
     on_right: L::F,
 }
 
-/// The sides of each plane, if `IS_PLANE`. Else lanes are borders: on the left is what is left of every plane at
-/// the border or behind it, and on the right what is right of every plane before it.
+/// The sides of each plane, if `IS_PLANE`. Otherwise lanes are borders of slabs: the left side holds the nodes left of
+/// every plane at or after the border, the right side those right of every plane before it.
 #[inline(always)]
 fn sides<L: Lanes, const AXIS: usize, const IS_PLANE: bool>(
     v: L,

@@ -93,8 +93,8 @@ impl PlaneSweep {
         self.by_upper.sort_unstable();
     }
 
-    /// Sweeps over the gathered planes for one cheaper than `best`; `before` and `after` are the nodes on the left and on
-    /// the right of all of them.
+    /// Sweeps over the gathered planes for one cheaper than `best`; `before` and `after` are the nodes on the left
+    /// and on the right of all of them.
     fn sweep(
         &mut self,
         axis: usize,

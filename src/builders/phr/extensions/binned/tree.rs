@@ -17,8 +17,8 @@ type Item = (MortonKey, Aabb);
 /// Smaller subtrees are built by one thread.
 const SERIAL: usize = 1 << 12;
 
-/// The root of the tree over `keys`, whose pairs go to `pairs`, one less: those below a node in a row that ends with its
-/// own. Keys are put into the order of the leaves. `None` without keys.
+/// The root of the tree over `keys`, whose pairs go to `pairs`, one less: those below a node in a row that ends
+/// with its own. Keys are put into the order of the leaves. `None` without keys.
 pub(crate) fn binned_sah<G: Geometry>(
     config: &BinnedSahConfig,
     refs: &PrimRefs<'_, G>,

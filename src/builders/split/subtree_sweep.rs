@@ -4,8 +4,8 @@
 //! anew. Here references are ordered by centroid once per axis, and splits keep the order; all of it stays in the
 //! first-level cache.
 //!
-//! A cut of leaves alone, where nothing is left to refine, is split so too, to the same tree that splitting cut after cut
-//! makes.
+//! A cut of leaves alone, where nothing is left to refine, is split so too, to the same tree that splitting cut
+//! after cut makes.
 
 use super::cost::Weight;
 use super::three_axes::{AxisCosts, order, sweep_axes};
@@ -17,8 +17,8 @@ use crate::simd::Isa;
 use arrayvec::ArrayVec;
 use glam::Vec3A;
 
-/// Centroids are ordered by steps along each axis of their bounds; within a step they keep their given order, that of the
-/// Morton codes.
+/// Centroids are ordered by steps along each axis of their bounds; within a step they keep their given order, that
+/// of the Morton codes.
 pub(crate) const STEPS: usize = 64;
 
 /// `BLOCKS[n]`: the leaf blocks that n references fill.
@@ -203,8 +203,8 @@ impl SubtreeSweep {
         }
     }
 
-    /// The split of least cost (paper 4.2, equation 1), of equal ones the first by axis, then by position. For a cut, one
-    /// that gains something, if there is any; else leaves cost their blocks, and there always is a split.
+    /// The split of least cost (paper 4.2, equation 1), of equal ones the first by axis, then by position. For a
+    /// cut, one that gains something, if there is any; else leaves cost their blocks, and there always is a split.
     #[inline(always)]
     fn best<const AS_CUT: bool>(&mut self, Pending { first, end, area, .. }: Pending) -> Split {
         let order = self.order.each_ref().map(|order| &order[first..end]);

@@ -1,6 +1,6 @@
 //! From the binary tree of clusters to a wide one, the largest child opened first (paper 4.5).
 
-use super::emit::GatheredTree;
+use super::gathered::GatheredTree;
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
@@ -32,7 +32,8 @@ pub(crate) struct ClusterTree<'a, G = Mesh> {
 pub(crate) enum ClusterPart {
     /// A subtree at a depth of the binary tree.
     Subtree(Node, u32),
-    /// References of a subtree at too great a depth, which are halved by count: as a range of the scratch memory, and their box.
+    /// References of a subtree at too great a depth, which are halved by count: as a range of the scratch memory,
+    /// and their box.
     References(usize, u32, Aabb),
 }
 
@@ -45,8 +46,8 @@ impl<G: Geometry> ClusterTree<'_, G> {
         self.tree.root.map(|root| OwnedPart(ClusterPart::Subtree(root, 0), Vec::new()))
     }
 
-    /// Appends the references below `node`, level by level, so that many pairs are fetched at a time: those of a level do
-    /// not depend on each other.
+    /// Appends the references below `node`, level by level, so that many pairs are fetched at a time: those of a
+    /// level do not depend on each other.
     fn gather(&self, node: &Node, ids: &mut Vec<u32>) {
         let first = ids.len();
         let queue = first + node.count() as usize;

@@ -1,5 +1,5 @@
-//! The wide nodes of a whole subtree at once: its triangles are gathered first, so that the references below each of its
-//! nodes are a run, and nothing is copied from child to child. The tree is that of [`super::collapse`].
+//! The wide nodes of a whole subtree at once: its triangles are gathered first, so that the references below each
+//! of its nodes are a run, and nothing is copied from child to child. The tree is that of [`super::widen`].
 
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::{Node, NodeRun};
@@ -34,8 +34,8 @@ impl BinarySource for GatheredTree<'_> {
 }
 
 impl GatheredTree<'_> {
-    /// Appends the wide nodes of the subtree, whose root is `node` at binary depth `depth`; `None`, and nothing appended, if
-    /// some of it is too deep to be followed.
+    /// Appends the wide nodes of the subtree, whose root is `node` at binary depth `depth`; `None`, and nothing
+    /// appended, if some of it is too deep to be followed.
     pub fn emit<G: Geometry, const N: usize>(
         &self,
         node: &Node,
