@@ -189,7 +189,7 @@ bench-reference: RESUMED = yes
 bench-reference: packages
 	$(CARGO) build --release --bin phr
 	@echo "$(words $(SCENES)) scene files and the built-in scenes: each $(MIN_SECONDS) seconds twice and longer where they" \
-		"are large, up to five minutes each; with growth and extensions two to five hours on two cores. Stop it with Ctrl-C, go on with the same command."
+		"are large, up to five minutes each; with growth and extensions four to eight hours on two cores. Stop it with Ctrl-C, go on with the same command."
 	$(call runs,$(FULL))
 	./target/release/phr reduce $(FULL) $(REFERENCE)
 	./target/release/phr reduce $(FULL)-ablation $(REFERENCE)-ablation
