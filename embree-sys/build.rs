@@ -1,8 +1,9 @@
 //! Finds Embree 3 or 4, checks its version, generates the bindings and compiles the shim.
 //!
-//! Looks in `EMBREE_DIR`, or else in `EMBREE3_DIR` (a prefix with `include/embree4` or `include/embree3`, and `lib`),
-//! if one is set, and nowhere else; otherwise in the places where distributions install it. Where both versions are,
-//! Embree 3 is taken, with which the published figures were measured. An error names everything missing in one paragraph.
+//! Looks in `EMBREE_DIR`, or else in `EMBREE3_DIR` (a prefix with `include/embree4` or `include/embree3`, and
+//! `lib`), if one is set, and nowhere else; otherwise in the places where distributions install it. Where both
+//! versions are, Embree 3 is taken, with which the published figures were measured. An error names everything
+//! missing in one paragraph.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

@@ -3,7 +3,8 @@
 //!
 //! # A guided tour
 //!
-//! **A mesh** is a list of vertices and a list of triangles. Triangles that no builder can hold (not finite, out of range) are dropped and counted.
+//! **A mesh** is a list of vertices and a list of triangles. Triangles that no builder can hold (not finite, out of
+//! range) are dropped and counted.
 //!
 //! ```
 //! use phr::geometry::Mesh;
@@ -22,8 +23,8 @@
 //! ```
 //!
 //! **A builder** turns a mesh into a tree. Each has a name in [`builders::NAMES`]; `phr-speed` is a good first choice.
-//! A builder runs on the rayon pool that calls it, makes the same tree at any number of threads, and keeps its memory for
-//! the next build.
+//! A builder runs on the rayon pool that calls it, makes the same tree at any number of threads, and keeps its
+//! memory for the next build.
 //!
 //! ```
 //! use phr::builders;
@@ -37,8 +38,8 @@
 //! builder.recycle(build.tree); // the next tree is built in its memory
 //! ```
 //!
-//! **The tree** is a [`bvh::Bvh4`]: nodes of up to four children, leaves of blocks of four triangles. It knows its costs,
-//! and it can be checked against its mesh.
+//! **The tree** is a [`bvh::Bvh4`]: nodes of up to four children, leaves of blocks of four triangles. It knows its
+//! costs, and it can be checked against its mesh.
 //!
 //! ```
 //! use phr::bvh::Statistics;
@@ -75,8 +76,9 @@
 //!
 //! A `Bvh` is also made of a tree that a builder of your own parameters has built: `Bvh::try_from(build.tree)`.
 //!
-//! **Anything with a box** goes the same way: [`PrimitiveBvh`] is built over [`Primitives`] of yours, which your closure
-//! tests. **Instances** of trees, each under a transform, are an [`InstanceBvh`], rebuilt in every frame where they move.
+//! **Anything with a box** goes the same way: [`PrimitiveBvh`] is built over [`Primitives`] of yours, which your
+//! closure tests. **Instances** of trees, each under a transform, are an [`InstanceBvh`], rebuilt in every frame
+//! where they move.
 //!
 //! ```
 //! use phr::glam::{Affine3A, Vec3};
@@ -90,12 +92,12 @@
 //! # Ok::<(), phr::query::BvhError>(())
 //! ```
 //!
-//! How these fit into a renderer or an engine, how a tree lies in memory and how it is uploaded to a graphics processor is
-//! in `INTEGRATION.md`, beside the README.
+//! How these fit into a renderer or an engine, how a tree lies in memory and how it is uploaded to a graphics
+//! processor is in `INTEGRATION.md`, beside the README.
 //!
-//! **A mesh that moves** keeps its triangles, and its tree may keep its nodes: boxes are fitted to where the vertices are now.
-//! When they have moved far, a tree built again traces faster; [`builders::Phr::refit`] is in between, and
-//! [`builders::MergedPhr`] for scenes of which a part stands still.
+//! **A mesh that moves** keeps its triangles, and its tree may keep its nodes: boxes are fitted to where the
+//! vertices are now. When they have moved far, a tree built again traces faster; [`builders::Phr::refit`] is in
+//! between, and [`builders::MergedPhr`] for scenes of which a part stands still.
 //!
 //! ```
 //! let animation = phr::scene::animated_by_name("wrung").expect("a name of the list").generate(5000);
@@ -114,13 +116,14 @@
 //! 3. a [`bvh::WideBvh`], whose cost [`bvh`] measures;
 //! 4. [`trace`] records a path tracer's rays once per view and traces them through any tree;
 //! 5. [`query`] is the same for an application;
-//! 6. `embree` does the same with the distribution's Embree (feature `embree`), `peers` builds with other crates (feature
-//!    `peers`);
-//! 7. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots; `experiments`
-//!    has the paper's other figures and its experiments, and `cli` turns all of it into commands (feature `harness`).
+//! 6. `embree` does the same with the distribution's Embree (feature `embree`), `peers` builds with other crates
+//!    (feature `peers`);
+//! 7. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots;
+//!    `experiments` has the paper's other figures and its experiments, and `cli` turns all of it into commands
+//!    (feature `harness`).
 //!
-//! Imports run down this list: `random`, `memory`, `geometry`, `scene`, `bvh`, `simd`, `parallel`, `builders`, `embree`, `peers`,
-//! `trace`, `query`, `bench`, `report`, `experiments`, `cli`.
+//! Imports run down this list: `random`, `memory`, `geometry`, `scene`, `bvh`, `simd`, `parallel`, `builders`,
+//! `embree`, `peers`, `trace`, `query`, `bench`, `report`, `experiments`, `cli`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(missing_docs)]

@@ -1,5 +1,5 @@
-//! The pages: their figures are those of the committed rows, the committed plots are drawn from them, the README is short
-//! and every relative link leads to a file or heading.
+//! The pages: their figures are those of the committed rows, the committed plots are drawn from them, the README is
+//! short and every relative link leads to a file or heading.
 
 #![cfg(feature = "harness")]
 

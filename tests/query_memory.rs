@@ -1,5 +1,5 @@
-//! Queries allocate nothing, neither of single rays nor of batches; builds and saved trees for which there is no memory are
-//! errors, whichever of their large arrays it is.
+//! Queries allocate nothing, neither of single rays nor of batches; builds and saved trees for which there is no
+//! memory are errors, whichever of their large arrays it is.
 
 #![allow(unsafe_code)]
 
@@ -54,8 +54,8 @@ fn calls(f: impl FnOnce()) -> usize {
     CALLS.get() - before
 }
 
-/// The results of `f` while its first large allocation fails, then while its second does, and so on; the last is without a
-/// failure.
+/// The results of `f` while its first large allocation fails, then while its second does, and so on; the last is
+/// without a failure.
 fn failing<T>(mut f: impl FnMut() -> T) -> Vec<T> {
     let mut results = Vec::new();
     loop {

@@ -5,8 +5,8 @@
 //! `DEP_EMBREE_MAJOR` in their build scripts.
 //!
 //! All functions, types and constants keep their C names. The functions that the headers define inline
-//! (`rtcInitIntersectContext` or `rtcInitIntersectArguments`, `rtcDefaultBuildArguments`, ...) are exported by a small C shim under the same
-//! names; `rtcGetRayFromRayN` and its like, which C++ alone has, too.
+//! (`rtcInitIntersectContext` or `rtcInitIntersectArguments`, `rtcDefaultBuildArguments`, ...) are exported by a
+//! small C shim under the same names; `rtcGetRayFromRayN` and its like, which C++ alone has, too.
 
 #![allow(unsafe_code)]
 

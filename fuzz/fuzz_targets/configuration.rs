@@ -1,5 +1,5 @@
-//! Builders with changed fields over a triangle soup: refused in one line, or a valid tree whose hits are those of brute
-//! force, differences judged by the oracle.
+//! Builders with changed fields over a triangle soup: refused in one line, or a valid tree whose hits are those of
+//! brute force, differences judged by the oracle.
 
 #![no_main]
 

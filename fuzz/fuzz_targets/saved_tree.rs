@@ -1,5 +1,5 @@
-//! Saved trees: refused in one line, or a tree over the mesh that answers rays. Every checksum agrees while the crate is
-//! fuzzed, so that what is behind them is reached.
+//! Saved trees: refused in one line, or a tree over the mesh that answers rays. Every checksum agrees while the
+//! crate is fuzzed, so that what is behind them is reached.
 
 #![no_main]
 

@@ -1,4 +1,5 @@
-//! Scene files of every format, plain or compressed: read whole or refused in one line. The first byte chooses the format.
+//! Scene files of every format, plain or compressed: read whole or refused in one line. The first byte chooses the
+//! format.
 
 #![no_main]
 

@@ -43,8 +43,8 @@ pub struct Cell {
     pub width: u32,
     /// Kernels that trace its tree; none if only builds are timed.
     pub kernels: Vec<Kernel>,
-    /// What the builder is, by the name of [`crate::builders::Recipe`], where its own name does not say: a configuration
-    /// from a file.
+    /// What the builder is, by the name of [`crate::builders::Recipe`], where its own name does not say: a
+    /// configuration from a file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub recipe: Option<String>,
 }
@@ -55,7 +55,8 @@ impl Cell {
         Self { builder: builder.into(), width, kernels: kernels.into(), recipe: None }
     }
 
-    /// Its place among the cells of a table: builders in their order, changed ones after the builder they were, by width.
+    /// Its place among the cells of a table: builders in their order, changed ones after the builder they were, by
+    /// width.
     pub fn order(&self) -> (usize, &str, u32) {
         let changes = self.builder.split_once('[').map_or("", |(_, changes)| changes);
         (place(&self.builder), changes, self.width)

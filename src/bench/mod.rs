@@ -1,7 +1,8 @@
-//! The benchmark driver. A [`plan`] lists scenes and [`cell`]s of the builders [`chosen`]; a [`run`] visits each cell in
-//! interleaved rounds; a [`visit`] has a [`contender`] build its tree and times it under each kernel; the [`recorder`]
-//! keeps [`samples`], [`rows`] and [`environment`] on disk. [`kernels`] times kernels alone, [`turns`] two programs beside
-//! each other, [`scaling`] the tasks of a build; [`quick`] measures for decisions, within seconds.
+//! The benchmark driver. A [`plan`] lists scenes and [`cell`]s of the builders [`chosen`]; a [`run`] visits each
+//! cell in interleaved rounds; a [`visit`] has a [`contender`] build its tree and times it under each kernel; the
+//! [`recorder`] keeps [`samples`], [`rows`] and [`environment`] on disk. [`kernels`] times kernels alone, [`turns`]
+//! two programs beside each other, [`scaling`] the tasks of a build; [`quick`] measures for decisions, within
+//! seconds.
 
 pub mod cell;
 pub mod contender;

@@ -10,8 +10,8 @@ use super::visit_times::{builds, times};
 /// The tree that ratios are to; the first where it was not measured.
 const BASE: (&str, u32) = ("embree-sah", 4);
 
-/// Half the widest 95 % interval among the scene's ratios of build and trace times, relative to the ratio; infinite after
-/// one round.
+/// Half the widest 95 % interval among the scene's ratios of build and trace times, relative to the ratio; infinite
+/// after one round.
 pub fn widest(scene: &SceneSamples) -> f64 {
     let cells: Vec<&CellSamples> = scene.cells.iter().filter(|cell| !cell.failed()).collect();
     let is_base = |cell: &&&CellSamples| (cell.cell.builder.as_str(), cell.cell.width) == BASE;

@@ -10,8 +10,8 @@
 //! * `optimise`: `phr-best`;
 //! * `registry`: builders by name, with some fields of their configuration changed or none.
 //!
-//! `api` is what they share, `naive` is the oracle of the tests, `steps` has single steps for benchmarks and the splits of
-//! a build for pictures.
+//! `api` is what they share, `naive` is the oracle of the tests, `steps` has single steps for benchmarks and the
+//! splits of a build for pictures.
 
 mod api;
 mod binary;

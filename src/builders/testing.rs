@@ -45,8 +45,8 @@ pub(crate) fn cut(
     (nodes, bounds)
 }
 
-/// Calls `check` with the cuts that every way to split one is held to: short and long ones, on coarse and fine grids, of
-/// small and large and flat boxes, and of boxes all alike.
+/// Calls `check` with the cuts that every way to split one is held to: short and long ones, on coarse and fine
+/// grids, of small and large and flat boxes, and of boxes all alike.
 pub(crate) fn for_each_cut(mut check: impl FnMut(&[Node], Aabb)) {
     let mut random = SplitMix64::new(1);
     let lengths = (2..140).chain([160, 200, 257, 300, 600]);

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 const CHUNK: usize = 1 << 12;
 
 impl<const N: usize, B: Record> WideBvh<N, B> {
-    /// The nodes, little-endian, 128 bytes each in 4-wide trees and 256 in 8-wide ones: lower planes of the children's boxes
-    /// (all x, all y, all z), upper planes likewise, links, and zeros.
+    /// The nodes, little-endian, 128 bytes each in 4-wide trees and 256 in 8-wide ones: lower planes of the
+    /// children's boxes (all x, all y, all z), upper planes likewise, links, and zeros.
     ///
     /// ```
     /// let tree = phr::builders::by_name::<4>("lbvh").unwrap().build(&phr::scene::scalable(1000, 1).mesh).tree;
@@ -22,8 +22,9 @@ impl<const N: usize, B: Record> WideBvh<N, B> {
         bytes(&self.nodes)
     }
 
-    /// The leaf blocks, little-endian. Of triangles, 160 bytes each: first corners, these less the second ones, the third ones
-    /// less the first (each as all x, all y, all z of four triangles), and the triangles; of other primitives, 16 bytes: their numbers.
+    /// The leaf blocks, little-endian. Of triangles, 160 bytes each: first corners, these less the second ones, the
+    /// third ones less the first (each as all x, all y, all z of four triangles), and the triangles; of other
+    /// primitives, 16 bytes: their numbers.
     pub fn block_bytes(&self) -> Vec<u8> {
         bytes(&self.blocks)
     }

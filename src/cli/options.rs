@@ -31,8 +31,8 @@ pub fn pools(threads: usize) -> Result<Pools, Failure> {
     Ok(pool.into())
 }
 
-/// The cells that `--builder`, `--config` and `--width` ask for, builder by builder in the order of the command line: of the
-/// `widths` that it has, or without any its smallest.
+/// The cells that `--builder`, `--config` and `--width` ask for, builder by builder in the order of the command
+/// line: of the `widths` that it has, or without any its smallest.
 ///
 /// # Errors
 /// No such builder, none of the widths, a file that cannot be used.

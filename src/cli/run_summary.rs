@@ -15,7 +15,8 @@ use std::path::{Path, PathBuf};
 /// Warnings shown; the table has all.
 const SHOWN: usize = 3;
 
-/// Some lines on the run whose `rows` are in `folder`, with the `plots` drawn from them; none but a path is longer than a terminal.
+/// Some lines on the run whose `rows` are in `folder`, with the `plots` drawn from them; none but a path is longer
+/// than a terminal.
 pub fn run_summary(rows: &[Row], folder: &Path, plots: &[PathBuf]) -> String {
     [heading(rows, folder), answer(rows), advice(rows), places(rows, folder, plots)].concat()
 }

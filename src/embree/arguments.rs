@@ -1,5 +1,6 @@
-//! What a query takes beside scene and rays: in Embree 3 a context, before the rays; in Embree 4 arguments, one kind for
-//! closest hits and one for any hit, after them. Nothing else of the queries differs, so all of them go through here.
+//! What a query takes beside scene and rays: in Embree 3 a context, before the rays; in Embree 4 arguments, one
+//! kind for closest hits and one for any hit, after them. Nothing else of the queries differs, so all of them go
+//! through here.
 
 #![allow(unsafe_code)]
 
@@ -57,16 +58,16 @@ impl Arguments {
     }
 }
 
-/// Two queries of `sys`, `$closest` and `$any`, called `$intersect` and `$occluded` here: for single rays or, with a mask of
-/// the lanes that are on, for packets.
+/// Two queries of `sys`, `$closest` and `$any`, called `$intersect` and `$occluded` here: for single rays or, with
+/// a mask of the lanes that are on, for packets.
 macro_rules! queries {
     ($intersect:ident = $closest:ident, $ray_hit:ident; $occluded:ident = $any:ident, $ray:ident; $($valid:ident)?) => {
         impl Arguments {
             /// Finds the closest hits.
             ///
             /// # Safety
-            /// The scene is committed and live; the mask has a number for each lane and is aligned to all of them; rays that
-            /// are on are valid.
+            /// The scene is committed and live; the mask has a number for each lane and is aligned to all of them;
+            /// rays that are on are valid.
             #[inline(always)]
             pub unsafe fn $intersect(
                 &mut self,

@@ -86,8 +86,8 @@ impl Config {
         format!("threads={},tri_accel=bvh{lanes}.triangle4,tri_builder={builder}", self.threads)
     }
 
-    /// For leaves that hold whole triangles, which Embree's watertight kernels want. Embree knows no names of builders for
-    /// them at width 8; without one it takes that of the scene's build quality, SAH.
+    /// For leaves that hold whole triangles, which Embree's watertight kernels want. Embree knows no names of
+    /// builders for them at width 8; without one it takes that of the scene's build quality, SAH.
     pub(super) fn robust_string(&self) -> String {
         format!("threads={},tri_accel=bvh{}.triangle4v", self.threads, self.width.lanes())
     }

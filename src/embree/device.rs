@@ -55,8 +55,8 @@ impl Device {
         Self::from_string(config.device_string())
     }
 
-    /// A device for [`Prepared::robust`](super::scene::Prepared::robust) scenes, whose leaves hold whole triangles: of the
-    /// width of `config`, built by SAH.
+    /// A device for [`Prepared::robust`](super::scene::Prepared::robust) scenes, whose leaves hold whole triangles:
+    /// of the width of `config`, built by SAH.
     ///
     /// # Errors
     /// [`EmbreeError::Device`].

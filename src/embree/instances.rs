@@ -37,8 +37,9 @@ impl Device {
         self.check("making a scene")?;
         for (id, (object, transform)) in (0..).zip(instances) {
             let columns = transform.to_cols_array();
-            // SAFETY: device, scene and object are live. Embree copies the twelve floats of the transform and keeps its own
-            // references to geometry and object; the object's mesh lives as long as `'a`, which the scene does not outlive.
+            // SAFETY: device, scene and object are live. Embree copies the twelve floats of the transform and keeps
+            // its own references to geometry and object; the object's mesh lives as long as `'a`, which the scene
+            // does not outlive.
             unsafe {
                 let geometry = sys::rtcNewGeometry(self.raw(), sys::RTC_GEOMETRY_TYPE_INSTANCE);
                 sys::rtcSetGeometryInstancedScene(geometry, object.raw());

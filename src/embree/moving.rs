@@ -45,9 +45,9 @@ impl MovingScene {
             Following::Rebuild(builder) => Device::new(&Config { builder, width, threads })?,
             Following::Refit => Device::refitting(width, threads)?,
         };
-        // SAFETY: the device is live. Embree allocates both buffers, of the stride, format and count given, which are those
-        // of the slices copied there; a null pointer is not written to. The scene keeps its own reference to the
-        // geometry, which keeps the buffers.
+        // SAFETY: the device is live. Embree allocates both buffers, of the stride, format and count given, which
+        // are those of the slices copied there; a null pointer is not written to. The scene keeps its own reference
+        // to the geometry, which keeps the buffers.
         let (handle, vertices) = unsafe {
             let handle = Handle(sys::rtcNewScene(device.raw()));
             sys::rtcSetSceneFlags(handle.0, sys::RTC_SCENE_FLAG_DYNAMIC);

@@ -1,6 +1,6 @@
 //! Ray queries in packets of eight or sixteen (`rtcIntersect8`, `rtcIntersect16` and their `rtcOccluded`): Embree's
-//! gain from coherent rays. Trees are ranked by single rays; packets, and the streams of Embree 3, are what our own batches
-//! are measured against.
+//! gain from coherent rays. Trees are ranked by single rays; packets, and the streams of Embree 3, are what our own
+//! batches are measured against.
 
 #![allow(unsafe_code)]
 
@@ -64,8 +64,8 @@ macro_rules! packets {
                 for (rays, hits) in rays.chunks($lanes).zip(hits.chunks_mut($lanes)) {
                     let mask = Self::fill(&mut packet.ray, rays);
                     packet.hit.geomID = [sys::RTC_INVALID_GEOMETRY_ID; $lanes];
-                    // SAFETY: the scene is committed and live; mask and packet are whole and aligned by their types; lanes
-                    // that are on hold valid rays.
+                    // SAFETY: the scene is committed and live; mask and packet are whole and aligned by their
+                    // types; lanes that are on hold valid rays.
                     unsafe { arguments.$intersect(mask.0.as_ptr(), self.scene.raw(), &mut packet) };
                     for (lane, hit) in hits.iter_mut().enumerate() {
                         let (ray, found) = (&packet.ray, &packet.hit);

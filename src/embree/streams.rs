@@ -1,5 +1,6 @@
-//! Ray queries in streams: arrays of single rays (`rtcIntersect1M`, `rtcOccluded1M`) and arrays of packets of sixteen
-//! (`rtcIntersectNM`, `rtcOccludedNM`), which Embree groups as it sees fit. Embree 4 has no such queries, nor this module.
+//! Ray queries in streams: arrays of single rays (`rtcIntersect1M`, `rtcOccluded1M`) and arrays of packets of
+//! sixteen (`rtcIntersectNM`, `rtcOccludedNM`), which Embree groups as it sees fit. Embree 4 has no such queries,
+//! nor this module.
 
 #![allow(unsafe_code)]
 
@@ -32,8 +33,8 @@ impl<'a> EmbreeScene<'a> {
         unsafe { sys::rtcGetDeviceProperty(self.device().raw(), property) == 1 }
     }
 
-    /// Traces this scene in streams of single rays; `coherent` as for [`EmbreeScene::packets`]. `None` where this Embree
-    /// has no streams.
+    /// Traces this scene in streams of single rays; `coherent` as for [`EmbreeScene::packets`]. `None` where this
+    /// Embree has no streams.
     pub fn stream(&self, coherent: bool) -> Option<Stream<'_, 'a>> {
         self.has_streams().then_some(Stream { scene: self, coherent })
     }

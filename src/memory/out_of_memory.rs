@@ -1,5 +1,5 @@
-//! Allocations that fail, as errors: what asks for a large array may not be able to return one from deep inside a build, so it
-//! unwinds to whoever began the build. Small allocations still end the process, as Rust has it.
+//! Allocations that fail, as errors: what asks for a large array may not be able to return one from deep inside a
+//! build, so it unwinds to whoever began the build. Small allocations still end the process, as Rust has it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -15,8 +15,8 @@ pub struct OutOfMemory {
 }
 
 impl OutOfMemory {
-    /// Unwinds to [`told`], without a word on the way; a panic as any other while nobody asks to be told. Who asks is not
-    /// known here, as builds run on many threads.
+    /// Unwinds to [`told`], without a word on the way; a panic as any other while nobody asks to be told. Who asks
+    /// is not known here, as builds run on many threads.
     pub(super) fn unwind(self) -> ! {
         if LISTENERS.load(Relaxed) == 0 {
             panic!("{self}");

@@ -28,8 +28,8 @@ impl<T> Run<'_, T> {
     }
 }
 
-/// Appends `len` elements to `array`, which has room for them, by `fill`: it is given the number of a run of `run` elements
-/// (the last may have fewer), and memory of its thread's that `init` made. Returns its answers, in order.
+/// Appends `len` elements to `array`, which has room for them, by `fill`: it is given the number of a run of `run`
+/// elements (the last may have fewer), and memory of its thread's that `init` made. Returns its answers, in order.
 ///
 /// # Errors
 /// Of one of the runs that failed; the array is then as before.

@@ -1,5 +1,5 @@
-//! A parallel least-significant-digit radix sort of (code << 32 | triangle) keys by code, and a bucket sort by the highest
-//! bits of the codes, which is one pass of it.
+//! A parallel least-significant-digit radix sort of (code << 32 | triangle) keys by code, and a bucket sort by the
+//! highest bits of the codes, which is one pass of it.
 //!
 //! Each pass counts digits per chunk, gives every chunk its offset in every bucket, and scatters the chunks in
 //! parallel. The sort is stable, so the result does not depend on the number of chunks.

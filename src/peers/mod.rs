@@ -1,6 +1,6 @@
-//! Builders of other crates, measured beside ours (feature `peers`): the presets of [`obvhs`] and [`svenstaro`]'s `bvh`.
-//! A [`Peer`] builds its own structure from its own form of a mesh; what it built is then widened by our collapse
-//! ([`crate::builders::widened`]), so that all trees are traced by the same kernels.
+//! Builders of other crates, measured beside ours (feature `peers`): the presets of [`obvhs`] and [`svenstaro`]'s
+//! `bvh`. A [`Peer`] builds its own structure from its own form of a mesh; what it built is then widened by our
+//! collapse ([`crate::builders::widened`]), so that all trees are traced by the same kernels.
 
 pub mod obvhs;
 mod peer;

@@ -13,7 +13,8 @@ use std::path::Path;
 use std::slice::{from_mut, from_ref};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-/// A tree over a mesh, of which it keeps what rays need: the mesh may be dropped. The module's page has the conventions.
+/// A tree over a mesh, of which it keeps what rays need: the mesh may be dropped. The module's page has the
+/// conventions.
 ///
 /// ```
 /// use phr::geometry::{Mesh, Ray};
@@ -43,8 +44,8 @@ enum Tree {
 }
 
 impl Bvh {
-    /// Builds a tree over `mesh` on the current rayon pool. To keep a builder's memory from one build to the next, or to
-    /// build with parameters of your own, use a [`builders::Builder`] and make a `Bvh` of its tree.
+    /// Builds a tree over `mesh` on the current rayon pool. To keep a builder's memory from one build to the next,
+    /// or to build with parameters of your own, use a [`builders::Builder`] and make a `Bvh` of its tree.
     ///
     /// # Errors
     /// [`BvhError::NoSuchBuilder`], [`BvhError::NoSuchWidth`], [`BvhError::OutOfMemory`].

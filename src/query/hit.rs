@@ -13,8 +13,8 @@ pub struct Hit {
     pub v: f32,
     /// Triangle, an index into the mesh.
     pub prim: u32,
-    /// Geometric normal: the product of the edges from the first vertex to the second and to the third. It is as long as
-    /// twice the triangle's area, points to where the vertices run counter-clockwise, and overflows or vanishes if that area
-    /// does.
+    /// Geometric normal: the product of the edges from the first vertex to the second and to the third. It is as
+    /// long as twice the triangle's area, points to where the vertices run counter-clockwise, and overflows or
+    /// vanishes if that area does.
     pub normal: Vec3,
 }

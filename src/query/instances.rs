@@ -24,8 +24,8 @@ pub struct InstanceHit {
     pub hit: Hit,
 }
 
-/// A tree over instances. A ray is taken to the space of each object that it may hit, its direction not to unit length, so
-/// that distances stay the world's.
+/// A tree over instances. A ray is taken to the space of each object that it may hit, its direction not to unit
+/// length, so that distances stay the world's.
 ///
 /// ```
 /// use phr::geometry::{Mesh, Ray};
@@ -62,11 +62,12 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
         Ok(Self { placed, top })
     }
 
-    /// Builds the tree anew over other `instances`, or the same ones that moved, in the memory of this one; their objects
-    /// stay as they are.
+    /// Builds the tree anew over other `instances`, or the same ones that moved, in the memory of this one; their
+    /// objects stay as they are.
     ///
     /// # Errors
-    /// [`BvhError::Transform`]; the tree is then as before. [`BvhError::OutOfMemory`]; it is then empty, and may be rebuilt.
+    /// [`BvhError::Transform`]; the tree is then as before. [`BvhError::OutOfMemory`]; it is then empty, and may be
+    /// rebuilt.
     pub fn rebuild(&mut self, instances: Vec<Instance<B>>) -> Result<(), BvhError> {
         let placed = placed(instances)?;
         self.top.rebuild(&placed)?;

@@ -1,23 +1,23 @@
-//! The library's front door: [`Bvh`] is built from a mesh and answers rays; [`PrimitiveBvh`] from anything that has boxes,
-//! with tests of the caller's; [`InstanceBvh`] from many places of such meshes.
+//! The library's front door: [`Bvh`] is built from a mesh and answers rays; [`PrimitiveBvh`] from anything that has
+//! boxes, with tests of the caller's; [`InstanceBvh`] from many places of such meshes.
 //!
 //! What is fixed, and tested in `tests/library/query.rs`:
 //!
-//! * **Interval**: a hit at `t` counts if `tnear < t <= tfar`, as in Embree. `tfar` may be infinite, `tnear` may not; a ray
-//!   whose interval is empty (`tfar <= tnear`) misses.
-//! * **Direction**: any length from 1e-10 on, of components of up to 1.844e18; `t` is in units of it, so that the hit lies at
-//!   `org + t * dir`. Components may be zero, of either sign, or denormal; a ray whose direction is zero misses. Boxes see
-//!   components below 1e-18 as 1e-18, as Embree's do, so that shorter rays may miss. Where the products of direction and
-//!   edges leave the range of `f32` (all components below 1e-38, say) closest hits are missed, though any hit may be found;
-//!   no hit has a distance that is infinite, zero or NaN.
+//! * **Interval**: a hit at `t` counts if `tnear < t <= tfar`, as in Embree. `tfar` may be infinite, `tnear` may
+//!   not; a ray whose interval is empty (`tfar <= tnear`) misses.
+//! * **Direction**: any length from 1e-10 on, of components of up to 1.844e18; `t` is in units of it, so that the
+//!   hit lies at `org + t * dir`. Components may be zero, of either sign, or denormal; a ray whose direction is
+//!   zero misses. Boxes see components below 1e-18 as 1e-18, as Embree's do, so that shorter rays may miss. Where
+//!   the products of direction and edges leave the range of `f32` (all components below 1e-38, say) closest hits
+//!   are missed, though any hit may be found; no hit has a distance that is infinite, zero or NaN.
 //! * **Faces**: both sides of a triangle are hit. The normal is not turned towards the ray.
-//! * **Edges** belong to their triangles, but rounding decides: a ray at an edge may slip between the two triangles that
-//!   share it, or past a triangle that it touches at the border of a box it runs along. Of hits at the same distance any
-//!   may be reported.
+//! * **Edges** belong to their triangles, but rounding decides: a ray at an edge may slip between the two triangles
+//!   that share it, or past a triangle that it touches at the border of a box it runs along. Of hits at the same
+//!   distance any may be reported.
 //! * **Invalid rays** miss, those that are not [`Ray::is_valid`](crate::geometry::Ray::is_valid): a NaN, a component of
 //!   origin or direction beyond 1.844e18 (Embree's limit), a `tnear` that is negative or infinite. No ray panics.
-//! * **Threads**: a [`Bvh`] is `Send` and `Sync`. A query runs on the thread that calls it and allocates nothing per ray; a
-//!   batch takes some 100 KiB of its stack.
+//! * **Threads**: a [`Bvh`] is `Send` and `Sync`. A query runs on the thread that calls it and allocates nothing
+//!   per ray; a batch takes some 100 KiB of its stack.
 
 mod bvh;
 mod config;

@@ -10,7 +10,8 @@ use std::fmt;
 use std::sync::{Mutex, PoisonError};
 
 /// A tree over primitives of the caller, who tests them; leaves hold their numbers. Boxes are tested as in
-/// [`Bvh`](super::Bvh), with the best instructions of the machine, and the caller's test is compiled into the traversal.
+/// [`Bvh`](super::Bvh), with the best instructions of the machine, and the caller's test is compiled into the
+/// traversal.
 ///
 /// ```
 /// use phr::geometry::{Aabb, Ray};
@@ -60,8 +61,8 @@ pub struct PrimitiveHit {
 }
 
 impl PrimitiveBvh {
-    /// Builds a tree over `primitives` on the current rayon pool. Those that [may be split](Primitives::splits) are by builders
-    /// of spatial splits.
+    /// Builds a tree over `primitives` on the current rayon pool. Those that [may be split](Primitives::splits) are
+    /// by builders of spatial splits.
     ///
     /// # Errors
     /// [`BvhError::Boxes`], [`BvhError::NoSuchBuilder`], [`BvhError::NoSuchWidth`], [`BvhError::OutOfMemory`].
@@ -77,7 +78,8 @@ impl PrimitiveBvh {
     /// Builds the tree anew over other `primitives`, or the same ones that moved, in the memory of this one.
     ///
     /// # Errors
-    /// [`BvhError::Boxes`]; the tree is then as before. [`BvhError::OutOfMemory`]; it is then empty, and may be rebuilt.
+    /// [`BvhError::Boxes`]; the tree is then as before. [`BvhError::OutOfMemory`]; it is then empty, and may be
+    /// rebuilt.
     pub fn rebuild<P: Primitives>(&mut self, primitives: &P) -> Result<(), BvhError> {
         let boxes = Boxes::of(primitives)?;
         match &mut self.0 {
@@ -86,10 +88,11 @@ impl PrimitiveBvh {
         }
     }
 
-    /// The closest hit of `ray`. `test` is given a primitive and the ray, which ends (`tfar`) at the closest hit so far; it
-    /// returns the distance at which the ray hits the primitive. Only a distance in the ray's interval, `tnear < t <= tfar`
-    /// and finite, is a hit. Primitives come about nearest first, all of a leaf (mostly four) where the ray meets its box, so that
-    /// some come whose own boxes it misses; one that was split may come more than once.
+    /// The closest hit of `ray`. `test` is given a primitive and the ray, which ends (`tfar`) at the closest hit so
+    /// far; it returns the distance at which the ray hits the primitive. Only a distance in the ray's interval,
+    /// `tnear < t <= tfar` and finite, is a hit. Primitives come about nearest first, all of a leaf (mostly four)
+    /// where the ray meets its box, so that some come whose own boxes it misses; one that was split may come more
+    /// than once.
     #[inline]
     pub fn intersect_with(
         &self,

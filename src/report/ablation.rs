@@ -5,7 +5,8 @@ use super::grid::Grid;
 use super::means::Ratios;
 use crate::bench::row::Row;
 
-/// The compared figures, each with its kernel. Steps are exact; of traces only differences above their noise tell anything.
+/// The compared figures, each with its kernel. Steps are exact; of traces only differences above their noise tell
+/// anything.
 fn figures() -> [(&'static str, Figure, Under); 6] {
     let (grafted, phr) = (Under::One(GRAFTED.into()), Under::One(PHR.into()));
     [

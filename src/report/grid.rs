@@ -65,8 +65,8 @@ impl Grid {
         self.markdown() + if told.is_empty() { "" } else { "\n" } + &told
     }
 
-    /// The column of the widest cell in a table of lines longer than `columns`, and how wide its cells may be; none where
-    /// they are no wider than figures.
+    /// The column of the widest cell in a table of lines longer than `columns`, and how wide its cells may be; none
+    /// where they are no wider than figures.
     fn too_wide(&self, columns: usize) -> Option<(usize, usize)> {
         let used = self.used();
         let line = 1 + used.iter().map(|(_, width)| width + 3).sum::<usize>();

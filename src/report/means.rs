@@ -102,8 +102,9 @@ impl Ratios {
     }
 }
 
-/// A scene's ratio among those of `scenes` scenes, whose mean is `mean`, in two cells: the ratio with its own interval over
-/// rounds, where it has noise, and the scene, with a remark where that interval reaches the mean of several.
+/// A scene's ratio among those of `scenes` scenes, whose mean is `mean`, in two cells: the ratio with its own
+/// interval over rounds, where it has noise, and the scene, with a remark where that interval reaches the mean of
+/// several.
 pub fn beside_mean(ratio: &SceneRatio, scenes: usize, mean: f64, digits: usize) -> [String; 2] {
     let (value, interval) = (format!("{:.digits$}", ratio.value), ratio.interval());
     if ratio.noise == Noise::NONE {

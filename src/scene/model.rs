@@ -8,8 +8,8 @@ use crate::geometry::{Dropped, Mesh};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Contents {
-    /// Objects and groups that became one mesh: `o` and `g` lines of OBJ, solids of STL, primitives of glTF in the places
-    /// of their nodes; 1 in PLY, 0 in generated scenes.
+    /// Objects and groups that became one mesh: `o` and `g` lines of OBJ, solids of STL, primitives of glTF in the
+    /// places of their nodes; 1 in PLY, 0 in generated scenes.
     pub objects: usize,
     /// Points left out.
     pub points: usize,

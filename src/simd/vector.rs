@@ -1,8 +1,8 @@
 //! Vectors of floats for kernels that are written once and compiled for several instruction sets.
 //!
 //! A kernel is generic over [`Lanes`], which the tokens of instruction sets implement: who has a token may use its
-//! vectors. [`Lanes::run`] compiles a kernel for the instruction set; its functions are `#[inline(always)]`, so that they
-//! become part of what is compiled so.
+//! vectors. [`Lanes::run`] compiles a kernel for the instruction set; its functions are `#[inline(always)]`, so
+//! that they become part of what is compiled so.
 
 #![allow(unsafe_code)]
 

@@ -1,7 +1,7 @@
-//! Sums of two `f64`, about 106 bits: what the oracle computes in. Differences of `f32` coordinates are exact in it, and
-//! products of three of them err by 1e-30 of their size, so that the normal of a triangle is right however thin the
-//! triangle is. Algorithms: Dekker, "A floating-point technique for extending the available precision" (1971), with a
-//! fused multiply-add for the error of a product.
+//! Sums of two `f64`, about 106 bits: what the oracle computes in. Differences of `f32` coordinates are exact in
+//! it, and products of three of them err by 1e-30 of their size, so that the normal of a triangle is right however
+//! thin the triangle is. Algorithms: Dekker, "A floating-point technique for extending the available precision"
+//! (1971), with a fused multiply-add for the error of a product.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -76,8 +76,8 @@ impl Verdict {
     }
 }
 
-/// Largest share of the rays that may differ at an edge or be a near miss, where triangles are tested by the reference's
-/// arithmetic.
+/// Largest share of the rays that may differ at an edge or be a near miss, where triangles are tested by the
+/// reference's arithmetic.
 pub const SAME_TEST: f64 = 1e-4;
 /// The same where they are tested otherwise: twice the share by which Embree's two tests differ on rays that bounce.
 pub const OTHER_TEST: f64 = 2e-3;

@@ -120,7 +120,8 @@ fn what_makes_no_sense_is_refused_in_one_line() {
 #[test]
 fn advice_in_files_is_judged_by_a_run() {
     let folder = tempfile::tempdir().unwrap();
-    // Build in ms and time per ray in ns of three trees in two scenes: the first is the best for few rays, the last for many.
+    // Build in ms and time per ray in ns of three trees in two scenes: the first is the best for few rays, the last
+    // for many.
     let trees = [("lbvh", 10.0, 100.0), ("phr-speed", 50.0, 60.0), ("phr-best", 300.0, 50.0)];
     let rows: Vec<Row> = ["hall", "yard"]
         .iter()

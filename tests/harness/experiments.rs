@@ -1,5 +1,5 @@
-//! Heat maps and experiments as a user meets them: what they write, that pictures come from the files beside them alone, and
-//! what is refused.
+//! Heat maps and experiments as a user meets them: what they write, that pictures come from the files beside them
+//! alone, and what is refused.
 use phr::bench::row::{self, ROWS};
 use phr::experiments::animation::records;
 use phr::report::readme::findings::FINDINGS;

@@ -1,5 +1,5 @@
-//! What may befall a run: kills at any moment, a full or read-only disk, files that were cut. No finished visit is lost,
-//! and no part of a file is taken for the whole. `make faults` kills fifty times, this three times.
+//! What may befall a run: kills at any moment, a full or read-only disk, files that were cut. No finished visit is
+//! lost, and no part of a file is taken for the whole. `make faults` kills fifty times, this three times.
 use phr::bench::environment::{ENVIRONMENT, Environment};
 use phr::bench::files::{RecordsError, read_json};
 use phr::bench::phases::{self, PHASES};
@@ -249,8 +249,8 @@ fn pipes_and_devices_are_refused() {
     }
 }
 
-/// A build for which there is no memory ends in one line, not in a signal. The limit is what the scene takes, and a part of the
-/// 320 MiB of leaf blocks for which a builder makes room.
+/// A build for which there is no memory ends in one line, not in a signal. The limit is what the scene takes, and a
+/// part of the 320 MiB of leaf blocks for which a builder makes room.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_build_without_memory_is_told() {

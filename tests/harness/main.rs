@@ -1,5 +1,5 @@
-//! The benchmark and its commands as their users meet them: runs, records, reports, advice, experiments. One program, since each
-//! takes seconds to link.
+//! The benchmark and its commands as their users meet them: runs, records, reports, advice, experiments. One
+//! program, since each takes seconds to link.
 #![cfg(feature = "harness")]
 
 mod advice;

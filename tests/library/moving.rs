@@ -1,6 +1,6 @@
-//! Trees that follow a mesh that moves: refitted, refined again from a refitted auxiliary tree, merged from a static part's
-//! and a dynamic one's. In every frame the tree is whole, the same at any number of threads, and gives the hits of a tree
-//! built afresh.
+//! Trees that follow a mesh that moves: refitted, refined again from a refitted auxiliary tree, merged from a
+//! static part's and a dynamic one's. In every frame the tree is whole, the same at any number of threads, and
+//! gives the hits of a tree built afresh.
 
 use phr::builders::{
     self, AuxiliaryConfig, AuxiliaryTree, BinnedSahConfig, Builder as _, Extensions, MergedPhr, Phr,

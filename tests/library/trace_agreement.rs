@@ -16,8 +16,8 @@ struct Case {
     hit: usize,
 }
 
-/// Holds the answers of every instruction set, width and kernel, of brute force and of Embree to those of our scalar kernel
-/// over four children.
+/// Holds the answers of every instruction set, width and kernel, of brute force and of Embree to those of our
+/// scalar kernel over four children.
 fn agree(case: &Case, mesh: &Mesh, rays: &[Ray]) {
     let Case { what, edge, hit } = *case;
     let (four, eight) = (median_tree::<4>(mesh, 4), median_tree::<8>(mesh, 11));
@@ -142,8 +142,8 @@ fn over_intervals_of_one_point() {
     at_one_point::<8>(&mesh);
 }
 
-/// An interval is open at its start: at the very distance of a hit there is nothing within it, but in one that begins just
-/// before, there is, where rounding allows.
+/// An interval is open at its start: at the very distance of a hit there is nothing within it, but in one that
+/// begins just before, there is, where rounding allows.
 fn at_one_point<const N: usize>(mesh: &Mesh) {
     let tree = median_tree::<N>(mesh, 4);
     let rays = rays(mesh, 3000, 12);

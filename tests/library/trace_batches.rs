@@ -59,8 +59,8 @@ fn coherent_rays() {
     check_widths(&mesh, &parallel, 5);
 }
 
-/// Of a direction of denormal numbers the test's products leave the range: its distance is no number. The rays beside it have
-/// theirs.
+/// Of a direction of denormal numbers the test's products leave the range: its distance is no number. The rays
+/// beside it have theirs.
 #[test]
 fn a_ray_without_a_distance_harms_no_other() {
     let mesh = joined(&walls(4), &soup(2000, 11));
@@ -115,7 +115,8 @@ fn at_the_end<const N: usize>(mesh: &Mesh, rays: &[Ray]) {
         let hits = closest(&single, rays);
         let ending: Vec<Ray> = rays.iter().zip(&hits).map(|(ray, hit)| Ray { tfar: hit.t, ..*ray }).collect();
         let at_end = closest(&single, &ending);
-        // Rounding puts some hits before the flat boxes that hold them; of the others many are at the very entry of theirs.
+        // Rounding puts some hits before the flat boxes that hold them; of the others many are at the very entry of
+        // theirs.
         assert!(at_end.iter().filter(|hit| hit.is_hit()).count() > rays.len() / 20, "{N} {isa}");
         let distances = |hits: &[Hit]| hits.iter().map(|hit| hit.t).collect::<Vec<_>>();
         assert_eq!(distances(&closest(&batch, &ending)), distances(&at_end), "{N} {isa}");

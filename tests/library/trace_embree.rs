@@ -9,8 +9,8 @@ use phr::scene::View;
 use phr::trace::verify::{Verdict, compare_any, compare_closest, witness};
 use phr::trace::{BvhTracer, Isa, PathSettings, RayKind, record};
 
-/// Embree's device as it comes, and limited to AVX2, each with our kernel that has its arithmetic: with AVX-512 both start
-/// from another estimate of reciprocals.
+/// Embree's device as it comes, and limited to AVX2, each with our kernel that has its arithmetic: with AVX-512
+/// both start from another estimate of reciprocals.
 fn devices(config: &Config) -> [(Device, &'static str); 2] {
     #[cfg(target_arch = "x86_64")]
     let embrees = if is_x86_feature_detected!("avx512vl") { "avx512" } else { "avx2" };

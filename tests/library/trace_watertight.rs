@@ -137,7 +137,8 @@ fn hits_are_those_of_brute_force() {
     }
 }
 
-/// From close above a level floor: its distance along a ray is a quotient of two small numbers, not a mean of far corners.
+/// From close above a level floor: its distance along a ray is a quotient of two small numbers, not a mean of far
+/// corners.
 #[test]
 fn distances_of_grazing_rays_are_right() {
     let mesh = mesh(

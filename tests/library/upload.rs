@@ -1,4 +1,5 @@
-//! Trees as bytes, walked as `examples/gpu/traverse.wgsl` walks them: the shader's steps in Rust give our kernel's hits.
+//! Trees as bytes, walked as `examples/gpu/traverse.wgsl` walks them: the shader's steps in Rust give our kernel's
+//! hits.
 
 use phr::geometry::Ray;
 use phr::random::SplitMix64;

@@ -16,7 +16,8 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Starts Chromium; `None` where it is not installed, which is said, or with `PHR_BROWSER` in the environment a failure.
+    /// Starts Chromium; `None` where it is not installed, which is said, or with `PHR_BROWSER` in the environment a
+    /// failure.
     pub fn start() -> Option<Self> {
         let started =
             Command::new("chromedriver").arg("--port=0").stdout(Stdio::piped()).stderr(Stdio::null()).spawn();

@@ -1,5 +1,6 @@
-//! The page of a run, in a browser: it loads without an error and asks for nothing, sorts, filters, tells of a point under
-//! the pointer, and its numbers are those of the rows. Skipped where Chromium is not installed, unless `PHR_BROWSER` is set.
+//! The page of a run, in a browser: it loads without an error and asks for nothing, sorts, filters, tells of a
+//! point under the pointer, and its numbers are those of the rows. Skipped where Chromium is not installed, unless
+//! `PHR_BROWSER` is set.
 
 #![cfg(feature = "harness")]
 

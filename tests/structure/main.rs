@@ -95,6 +95,9 @@ const UNSAFE_FILES: &[&str] = &[
 const MOST_LINES: usize = 300;
 const LONG_FILES: &[(&str, &str)] = &[];
 
+/// Most columns of a line of a comment.
+const MOST_COLUMNS: usize = 120;
+
 /// Most files and folders of a folder.
 const MOST_ENTRIES: usize = 16;
 
@@ -135,6 +138,11 @@ fn instruction_sets_are_detected_in_one_place() {
 #[test]
 fn files_are_short() {
     none(&sources().long_files(MOST_LINES, LONG_FILES));
+}
+
+#[test]
+fn comments_are_narrow() {
+    none(&sources().wide_comments(MOST_COLUMNS));
 }
 
 #[test]

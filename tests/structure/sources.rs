@@ -41,6 +41,20 @@ impl Sources {
         .collect()
     }
 
+    /// Lines of comments wider than `most` columns; code is the formatter's.
+    pub fn wide_comments(&self, most: usize) -> Vec<String> {
+        let mut wide = Vec::new();
+        for (name, text) in &self.0 {
+            for (index, line) in text.lines().enumerate() {
+                let width = line.chars().count();
+                if line.trim_start().starts_with("//") && width > most {
+                    wide.push(format!("{name}:{}: {width} columns are more than {most}; wrap it", index + 1));
+                }
+            }
+        }
+        wide
+    }
+
     /// Folders of fewer than two or more than `most` files and folders. The root holds what the order of the
     /// modules lists, however many.
     pub fn odd_folders(&self, most: usize) -> Vec<String> {

@@ -172,13 +172,16 @@ fn unsafe_code_outside_of_the_list_is_found() {
 }
 
 #[test]
-fn long_files_and_odd_folders_are_found() {
+fn long_files_wide_comments_and_odd_folders_are_found() {
     let sources =
         Sources::of(&[("a.rs", "1\n2\n3"), ("b/c.rs", "1"), ("b/d/e.rs", "1"), ("b/d/f.rs", "1\n2\n3\n4")]);
     let reason = |file| (file, "a reason");
     assert_eq!(sources.long_files(3, &[]), ["b/d/f.rs: 4 lines are more than 3; split it"]);
     assert_eq!(sources.long_files(3, &[reason("b/d/f.rs")]), [""; 0]);
     assert_eq!(sources.long_files(3, &[reason("b/d/f.rs"), reason("a.rs")]).len(), 1);
+    assert_eq!(sources.wide_comments(3), [""; 0]);
+    let wide = Sources::of(&[("a.rs", "let long_code = 1;\n    // abc\n")]);
+    assert_eq!(wide.wide_comments(9), ["a.rs:2: 10 columns are more than 9; wrap it"]);
     assert_eq!(sources.odd_folders(2), [""; 0]);
     assert_eq!(sources.odd_folders(1).len(), 2);
     assert_eq!(Sources::of(&[("a/b.rs", "")]).odd_folders(9).len(), 1);

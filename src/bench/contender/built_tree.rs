@@ -137,8 +137,8 @@ pub struct BuiltTree<'a> {
 }
 
 impl<'a> BuiltTree<'a> {
-    /// A tree over `mesh` that was built and timed elsewhere, or why it is unavailable; `native` is Embree's own scene where
-    /// Embree built it.
+    /// A tree over `mesh` that was built and timed elsewhere, or why it is unavailable; `native` is Embree's own
+    /// scene where Embree built it.
     pub fn of(
         mesh: &'a Mesh,
         tree: Result<EitherWidth, String>,

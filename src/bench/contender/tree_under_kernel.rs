@@ -100,8 +100,8 @@ impl<'a> TreeUnderKernel<'a> {
         }
     }
 
-    /// The node visits and block tests of each of `rays`, closest hits, on the current rayon pool, untimed; `None` under
-    /// Embree's kernels.
+    /// The node visits and block tests of each of `rays`, closest hits, on the current rayon pool, untimed; `None`
+    /// under Embree's kernels.
     pub fn count_each(&self, rays: &[Ray]) -> Option<Vec<TraversalCounts>> {
         match &self.traversal {
             Ok(Traversal::Four(tracer)) => Some(count_each(tracer, rays)),

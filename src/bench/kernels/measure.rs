@@ -127,9 +127,9 @@ fn rays(scene: &Scene, tracer: &dyn Tracer, settings: &KernelSettings) -> RayBat
     all
 }
 
-/// Seconds of each contestant in each round, and its answers, on the current pool. The pass before the timed one fills the
-/// caches with its tree: else who follows another over the same tree finds it there, and who follows one over another
-/// does not.
+/// Seconds of each contestant in each round, and its answers, on the current pool. The pass before the timed one
+/// fills the caches with its tree: else who follows another over the same tree finds it there, and who follows one
+/// over another does not.
 fn rounds(
     contestants: &[Contestant<'_>],
     kind: RayKind,

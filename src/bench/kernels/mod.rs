@@ -1,5 +1,5 @@
-//! Kernels against each other: single rays, packets, streams and batches over the same trees with the same recorded rays,
-//! by turns in one process. Ray queries are all that is timed.
+//! Kernels against each other: single rays, packets, streams and batches over the same trees with the same recorded
+//! rays, by turns in one process. Ray queries are all that is timed.
 
 mod contestants;
 pub mod leaks;

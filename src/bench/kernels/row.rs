@@ -62,8 +62,8 @@ pub struct KernelRow {
     pub ratio_low: Option<f64>,
     /// Upper end of it.
     pub ratio_high: Option<f64>,
-    /// Whether all answers agree with those of the reference, Embree's single rays over the first tree: none is wrong, and
-    /// no more than may be differ at edges or on thin triangles.
+    /// Whether all answers agree with those of the reference, Embree's single rays over the first tree: none is
+    /// wrong, and no more than may be differ at edges or on thin triangles.
     pub verified: bool,
     /// Answers that differ where only rounding decides; not in older files.
     #[serde(default)]

@@ -1,5 +1,5 @@
-//! A mesh from one process to another: the numbers of vertices and triangles, then both, little endian. What is read lies
-//! in memory of the right size, and loading leaves nothing behind.
+//! A mesh from one process to another: the numbers of vertices and triangles, then both, little endian. What is
+//! read lies in memory of the right size, and loading leaves nothing behind.
 
 use crate::geometry::Mesh;
 use std::io::{BufReader, BufWriter, Read, Write};

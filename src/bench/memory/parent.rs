@@ -7,7 +7,8 @@ use crate::geometry::Mesh;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Measures a build of `cell` over `mesh` with so many `threads` in a process of its own, started from `program`: this one.
+/// Measures a build of `cell` over `mesh` with so many `threads` in a process of its own, started from `program`:
+/// this one.
 ///
 /// # Errors
 /// One line: no such process, or the one that it ended with.

@@ -25,8 +25,8 @@ pub struct Settings {
     /// Seconds to spend in each scene, at least: rounds are added until they have passed.
     #[serde(default)]
     pub seconds: u64,
-    /// Half the 95 % interval that the means over scenes may have, in thousandths: rounds are added until every scene has
-    /// its share of that. 0: none are.
+    /// Half the 95 % interval that the means over scenes may have, in thousandths: rounds are added until every
+    /// scene has its share of that. 0: none are.
     #[serde(default)]
     pub until_permille: u32,
     /// Seconds in a scene after which no round is added for that.
@@ -78,8 +78,8 @@ impl Settings {
             || spent < self.limit as f64 && self.is_wide(scenes, width)
     }
 
-    /// Whether narrow intervals are asked for and `width`, of one of `scenes`, is not narrow: the error of a mean is that
-    /// of its scenes over the root of their number.
+    /// Whether narrow intervals are asked for and `width`, of one of `scenes`, is not narrow: the error of a mean
+    /// is that of its scenes over the root of their number.
     pub fn is_wide(&self, scenes: usize, width: impl FnOnce() -> f64) -> bool {
         self.until_permille > 0 && width() > 0.001 * f64::from(self.until_permille) * (scenes as f64).sqrt()
     }

@@ -1,7 +1,6 @@
-//! Quick measurements, for decisions and not for records: a few fresh builds and one pass over a few recorded rays a
-//! visit, every answer verified at first. [`line`](mod@line) is what they tell of a tree, [`survey`] measures all trees of a
-//! scene within a time and drops those without a prospect,
-//! [`tune`] searches parameters.
+//! Quick measurements, for decisions and not for records: a few fresh builds and one pass over a few recorded rays
+//! a visit, every answer verified at first. [`line`](mod@line) is what they tell of a tree, [`survey`] measures all
+//! trees of a scene within a time and drops those without a prospect, [`tune`] searches parameters.
 
 pub mod line;
 pub mod survey;
@@ -87,8 +86,8 @@ impl Quick<'_> {
         self.scene
     }
 
-    /// Builds `cell` a few times, each with a new builder in new memory, and traces all rays once; verifies every answer
-    /// at the first visit.
+    /// Builds `cell` a few times, each with a new builder in new memory, and traces all rays once; verifies every
+    /// answer at the first visit.
     ///
     /// # Errors
     /// A builder that failed, a kernel that cannot have the tree, or wrong hits, in one line.

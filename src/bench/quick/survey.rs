@@ -1,4 +1,5 @@
-//! All trees of a scene within a time limit: rounds in which each is visited once, without those that cannot win any more.
+//! All trees of a scene within a time limit: rounds in which each is visited once, without those that cannot win
+//! any more.
 
 use super::line::TotalTime;
 use super::{Quick, QuickVisit};
@@ -8,8 +9,8 @@ use std::time::{Duration, Instant};
 
 /// Numbers of rays over which a tree may win.
 pub const BUDGETS: [f64; 11] = [1e5, 3e5, 1e6, 3e6, 1e7, 3e7, 1e8, 3e8, 1e9, 3e9, 1e10];
-/// A tree whose best visits are nowhere within these factors of the best tree is not measured again: after one visit, which
-/// others may have disturbed, and after more.
+/// A tree whose best visits are nowhere within these factors of the best tree is not measured again: after one
+/// visit, which others may have disturbed, and after more.
 const HOPELESS: [f64; 2] = [1.6, 1.2];
 /// The note of such a tree.
 pub const DROPPED: &str = "dropped";
@@ -38,9 +39,9 @@ pub struct Surveyed {
     pub note: String,
 }
 
-/// Measures `candidates` by turns until `limit` has passed since `start`: first those with a prospect, the best first, the
-/// others when there were some rounds of these or half the time is over. Tells `progress` the round and the tree before each
-/// visit. The first visit is made whatever the time.
+/// Measures `candidates` by turns until `limit` has passed since `start`: first those with a prospect, the best
+/// first, the others when there were some rounds of these or half the time is over. Tells `progress` the round and
+/// the tree before each visit. The first visit is made whatever the time.
 pub fn survey(
     quick: &mut Quick<'_>,
     candidates: &[Candidate],

@@ -244,8 +244,9 @@ pub fn read_csv<T: for<'a> Deserialize<'a> + Serialize>(
     }
 }
 
-/// The first number among the fields of a row that no figure can be: NaN, beyond [`MOST`], or a negative time (`ms`). Fields
-/// that the row keeps as text are none, nor are coordinates of boxes, which are infinite where a box is empty.
+/// The first number among the fields of a row that no figure can be: NaN, beyond [`MOST`], or a negative time
+/// (`ms`). Fields that the row keeps as text are none, nor are coordinates of boxes, which are infinite where a box
+/// is empty.
 fn absurd<'a, T: Serialize>(
     row: &T,
     mut fields: impl Iterator<Item = (&'a str, &'a str)>,

@@ -1,5 +1,5 @@
-//! The shards of a run, merged: the rows and rounds that one machine would have written, scenes in the order of the run.
-//! Shards of unlike machines are merged apart: their times are not averaged.
+//! The shards of a run, merged: the rows and rounds that one machine would have written, scenes in the order of the
+//! run. Shards of unlike machines are merged apart: their times are not averaged.
 
 use super::environment::{ENVIRONMENT, Environment, Machine, State};
 use super::files::{RecordsError, Written, new_folder, write_json};
@@ -84,8 +84,9 @@ impl Part {
     }
 }
 
-/// Merges the shards below the folder of a run into the folder itself; where their machines are unlike, into a folder of
-/// `machines` for each. What was merged before goes. Returns the folders written. The shards stay as they are.
+/// Merges the shards below the folder of a run into the folder itself; where their machines are unlike, into a
+/// folder of `machines` for each. What was merged before goes. Returns the folders written. The shards stay as they
+/// are.
 ///
 /// # Errors
 /// [`MergeError`]: a shard is missing, not finished, or of another run.

@@ -105,8 +105,8 @@ fn is_inside(to: &Path, from: &Path) -> bool {
     existing.zip(from).is_some_and(|(existing, from)| existing.starts_with(from))
 }
 
-/// Removes `records`, files of an older run, from `folder`, and what was made of its rows when it ended: no file of it may be
-/// taken for part of a new one.
+/// Removes `records`, files of an older run, from `folder`, and what was made of its rows when it ended: no file of
+/// it may be taken for part of a new one.
 ///
 /// # Errors
 /// A file that cannot be removed.

@@ -65,8 +65,8 @@ struct Line {
 
 const FIGURES: [&str; 3] = ["build", "trace", "frame"];
 
-/// Writes the file in `folder`, whole or not at all; where no row has rounds, an older file is removed. Returns the lines
-/// below its header.
+/// Writes the file in `folder`, whole or not at all; where no row has rounds, an older file is removed. Returns the
+/// lines below its header.
 ///
 /// # Errors
 /// An unwritable place.

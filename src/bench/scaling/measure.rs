@@ -1,5 +1,5 @@
-//! Builds by one thread, recorded, for each number of workers by turns; and beside them builds by as many threads, where
-//! the machine has them.
+//! Builds by one thread, recorded, for each number of workers by turns; and beside them builds by as many threads,
+//! where the machine has them.
 
 use super::row::{ALL, SCHEMA, ScalingRow};
 use super::simulate::{schedule, span, work};

@@ -1,6 +1,6 @@
-//! How long recorded steps take on so many workers, of which each takes the task that waits longest: a greedy schedule, at
-//! most twice as long as the best (Graham, "Bounds on multiprocessing timing anomalies", 1969). Tasks take as long as
-//! they took one thread alone: caches, memory and the clock are shared on a real machine.
+//! How long recorded steps take on so many workers, of which each takes the task that waits longest: a greedy
+//! schedule, at most twice as long as the best (Graham, "Bounds on multiprocessing timing anomalies", 1969). Tasks
+//! take as long as they took one thread alone: caches, memory and the clock are shared on a real machine.
 
 use crate::parallel::timeline::Step;
 use std::cmp::Reverse;

@@ -1,6 +1,7 @@
-//! Two programs measured by turns: each runs in a process of its own ([`child`]) and builds when told to, so that a pair of
-//! builds follows each other within a second and drift hits both. After a few rounds both processes start anew, in a new
-//! session: what a process keeps for its life (where its memory lies) is drawn again, and counts as noise ([`paired`]).
+//! Two programs measured by turns: each runs in a process of its own ([`child`]) and builds when told to, so that a
+//! pair of builds follows each other within a second and drift hits both. After a few rounds both processes start
+//! anew, in a new session: what a process keeps for its life (where its memory lies) is drawn again, and counts as
+//! noise ([`paired`]).
 
 pub mod child;
 pub mod paired;

@@ -12,7 +12,8 @@ use crate::bench::tree_facts::TreeFacts;
 pub use traces::SceneTraces;
 use traces::Stopped;
 
-/// How often a visit traces all batches under each kernel; the median of the passes is robust against single disturbances.
+/// How often a visit traces all batches under each kernel; the median of the passes is robust against single
+/// disturbances.
 const PASSES: usize = 3;
 
 /// A scene under measurement.

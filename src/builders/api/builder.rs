@@ -41,9 +41,9 @@ pub struct Build<const N: usize, B = TriangleBlock> {
     pub counts: Counts,
 }
 
-/// Builds a BVH of nodes of up to `N` children, 4 or 8. Builders are total: any [`Mesh`], empty ones included, has a tree.
-/// They run on the rayon pool they are called from (`pool.install(|| builder.build(&mesh))`), and the tree is the same at
-/// any number of threads.
+/// Builds a BVH of nodes of up to `N` children, 4 or 8. Builders are total: any [`Mesh`], empty ones included, has
+/// a tree. They run on the rayon pool they are called from (`pool.install(|| builder.build(&mesh))`), and the tree
+/// is the same at any number of threads.
 ///
 /// Builders of the list build over [`Boxes`](crate::builders::Boxes) of anything, too:
 /// [`over_boxes`](crate::builders::over_boxes).
@@ -60,8 +60,9 @@ pub trait Builder<const N: usize, G: Geometry = Mesh>: Send {
     /// Builds the tree over all triangles of a mesh, or all boxes. Temporary memory is kept for the next call.
     fn build(&mut self, geometry: &G) -> Build<N, G::Block>;
 
-    /// The same where memory may not suffice: the large arrays are asked for, not taken for granted. Flags and short lists
-    /// still end the process. Beside it, a plain `build` on another thread that fails so unwinds without a message.
+    /// The same where memory may not suffice: the large arrays are asked for, not taken for granted. Flags and
+    /// short lists still end the process. Beside it, a plain `build` on another thread that fails so unwinds
+    /// without a message.
     ///
     /// # Errors
     /// What there was no memory for. This builder is then of no use but to be dropped.

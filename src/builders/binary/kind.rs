@@ -1,5 +1,5 @@
-//! Whether a subtree becomes a node or a leaf of the wide tree, in the cost model of Table 1: a node costs 1, a leaf its
-//! blocks of four triangles.
+//! Whether a subtree becomes a node or a leaf of the wide tree, in the cost model of Table 1: a node costs 1, a
+//! leaf its blocks of four triangles.
 
 use super::node::Node;
 use crate::bvh::limits::BLOCK;

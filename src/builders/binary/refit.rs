@@ -10,8 +10,8 @@ use std::ops::Range;
 const GRAIN: u32 = 1 << 12;
 
 impl BinaryTree {
-    /// Makes all boxes anew, where `leaf` gives the box of a run of references. In the array of pairs children stand before
-    /// parents, and the pairs of subtrees of up to 4096 references in rows, one after the other.
+    /// Makes all boxes anew, where `leaf` gives the box of a run of references. In the array of pairs children
+    /// stand before parents, and the pairs of subtrees of up to 4096 references in rows, one after the other.
     pub fn refit(&mut self, leaf: impl Fn(Range<usize>) -> Aabb + Sync) {
         let Some(root) = self.root else { return };
         let mut ends = Vec::new();

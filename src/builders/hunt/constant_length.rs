@@ -68,8 +68,8 @@ struct Largest {
 }
 
 impl Largest {
-    /// The `wanted` largest, one or more, of the `inner` keys that are no leaf's. The least of them is found by bisection:
-    /// counting takes no branch that depends on a key.
+    /// The `wanted` largest, one or more, of the `inner` keys that are no leaf's. The least of them is found by
+    /// bisection: counting takes no branch that depends on a key.
     fn of(keys: &[i32], wanted: usize, inner: usize) -> Self {
         let not_below = |least: i32| keys.iter().map(|&key| u32::from(key >= least)).sum::<u32>() as usize;
         // Not fewer than wanted are at least `low`, and fewer at least `high`.

@@ -40,16 +40,16 @@ pub trait Primitives: Sync {
     /// The box of primitive `id`: finite and not empty, though it may be flat.
     fn bounds(&self, id: u32) -> Aabb;
 
-    /// Whether primitives may be split where a builder splits space: `phr-quality` and `phr-best` by [`Primitives::split`],
-    /// `phr-turbo`, `phr-speed` and `phr-hq` at the plane alone. One that is split is in several leaves, and may be tested more
-    /// than once by a ray.
+    /// Whether primitives may be split where a builder splits space: `phr-quality` and `phr-best` by
+    /// [`Primitives::split`], `phr-turbo`, `phr-speed` and `phr-hq` at the plane alone. One that is split is in
+    /// several leaves, and may be tested more than once by a ray.
     fn splits(&self) -> bool {
         false
     }
 
-    /// Splits what of primitive `id` lies in `part`, a part of its box, by the plane at `position` along `axis` (0 for x):
-    /// the boxes of what is below and above. Tighter ones than the halves of `part`, which are the default, make better trees;
-    /// a box that misses some of the primitive makes rays miss it. Empty where nothing is.
+    /// Splits what of primitive `id` lies in `part`, a part of its box, by the plane at `position` along `axis` (0
+    /// for x): the boxes of what is below and above. Tighter ones than the halves of `part`, which are the default,
+    /// make better trees; a box that misses some of the primitive makes rays miss it. Empty where nothing is.
     fn split(&self, id: u32, part: Aabb, axis: usize, position: f32) -> [Aabb; 2] {
         let _ = id;
         [part.below(axis, position), part.above(axis, position)]

@@ -1,5 +1,5 @@
-//! What builders ask of what they build over: triangles of a mesh, or [`Boxes`](super::boxes::Boxes) of anything else. Each
-//! is compiled for itself, so that triangles pay nothing for the choice.
+//! What builders ask of what they build over: triangles of a mesh, or [`Boxes`](super::boxes::Boxes) of anything
+//! else. Each is compiled for itself, so that triangles pay nothing for the choice.
 
 use crate::bvh::{LeafBlock, TriangleBlock};
 use crate::geometry::triangle_split::{split_triangle, visible};
@@ -58,10 +58,12 @@ pub trait Geometry: Sync + Checked {
     /// Whether splits in space may split primitives.
     fn splits(&self) -> bool;
 
-    /// The boxes of the parts of a primitive in `bounds`, a part of its box, on both sides of a plane; either may be empty.
+    /// The boxes of the parts of a primitive in `bounds`, a part of its box, on both sides of a plane; either may
+    /// be empty.
     fn split(&self, prim: u32, bounds: Aabb, axis: usize, plane: f32) -> [Aabb; 2];
 
-    /// The box of the part of a primitive in `bounds`, itself a box that is known of the part; none if they do not meet.
+    /// The box of the part of a primitive in `bounds`, itself a box that is known of the part; none if they do not
+    /// meet.
     fn visible(&self, prim: u32, bounds: Aabb) -> Option<Aabb>;
 
     /// The mesh, of triangles.

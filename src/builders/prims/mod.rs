@@ -1,5 +1,5 @@
-//! What a tree is built over: references to triangles, or to boxes of anything ([`geometry`]). Needles may be presplit into
-//! several (paper 5.3).
+//! What a tree is built over: references to triangles, or to boxes of anything ([`geometry`]). Needles may be
+//! presplit into several (paper 5.3).
 
 pub(crate) mod boxes;
 pub(crate) mod geometry;

@@ -19,8 +19,8 @@ pub(crate) struct Needle {
 }
 
 impl Needle {
-    /// The triangle as a needle, if its box is larger than `min_area` (half area) and its projections cover less than the
-    /// share `filled` of it.
+    /// The triangle as a needle, if its box is larger than `min_area` (half area) and its projections cover less
+    /// than the share `filled` of it.
     #[inline]
     pub fn of(corners: [Vec3A; 3], prim: u32, min_area: f32, filled: f32) -> Option<Self> {
         let area = Aabb::of_triangle(corners).half_area();

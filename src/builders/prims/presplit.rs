@@ -1,10 +1,11 @@
 //! Presplitting (Karras & Aila 2013, section 4; suggested in the paper's 5.3): triangles whose boxes are mostly
 //! empty are replaced by pieces of them before the Morton sort.
 //!
-//! Which triangles? Not all with a large box: a right triangle in a wall fills half of its box, its neighbour the other
-//! half, and its pieces need leaves and nodes while no box above them shrinks. Only *needles*, thin diagonal triangles:
-//! halving a needle quarters the box area of each half, so that k pieces total 1/k. Each halving doubles how much of its
-//! box a piece fills, until it is no needle. No number of pieces is aimed at: a scene without needles is left as it is.
+//! Which triangles? Not all with a large box: a right triangle in a wall fills half of its box, its neighbour the
+//! other half, and its pieces need leaves and nodes while no box above them shrinks. Only *needles*, thin diagonal
+//! triangles: halving a needle quarters the box area of each half, so that k pieces total 1/k. Each halving doubles
+//! how much of its box a piece fills, until it is no needle. No number of pieces is aimed at: a scene without
+//! needles is left as it is.
 
 use crate::builders::prims::needle::{Needle, Splitter};
 use crate::builders::prims::refs::{Fragment, GRAIN, PrimInfo};

@@ -19,8 +19,8 @@ pub(crate) struct Fragment {
     pub prim: u32,
 }
 
-/// The references of a build. Boxes of triangles are computed from the mesh each time: that costs hardly more than reading them back,
-/// and no memory.
+/// The references of a build. Boxes of triangles are computed from the mesh each time: that costs hardly more than
+/// reading them back, and no memory.
 pub(crate) struct PrimRefs<'a, G = Mesh> {
     /// The primitives; reference i < `geometry.len()` is primitive i.
     pub geometry: &'a G,

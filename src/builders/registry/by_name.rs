@@ -6,8 +6,8 @@ use super::{config, make};
 use crate::builders::api::builder::{BoxBuilder, Builder};
 
 /// The builder of trees of nodes of up to `N` children, 4 or 8, called `name`, or `None`; names are those of
-/// [`NAMES`](crate::builders::NAMES) and [`on_request`](crate::builders::on_request) and, with the feature `serde`, these with
-/// changes: `phr-hq[delta=8]`. Another width is refused by the compiler:
+/// [`NAMES`](crate::builders::NAMES) and [`on_request`](crate::builders::on_request) and, with the feature `serde`,
+/// these with changes: `phr-hq[delta=8]`. Another width is refused by the compiler:
 ///
 /// ```compile_fail
 /// let builder = phr::builders::by_name::<12>("phr-speed");

@@ -1,4 +1,5 @@
-//! The builders by name: those of the paper, PLOC, ours, the paper's with one extension each, and ours without one each.
+//! The builders by name: those of the paper, PLOC, ours, the paper's with one extension each, and ours without one
+//! each.
 
 pub mod by_name;
 mod make;
@@ -119,8 +120,8 @@ const ALL: [&str; REGISTRY.len()] = names(REGISTRY);
 /// Names of the builders of a table, in its order.
 pub const NAMES: &[&str] = ALL.split_at(IN_TABLES).0;
 
-/// Names of the builders that show what single extensions gain and cost: PHR-Fast and PHR-HQ with one each. They are run
-/// on request.
+/// Names of the builders that show what single extensions gain and cost: PHR-Fast and PHR-HQ with one each. They
+/// are run on request.
 pub const ABLATION: &[&str] = ALL.split_at(IN_TABLES).1;
 
 /// A preset without one field of its extensions, or of those of its auxiliary BVH, each a builder

@@ -1,16 +1,16 @@
-//! Paper 4.5 without a branch that depends on the tree, for builders that know all areas and leaves in advance; the nodes
-//! are those of [`super::open_largest`].
+//! Paper 4.5 without a branch that depends on the tree, for builders that know all areas and leaves in advance; the
+//! nodes are those of [`super::open_largest`].
 //!
-//! A child that cannot be opened is replaced by itself, and unused slots are children like others. Nodes are found level
-//! by level, so that the processor has many in flight; as nodes lie in the order of the pairs they are over, their
-//! indices follow by counting.
+//! A child that cannot be opened is replaced by itself, and unused slots are children like others. Nodes are found
+//! level by level, so that the processor has many in flight; as nodes lie in the order of the pairs they are over,
+//! their indices follow by counting.
 
 use crate::builders::binary::tagged::TaggedBox;
 use crate::bvh::{Link, WideNode};
 use crate::geometry::Aabb;
 
-/// A binary subtree that may become a child of a wide node. Tags: the index of the pair of children or the [`Link`] of a
-/// leaf, and an order, which grows with the area of an inner node and is negative for leaves.
+/// A binary subtree that may become a child of a wide node. Tags: the index of the pair of children or the [`Link`]
+/// of a leaf, and an order, which grows with the area of an inner node and is negative for leaves.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(crate) struct Slot(TaggedBox);

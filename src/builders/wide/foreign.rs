@@ -1,5 +1,5 @@
-//! Binary trees that were made elsewhere, widened by our collapse (paper 4.5): subtrees of at most four triangles become a
-//! leaf of one block, larger leaves stay as they are, in several blocks.
+//! Binary trees that were made elsewhere, widened by our collapse (paper 4.5): subtrees of at most four triangles
+//! become a leaf of one block, larger leaves stay as they are, in several blocks.
 
 use super::binary_source::{BinarySource, Leaves};
 use super::treelet::WideTreelet;
@@ -21,7 +21,8 @@ pub trait ForeignTree {
     /// The root; `None` without triangles.
     fn root(&self) -> Option<Self::At>;
 
-    /// The children of an inner node, in order, or the triangles of a leaf, which are appended to `prims`, with their box.
+    /// The children of an inner node, in order, or the triangles of a leaf, which are appended to `prims`, with
+    /// their box.
     fn open(&self, at: Self::At, prims: &mut Vec<u32>) -> Opened<Self::At>;
 
     /// Whether a triangle may be in several leaves.
@@ -40,8 +41,8 @@ pub enum Opened<At> {
 /// The wide tree of a binary one over `mesh`; a box is that around the leaves below.
 ///
 /// # Errors
-/// A leaf that is too large or of triangles that the mesh lacks, a tree that is too deep or does not hold every triangle,
-/// in one line.
+/// A leaf that is too large or of triangles that the mesh lacks, a tree that is too deep or does not hold every
+/// triangle, in one line.
 pub fn widened<const N: usize>(tree: &impl ForeignTree, mesh: &Mesh) -> Result<WideBvh<N>, String> {
     let mut subtrees = Subtrees::default();
     let Some(root) = tree.root() else { return Ok(WideBvh::default()) };

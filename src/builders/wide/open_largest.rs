@@ -3,8 +3,8 @@
 use crate::builders::binary::kind::Kind;
 use arrayvec::ArrayVec;
 
-/// Which child of a wide node in the making is opened first: the greatest. Children of [`Kind::Inner`] come before those
-/// of [`Kind::SoftLeaf`], larger ones before smaller ones, and leaves are not opened.
+/// Which child of a wide node in the making is opened first: the greatest. Children of [`Kind::Inner`] come before
+/// those of [`Kind::SoftLeaf`], larger ones before smaller ones, and leaves are not opened.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 pub(crate) struct Priority(u64);
 
@@ -24,15 +24,16 @@ impl Priority {
         Self(class | u64::from(half_area.to_bits()))
     }
 
-    /// Whether one of `children` children may be opened: a soft leaf only if it is not alone, as opening it would cost a
-    /// node else.
+    /// Whether one of `children` children may be opened: a soft leaf only if it is not alone, as opening it would
+    /// cost a node else.
     #[inline(always)]
     fn may_open(self, children: usize) -> bool {
         self.0 >= if children > 1 { Self::SOFT } else { Self::INNER }
     }
 }
 
-/// Opens the child of the greatest priority, the first of equal ones, until there are `N` children or none may be opened. `open` replaces the child at an index by two ([`replace`]), one, or none; it may give up with `None`.
+/// Opens the child of the greatest priority, the first of equal ones, until there are `N` children or none may be
+/// opened. `open` replaces the child at an index by two ([`replace`]), one, or none; it may give up with `None`.
 #[inline(always)]
 pub(crate) fn open_largest<T, const N: usize>(
     children: &mut ArrayVec<T, N>,

@@ -23,8 +23,8 @@ pub struct CollapseCosts {
 }
 
 impl CollapseCosts {
-    /// Those of Embree's kernel, roughly: it has to find out that a child is a leaf, which processors predict badly, and
-    /// tests the blocks of one leaf in a row.
+    /// Those of Embree's kernel, roughly: it has to find out that a child is a leaf, which processors predict
+    /// badly, and tests the blocks of one leaf in a row.
     pub const EMBREE: Self = Self { node: 1.0, leaf: 0.5, block: 0.35, max_leaf: 16 };
 
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
@@ -152,8 +152,8 @@ const PARALLEL_LEVELS: u32 = 12;
 pub(crate) struct Choices(Vec<AtomicU32>);
 
 impl Choices {
-    /// Chooses for a tree of `pairs` pairs below `root`, on all threads if `in_parallel`; returns the cost of the tree of
-    /// nodes of up to `N` children.
+    /// Chooses for a tree of `pairs` pairs below `root`, on all threads if `in_parallel`; returns the cost of the
+    /// tree of nodes of up to `N` children.
     pub fn solve<S: CollapseSource, const N: usize>(
         &mut self,
         source: &S,

@@ -1,8 +1,8 @@
 //! Paper 4.6: subtrees are built in parallel.
 //!
 //! The paper shares a queue of unbuilt subtrees among threads. Here the upper part of the recursion is divided into
-//! tasks that fit a cache ([`TaskTree`]); each task builds a chunk, and the chunks are appended in the order of the tasks
-//! ([`ordered_append`]), so that the tree is the same at any number of threads.
+//! tasks that fit a cache ([`TaskTree`]); each task builds a chunk, and the chunks are appended in the order of the
+//! tasks ([`ordered_append`]), so that the tree is the same at any number of threads.
 
 use super::memory::{Scratch, Worker};
 use super::optimal::Choice;
@@ -34,8 +34,8 @@ impl<'a, T: TopDown> ParallelBuild<'a, T> {
         Self { builder, workers, grain: (n / 256).clamp(1 << 9, MAX_GRAIN) as u32 }
     }
 
-    /// Divides `root` by `divide` into tasks, builds each by `make` into a chunk, and appends the chunks to `a` and `b`.
-    /// Returns the tree over the tasks, and the results of `make` with the offsets of the chunks.
+    /// Divides `root` by `divide` into tasks, builds each by `make` into a chunk, and appends the chunks to `a` and
+    /// `b`. Returns the tree over the tasks, and the results of `make` with the offsets of the chunks.
     pub fn run<C: Chunk, R: Send>(
         &self,
         root: T::Task,

@@ -44,8 +44,8 @@ impl<const N: usize> WideBvh<N> {
     /// Fits the tree to `mesh`, the one it was built over with vertices moved, in parallel on the current rayon pool.
     ///
     /// # Errors
-    /// A mesh of another number of triangles: the tree is as before then. Links that are not those of a tree: it is of no use
-    /// then.
+    /// A mesh of another number of triangles: the tree is as before then. Links that are not those of a tree: it is
+    /// of no use then.
     pub fn refit(&mut self, mesh: &Mesh) -> Result<(), RefitError> {
         let last = parallel::map(self.blocks.par_chunks(GRAIN), |blocks| {
             blocks.iter().flat_map(TriangleBlock::ids).max()

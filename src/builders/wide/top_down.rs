@@ -7,8 +7,8 @@ use crate::builders::binary::kind::Kind;
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
-/// A builder from the root down. A part is an unbuilt subtree in the memory of a thread; a task is one on its way between
-/// threads.
+/// A builder from the root down. A part is an unbuilt subtree in the memory of a thread; a task is one on its way
+/// between threads.
 pub(crate) trait TopDown: Sync {
     /// An unbuilt subtree with memory of its own.
     type Task: Send;

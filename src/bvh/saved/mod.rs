@@ -1,8 +1,8 @@
 //! Trees in files: saved once, loaded in a fraction of the time of a build.
 //!
-//! The format is little-endian and laid out as in memory, so that a program may map it: a header of 128 bytes, the nodes
-//! (128 bytes each, 256 of 8-wide trees: lower planes, upper planes, links, zeros up to a multiple of 64), then the blocks
-//! of 160 bytes. Its second version:
+//! The format is little-endian and laid out as in memory, so that a program may map it: a header of 128 bytes, the
+//! nodes (128 bytes each, 256 of 8-wide trees: lower planes, upper planes, links, zeros up to a multiple of 64),
+//! then the blocks of 160 bytes. Its second version:
 //!
 //! | bytes | content |
 //! |:--|:--|
@@ -16,8 +16,8 @@
 //! | 88 | checksum of bytes 0 to 87, xor that of bytes 96 to 127 rotated left by a bit |
 //! | 96 to 127 | name of the builder, zeros after it |
 //!
-//! A checksum of bytes is that of four sums, each of every fourth word of eight bytes. Checksums find damage, no forgery;
-//! what a file says is checked before a kernel follows its links.
+//! A checksum of bytes is that of four sums, each of every fourth word of eight bytes. Checksums find damage, no
+//! forgery; what a file says is checked before a kernel follows its links.
 
 #![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -92,8 +92,8 @@ impl<const N: usize> WideBvh<N> {
     }
 }
 
-/// `count` records from byte `begin` on, and `sum` with their checksums: each chunk goes from the file through a thread's
-/// cache to its place.
+/// `count` records from byte `begin` on, and `sum` with their checksums: each chunk goes from the file through a
+/// thread's cache to its place.
 fn get<R: Record + Copy>(
     count: u64,
     sum: u64,

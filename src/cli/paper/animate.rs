@@ -17,10 +17,11 @@ use std::path::PathBuf;
 
 /// Let trees follow generated scenes that move: built again, refitted, or refined again, beside Embree's
 ///
-/// In each frame every contestant brings its tree up to date and traces the frame's rays, every answer verified: each builder
-/// as `rebuild` and `refit` (of its wide tree), PHR also as `refine` (its auxiliary tree refitted, its cuts refined again)
-/// and, where a part of the scene is static, as `merge` and `merge-sah` (that part's auxiliary tree kept); Embree's Morton and
-/// SAH builders as `rebuild`, its SAH tree as `refit`. Scenes: wrung, burst, parade [default: all].
+/// In each frame every contestant brings its tree up to date and traces the frame's rays, every answer verified:
+/// each builder as `rebuild` and `refit` (of its wide tree), PHR also as `refine` (its auxiliary tree refitted, its
+/// cuts refined again) and, where a part of the scene is static, as `merge` and `merge-sah` (that part's auxiliary
+/// tree kept); Embree's Morton and SAH builders as `rebuild`, its SAH tree as `refit`. Scenes: wrung, burst, parade
+/// [default: all].
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Names of moving scenes

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 /// Make one of the paper's experiments: measure, draw, and tell what was found
 ///
-/// Builders built and traced as by `phr bench`: the paper's methods in construction-speed (5.1) and trace-speed (5.2), or
-/// such as differ in one thing: spatial-splits (5.3), grid (5.4: alpha and delta),
-/// cost-counts (4.2), constant-cut (4.3), presplitting (5.3), bucket-sort (4.7), auxiliary-trees (5.5). Within a build:
-/// cut-size (Figure 4), split (Figures 3 and 5; one scene). Without scenes, the built-in generated set is used.
+/// Builders built and traced as by `phr bench`: the paper's methods in construction-speed (5.1) and trace-speed
+/// (5.2), or such as differ in one thing: spatial-splits (5.3), grid (5.4: alpha and delta), cost-counts (4.2),
+/// constant-cut (4.3), presplitting (5.3), bucket-sort (4.7), auxiliary-trees (5.5). Within a build: cut-size
+/// (Figure 4), split (Figures 3 and 5; one scene). Without scenes, the built-in generated set is used.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Name of the experiment

@@ -27,7 +27,8 @@ use std::path::{Path, PathBuf};
 /// Without scenes, the built-in generated set is run.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scene files (.ply, .obj, .stl, .gltf, .glb, plain or .gz or .zst) or names of generated scenes (see `phr scenes`)
+    /// Scene files (.ply, .obj, .stl, .gltf, .glb, plain or .gz or .zst) or names of generated scenes (see `phr
+    /// scenes`)
     scenes: Vec<String>,
     /// A set of scenes: builtin or paper. Or a builder with this field of its configuration changed (repeatable):
     /// BUILDER.FIELD=VALUE, as phr-hq.delta=8; it is called phr-hq[delta=8] and stands beside those of --builder
@@ -42,8 +43,8 @@ pub struct Arguments {
     /// The builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
     #[arg(long = "config", value_name = "FILE")]
     configs: Vec<PathBuf>,
-    /// Load and trace the tree of this file too, which `phr build -o` saved for the one scene (repeatable); its build time
-    /// is that of loading it
+    /// Load and trace the tree of this file too, which `phr build -o` saved for the one scene (repeatable); its
+    /// build time is that of loading it
     #[arg(long = "tree", value_name = "FILE")]
     trees: Vec<PathBuf>,
     /// Only trees of this width: 4 or 8 children per node

@@ -15,9 +15,9 @@ use std::time::Duration;
 /// Compare the times of results B with those of A, or this program with another; exit code 0 if nothing is slower, 1 if
 /// something is, 3 if undecided
 ///
-/// Of results, each verdict follows from the 95 % interval of the ratio of medians: by bootstrap over samples.json, rounds
-/// paired where both runs have the same, widened where samples are few, or from median and deviation in rows.csv where
-/// there are no samples.
+/// Of results, each verdict follows from the 95 % interval of the ratio of medians: by bootstrap over samples.json,
+/// rounds paired where both runs have the same, widened where samples are few, or from median and deviation in
+/// rows.csv where there are no samples.
 ///
 /// With --against, two builds of this program build the scenes by turns, this one as B; each verdict follows from the
 /// interval of the paired ratios. That finds smaller changes sooner.
@@ -32,7 +32,8 @@ pub struct Arguments {
     /// With --against: only this builder (repeatable) [default: ours in the tables]
     #[arg(long = "builder", value_name = "NAME", requires = "against")]
     builders: Vec<String>,
-    /// With --against: the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    /// With --against: the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD":
+    /// VALUE}}
     #[arg(long = "config", value_name = "FILE", requires = "against")]
     configs: Vec<PathBuf>,
     /// With --against: threads [default: all processors]

@@ -23,8 +23,8 @@ pub struct Arguments {
     /// Only this builder (repeatable)
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
-    /// Also a builder with this field of its configuration changed (repeatable): BUILDER.FIELD=VALUE, as phr-hq.delta=8;
-    /// it is called phr-hq[delta=8]
+    /// Also a builder with this field of its configuration changed (repeatable): BUILDER.FIELD=VALUE, as
+    /// phr-hq.delta=8; it is called phr-hq[delta=8]
     #[arg(long = "set", value_name = "CHANGE")]
     changes: Vec<String>,
     /// Also the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}

@@ -1,4 +1,5 @@
-//! Where Embree 3.13.5 and 4.3.3 keep the tree of a committed scene, and how nodes and leaves lie in memory: both alike.
+//! Where Embree 3.13.5 and 4.3.3 keep the tree of a committed scene, and how nodes and leaves lie in memory: both
+//! alike.
 //!
 //! This is private to Embree: offsets are known for these versions on one platform. Everything read is therefore
 //! checked against what the public API says about the same scene, and any disagreement makes the
@@ -14,8 +15,8 @@ use std::fmt;
 use std::fs::File;
 use std::os::unix::fs::FileExt;
 
-/// The versions with this layout, of Debian 12 and 13, for which tests hold it: trees read cost what Embree prints, and set
-/// back they have the very same hits.
+/// The versions with this layout, of Debian 12 and 13, for which tests hold it: trees read cost what Embree prints,
+/// and set back they have the very same hits.
 const VERSIONS: [isize; 2] = [31305, 40303];
 /// Offset of the pointer to the tree in a scene of triangles only.
 const SCENE_TREE: u64 = 88;

@@ -1,5 +1,5 @@
-//! Contestants of one animation beside each other: the time of each frame, of all frames so far, and from where on one of
-//! them loses.
+//! Contestants of one animation beside each other: the time of each frame, of all frames so far, and from where on
+//! one of them loses.
 
 use super::entrant::{Entrant, Update};
 use super::records::FrameRow;

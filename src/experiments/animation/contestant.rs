@@ -7,8 +7,8 @@ use std::time::Duration;
 
 /// Follows a moving scene.
 pub trait Contestant {
-    /// Brings the tree up to date with `mesh`, whose vertices have moved, on the threads of `pool`; returns how long that
-    /// took. The first time it is built.
+    /// Brings the tree up to date with `mesh`, whose vertices have moved, on the threads of `pool`; returns how
+    /// long that took. The first time it is built.
     ///
     /// # Errors
     /// Why it cannot, in one line.

@@ -1,5 +1,5 @@
-//! Draws an animation: for each scene the time of all frames so far, relative to one contestant's, that of each frame, and
-//! the steps of a ray.
+//! Draws an animation: for each scene the time of all frames so far, relative to one contestant's, that of each
+//! frame, and the steps of a ray.
 
 use super::compared::{Track, rebuilt, smoothed, tracks};
 use super::entrant::{Entrant, Update};
@@ -81,8 +81,8 @@ pub fn draw(rows: &[FrameRow]) -> Option<String> {
     Some(svg.finish())
 }
 
-/// Rows of panels of a scene: trees that keep its static part stand beside those that are built again, in a row of their
-/// own. Fifteen lines in a panel are too many.
+/// Rows of panels of a scene: trees that keep its static part stand beside those that are built again, in a row of
+/// their own. Fifteen lines in a panel are too many.
 fn told_apart<'a>(scene: String, tracks: &[Track<'a>]) -> Vec<(String, Vec<Track<'a>>)> {
     let (merged, others): (Vec<_>, Vec<_>) =
         tracks.iter().cloned().partition(|track| is_merge(&track.entrant));

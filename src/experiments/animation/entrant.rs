@@ -52,8 +52,8 @@ impl Entrant {
     }
 }
 
-/// The contestants of our builders in `cells`, and Embree's where this program has it; static parts are merged where the
-/// scene has one.
+/// The contestants of our builders in `cells`, and Embree's where this program has it; static parts are merged
+/// where the scene has one.
 ///
 /// # Errors
 /// No such builder of ours.

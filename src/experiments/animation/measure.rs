@@ -51,8 +51,8 @@ struct Measured {
     trace_ms: Vec<f64>,
 }
 
-/// Measures all frames of `animation`; `progress` is told the number of each before it begins. A contestant that fails or
-/// whose hits are wrong is left out of further frames; its last row says why.
+/// Measures all frames of `animation`; `progress` is told the number of each before it begins. A contestant that
+/// fails or whose hits are wrong is left out of further frames; its last row says why.
 ///
 /// # Errors
 /// No reference tree, or vertices that no mesh can have, in one line.
@@ -130,8 +130,8 @@ fn follow(
     Ok(())
 }
 
-/// The contestant of `entrant` over trees of `width`, with as many `threads`; the first `fixed` triangles of the mesh never
-/// move.
+/// The contestant of `entrant` over trees of `width`, with as many `threads`; the first `fixed` triangles of the
+/// mesh never move.
 ///
 /// # Errors
 /// No such builder, or none that can follow so.

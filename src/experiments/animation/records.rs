@@ -1,5 +1,5 @@
-//! The records of an animation: `animation.csv`, a row for each frame of each contestant. `results/README.md` describes the
-//! columns for readers of the file.
+//! The records of an animation: `animation.csv`, a row for each frame of each contestant. `results/README.md`
+//! describes the columns for readers of the file.
 
 use super::entrant::{Entrant, Update};
 use crate::bench::files::{self, RecordsError};

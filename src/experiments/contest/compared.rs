@@ -39,8 +39,8 @@ pub struct Mean {
 }
 
 impl<'a> Compared<'a> {
-    /// The ratios of trees of `width`, those of traces over whole frames where the scenes have them; `None` if there are no
-    /// figures of both builders.
+    /// The ratios of trees of `width`, those of traces over whole frames where the scenes have them; `None` if
+    /// there are no figures of both builders.
     pub fn of(
         comparison: &'a Comparison,
         figures: &[Figure],
@@ -79,8 +79,8 @@ impl Mean {
         Some(Self { value: ratios.geometric()?, interval })
     }
 
-    /// The mean over the scenes `among` those of the rows, which know their triangles. Of the paper's scenes it is told what
-    /// is sure of these very scenes, of others what is of their kind. `None` if there are none of them.
+    /// The mean over the scenes `among` those of the rows, which know their triangles. Of the paper's scenes it is
+    /// told what is sure of these very scenes, of others what is of their kind. `None` if there are none of them.
     pub fn among(ratios: &Ratios, among: Among, rows: &[Row]) -> Option<Self> {
         let triangles =
             |scene: &str| rows.iter().find(|row| row.scene == scene).map_or(0, |row| row.triangles);

@@ -1,4 +1,5 @@
-//! Draws comparisons: a line for each, a column for each figure, the scenes as small points, their mean with its interval.
+//! Draws comparisons: a line for each, a column for each figure, the scenes as small points, their mean with its
+//! interval.
 
 use super::compared::{Compared, Mean, name};
 use super::experiment::Experiment;

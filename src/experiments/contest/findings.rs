@@ -92,8 +92,8 @@ fn means(compared: &[Compared<'_>]) -> String {
     grid.markdown()
 }
 
-/// What the paper leads to expect, and what becomes of it, beside its own figure where its Table 1 has one; nothing where it
-/// does not say. What it says of traces is judged by their steps too.
+/// What the paper leads to expect, and what becomes of it, beside its own figure where its Table 1 has one; nothing
+/// where it does not say. What it says of traces is judged by their steps too.
 fn claims(compared: &[Compared<'_>], rows: &[Row]) -> String {
     let mut grid = Grid::new(["that", "by", "builder", "relative to", "paper", "ours", ""]);
     for one in compared {

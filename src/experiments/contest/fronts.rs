@@ -1,5 +1,5 @@
-//! Draws build time against steps and trace time: families of builders as lines through their points, and the front through
-//! all.
+//! Draws build time against steps and trace time: families of builders as lines through their points, and the front
+//! through all.
 
 use super::experiment::{Experiment, Families};
 use crate::bench::row::Row;
@@ -63,8 +63,8 @@ pub fn mean(
     Some(svg.finish())
 }
 
-/// A panel per scene, all with the same axes, by steps: single scenes' times are noise. Named are the points on the front.
-/// `None` below two scenes.
+/// A panel per scene, all with the same axes, by steps: single scenes' times are noise. Named are the points on the
+/// front. `None` below two scenes.
 pub fn by_scene(
     experiment: &Experiment,
     families: &Families,

@@ -1,9 +1,10 @@
-//! Experiments that are runs: contenders that differ in one thing, built and traced by the benchmark itself, verified and in
-//! interleaved rounds, and compared with one another.
+//! Experiments that are runs: contenders that differ in one thing, built and traced by the benchmark itself,
+//! verified and in interleaved rounds, and compared with one another.
 //!
-//! [`experiment`] is what makes one, [`list`] has them, [`variants`] and [`methods`] their builders, [`kinds`] names scenes
-//! of a kind; [`compared`] makes ratios of their rows, `findings` tells what came of it in words, [`effects`] and [`fronts`]
-//! draw it. [`grid`] tells of the grid of parameters and [`order`] of the paper's methods what no comparison of two does.
+//! [`experiment`] is what makes one, [`list`] has them, [`variants`] and [`methods`] their builders, [`kinds`]
+//! names scenes of a kind; [`compared`] makes ratios of their rows, `findings` tells what came of it in words,
+//! [`effects`] and [`fronts`] draw it. [`grid`] tells of the grid of parameters and [`order`] of the paper's
+//! methods what no comparison of two does.
 
 pub mod compared;
 pub mod effects;

@@ -1,5 +1,5 @@
-//! What the paper says of its eight methods together, and no comparison of two tells: who comes first and second, how near
-//! PHR-HQ comes to the best trees, and the front.
+//! What the paper says of its eight methods together, and no comparison of two tells: who comes first and second,
+//! how near PHR-HQ comes to the best trees, and the front.
 
 use super::compared::name;
 use super::methods::names;
@@ -15,8 +15,8 @@ pub fn of_builds(rows: &[Row], width: u32, under: &Under) -> String {
     format!("Fastest build, by scenes: {}. Second fastest: {}.\n", at(0), at(1))
 }
 
-/// Who traces fastest and second fastest, how PHR-HQ's trees compare with those of Embree Fast-Spatial scene by scene, and the
-/// front of build times against traces (5.2).
+/// Who traces fastest and second fastest, how PHR-HQ's trees compare with those of Embree Fast-Spatial scene by
+/// scene, and the front of build times against traces (5.2).
 pub fn of_traces(rows: &[Row], width: u32, under: &Under) -> String {
     let scenes = SceneFigures::all(rows);
     let of = |by: &str, figure, [first, second]: [&str; 2]| {
@@ -40,7 +40,8 @@ pub fn of_traces(rows: &[Row], width: u32, under: &Under) -> String {
         + &of(name(Figure::Steps), Figure::Steps, ["fewest", "second fewest"])
 }
 
-/// The methods that have the `place`-th least figure, each with in how many scenes; scenes that lack a method are left out.
+/// The methods that have the `place`-th least figure, each with in how many scenes; scenes that lack a method are
+/// left out.
 fn at_place(
     scenes: &[SceneFigures<'_>],
     width: u32,

@@ -58,7 +58,8 @@ pub fn presplit() -> Vec<OfBase> {
     with.into_iter().chain(alone).collect()
 }
 
-/// Adaptive thresholds from coarse to fine, without spatial splits, with their labels; the paper's two presets among them.
+/// Adaptive thresholds from coarse to fine, without spatial splits, with their labels; the paper's two presets
+/// among them.
 pub fn adaptive() -> Vec<(String, String)> {
     let points = [(0.5, 4.0), (0.5, 5.0), (0.5, 6.0), (0.5, 7.0), (0.55, 8.0), (0.55, 9.0)];
     let variant = |(alpha, delta): (f32, f32)| {

@@ -93,8 +93,8 @@ fn panel(request: &Request<'_>, cell: &Cell, rays: &[Ray], reference: &[Hit]) ->
     Ok(Panel { row, steps })
 }
 
-/// Below which 99 of 100 pixels of every builder are, rounded up to a multiple of twenty: the few beyond would darken all
-/// others.
+/// Below which 99 of 100 pixels of every builder are, rounded up to a multiple of twenty: the few beyond would
+/// darken all others.
 fn scale_of(panels: &[Panel]) -> u32 {
     let most = panels.iter().map(|panel| panel.row.steps_p99).max().unwrap_or(0);
     most.max(1).div_ceil(20) * 20

@@ -1,5 +1,5 @@
-//! What a heat map is drawn from: a CSV with a line per builder, and beside it the counts of all pixels as a grey PNG of
-//! 16 bits, one builder below the other, without loss.
+//! What a heat map is drawn from: a CSV with a line per builder, and beside it the counts of all pixels as a grey
+//! PNG of 16 bits, one builder below the other, without loss.
 
 #![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -1,5 +1,5 @@
-//! Which split of a build is drawn: one of few nodes, whose boxes fill the picture without hiding one another, in which one
-//! sees what opening does.
+//! Which split of a build is drawn: one of few nodes, whose boxes fill the picture without hiding one another, in
+//! which one sees what opening does.
 
 use super::{Kind, Picture};
 use crate::builders::steps::split_boxes::{OpenedNode, SideBoxes, SplitBoxes};
@@ -12,8 +12,8 @@ use std::ops::RangeInclusive;
 /// Nodes of the cut.
 const NODES: RangeInclusive<usize> = 6..=14;
 
-/// The split of `kind` to be drawn of a build of `scene` by `builder`, on the current rayon pool; `None` if there is none
-/// that shows it.
+/// The split of `kind` to be drawn of a build of `scene` by `builder`, on the current rayon pool; `None` if there
+/// is none that shows it.
 ///
 /// # Errors
 /// A builder without cuts that a threshold refines, in one line.
@@ -58,8 +58,8 @@ fn of_object_split(split: &SplitBoxes) -> Option<f32> {
     (seen[0] + seen[1] > 0.0).then(|| both + 3.0 * (seen[0] + seen[1]) / (opened[0] + opened[1]))
 }
 
-/// A spatial split is worth one where nodes are on both sides, more where one of them is opened and its child beyond the
-/// plane is discarded.
+/// A spatial split is worth one where nodes are on both sides, more where one of them is opened and its child
+/// beyond the plane is discarded.
 fn of_spatial_split(split: &SplitBoxes) -> Option<f32> {
     let plane = split.plane?;
     let axes = axes(split);
@@ -82,7 +82,8 @@ fn of_spatial_split(split: &SplitBoxes) -> Option<f32> {
     is_shown.then_some([0.0, 8.0, 9.0][discarding.min(2)])
 }
 
-/// Whether one sees in the picture how a node becomes two: its children lie beside one another there, neither as a line.
+/// Whether one sees in the picture how a node becomes two: its children lie beside one another there, neither as a
+/// line.
 fn is_seen(node: &OpenedNode, axes: [usize; 2]) -> bool {
     let [a, b] = node.children[..] else { return false };
     let (least, shared) = (area(a, axes).min(area(b, axes)), area(a.intersection(b), axes));

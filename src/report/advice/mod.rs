@@ -1,6 +1,7 @@
-//! Which builder for a scene and a number of rays: total time = build + rays / speed for every tree, who wins where, and
-//! where the lines cross. From a quick measurement ([`measured`]) or from a [`model`] over the mesh's facts.
-//! [`page`] is the text, [`rows`] the CSV, [`tuned`] the page of a search, [`tuned_rows`] its CSV, [`crate::report::plot::total_time`] the plot.
+//! Which builder for a scene and a number of rays: total time = build + rays / speed for every tree, who wins
+//! where, and where the lines cross. From a quick measurement ([`measured`]) or from a [`model`] over the mesh's
+//! facts. [`page`] is the text, [`rows`] the CSV, [`tuned`] the page of a search, [`tuned_rows`] its CSV,
+//! [`crate::report::plot::total_time`] the plot.
 
 pub mod measured;
 pub mod model;
@@ -79,8 +80,9 @@ impl Advice {
         winners(&only).into_iter().map(|(i, from)| (lines[i].0, from)).collect()
     }
 
-    /// The best tree for so many rays, and those near it: whose interval overlaps with its, unless they were dropped as too
-    /// slow; by a model, whose errors are much the same for all trees, those that take at most [`NEAR`] times as long.
+    /// The best tree for so many rays, and those near it: whose interval overlaps with its, unless they were
+    /// dropped as too slow; by a model, whose errors are much the same for all trees, those that take at most
+    /// [`NEAR`] times as long.
     pub fn best_at(&self, rays: f64) -> Option<(&Known, Vec<&Known>)> {
         let lines = self.lines();
         let only: Vec<TotalTime> = lines.iter().map(|(_, line)| *line).collect();

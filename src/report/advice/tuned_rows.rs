@@ -1,4 +1,5 @@
-//! A search of parameters as CSV, one row per configuration and stage, and the table of what searches in several scenes gained.
+//! A search of parameters as CSV, one row per configuration and stage, and the table of what searches in several
+//! scenes gained.
 
 use crate::bench::files::{RecordsError, read_csv, write_csv};
 use crate::bench::quick::line::TotalTime;
@@ -16,8 +17,8 @@ pub const TUNE: &str = "tune.csv";
 /// The stage of the winner with rays that no choice was made by.
 const AGAIN: &str = "again";
 
-/// A configuration in one stage of a search. Ratios are to the anchor, which was measured right before; the ends of intervals are
-/// empty for one pair.
+/// A configuration in one stage of a search. Ratios are to the anchor, which was measured right before; the ends of
+/// intervals are empty for one pair.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TuneRow {
     /// [`SCHEMA`].

@@ -1,5 +1,5 @@
-//! A run on unlike machines: each tree relative to Embree SAH on the same machine, the machines side by side. No figure is a
-//! mean over machines; as no scene is divided, they differ in scenes too.
+//! A run on unlike machines: each tree relative to Embree SAH on the same machine, the machines side by side. No
+//! figure is a mean over machines; as no scene is divided, they differ in scenes too.
 
 use crate::bench::row::Row;
 use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, tree_name, trees};

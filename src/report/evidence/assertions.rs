@@ -1,5 +1,5 @@
-//! What the assertions in the distribution's Embree cost: the same runs with its library and with one of the same source
-//! that has none (`make embree-ndebug`).
+//! What the assertions in the distribution's Embree cost: the same runs with its library and with one of the same
+//! source that has none (`make embree-ndebug`).
 
 use crate::bench::row::Row;
 use crate::bench::statistics::geometric_mean;
@@ -11,9 +11,9 @@ use crate::report::grid::Grid;
 use crate::report::targets::judge::{Judge, Verdict};
 use crate::report::targets::list::{Measure, targets};
 
-/// Times without assertions relative to those with them, of builds and under each kernel: geometric means over the scenes
-/// of both runs. Below, the targets of build times in `rows` that are closer to their limit than that, or would be judged
-/// otherwise if Embree's time were corrected by it.
+/// Times without assertions relative to those with them, of builds and under each kernel: geometric means over the
+/// scenes of both runs. Below, the targets of build times in `rows` that are closer to their limit than that, or
+/// would be judged otherwise if Embree's time were corrected by it.
 pub fn assertions(rows: &[Row], with: &[Row], without: &[Row]) -> String {
     let kernels = [NATIVE, GRAFTED, PHR];
     let header = ["tree".to_owned(), "build".into()].into_iter().chain(kernels.map(str::to_owned));

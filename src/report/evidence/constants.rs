@@ -1,5 +1,5 @@
-//! The constants that were chosen by looking at scenes, and what their neighbours give: from `chosen.csv`, a line for each
-//! constant, and `rows.csv`, which `cargo bench --bench constants` prints.
+//! The constants that were chosen by looking at scenes, and what their neighbours give: from `chosen.csv`, a line
+//! for each constant, and `rows.csv`, which `cargo bench --bench constants` prints.
 
 use crate::bench::statistics::geometric_mean;
 use crate::report::grid::Grid;
@@ -32,8 +32,8 @@ struct Neighbour {
     build: Option<f64>,
 }
 
-/// A line for each constant and neighbouring value: geometric means over the scenes, relative to the preset, and the scene
-/// whose node visits differ most.
+/// A line for each constant and neighbouring value: geometric means over the scenes, relative to the preset, and
+/// the scene whose node visits differ most.
 ///
 /// # Errors
 /// One line: a file that cannot be read, or neighbours of a constant that is not listed.

@@ -8,9 +8,9 @@ use crate::report::plot::pareto::front;
 /// Rows under a name, such as those of the open and those of the withheld scenes.
 pub type Named<'a> = (&'a str, &'a [Row]);
 
-/// Number of scenes in which each tree is on the front: among the trees of its width and among those of both widths, all
-/// under the fairest kernel; and among those of both widths, each engine's under its own kernel. Columns for each of
-/// `runs`.
+/// Number of scenes in which each tree is on the front: among the trees of its width and among those of both
+/// widths, all under the fairest kernel; and among those of both widths, each engine's under its own kernel.
+/// Columns for each of `runs`.
 pub fn fronts(runs: &[Named<'_>]) -> String {
     let header = runs.iter().flat_map(|(name, _)| {
         ["same width", "both widths", "own kernels"].map(|column| format!("{name}: {column}"))

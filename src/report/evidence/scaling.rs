@@ -25,8 +25,8 @@ pub fn scene_table(rows: &[ScalingRow], scene: &str) -> String {
     grid.markdown()
 }
 
-/// How many times faster than one thread or worker, geometric means over scenes, and the phase that takes most of the time of
-/// most workers.
+/// How many times faster than one thread or worker, geometric means over scenes, and the phase that takes most of
+/// the time of most workers.
 pub fn means(rows: &[ScalingRow]) -> String {
     let workers = numbers(rows.iter());
     let (Some(first), Some(&most)) = (rows.first(), workers.last()) else { return String::new() };
@@ -105,8 +105,8 @@ fn trees<'a>(rows: impl Iterator<Item = &'a ScalingRow>) -> Vec<(&'a str, u32)> 
     trees
 }
 
-/// Of each scene, the work of all tasks by their schedule on `workers`: both are of the same builds, so that none is faster
-/// than `workers` times.
+/// Of each scene, the work of all tasks by their schedule on `workers`: both are of the same builds, so that none
+/// is faster than `workers` times.
 fn scheduled(rows: &[&ScalingRow], workers: u32) -> Vec<f64> {
     let whole =
         rows.iter().filter(|row| row.phase == ALL && row.workers == workers && row.scheduled_ms > 0.0);

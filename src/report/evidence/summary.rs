@@ -9,9 +9,9 @@ use crate::report::means::{Ratios, WORST};
 /// Rounds are far apart where the slowest takes so many times as long as the fastest.
 const FAR: f64 = 1.2;
 
-/// Geometric means of build time, trace time and SAH cost of the trees of `builders`, of every width that `rows` have or
-/// of the one named (`phr-speed/8`), and the scene whose trace time is worst. With rows of `withheld` scenes, their means
-/// and worst scenes stand beside these, where they have the tree.
+/// Geometric means of build time, trace time and SAH cost of the trees of `builders`, of every width that `rows`
+/// have or of the one named (`phr-speed/8`), and the scene whose trace time is worst. With rows of `withheld`
+/// scenes, their means and worst scenes stand beside these, where they have the tree.
 ///
 /// # Errors
 /// One line, if a builder has no such figure in `rows`.
@@ -75,8 +75,8 @@ pub fn summary(
     ))
 }
 
-/// In how many builds and traces the slowest round took more than 1.2 times as long as the fastest: `50 % of all builds and 21 %
-/// of all traces`; `None` where no row has several rounds.
+/// In how many builds and traces the slowest round took more than 1.2 times as long as the fastest: `50 % of all
+/// builds and 21 % of all traces`; `None` where no row has several rounds.
 pub fn spread(rows: &[Row], under: &Under) -> Option<String> {
     let of_scenes = SceneFigures::all(rows);
     let share = |figure| {

@@ -113,8 +113,8 @@ impl<'a> SceneFigures<'a> {
         Self { scene: scene.into(), totals: rows, views }
     }
 
-    /// By what traces of `scenes` are compared: whole frames, as in the paper, if all that was traced has them, so that a
-    /// figure means one thing.
+    /// By what traces of `scenes` are compared: whole frames, as in the paper, if all that was traced has them, so
+    /// that a figure means one thing.
     pub fn traced_by<'s>(scenes: impl IntoIterator<Item = &'s Self>) -> Figure
     where
         'a: 's,
@@ -201,9 +201,9 @@ impl<'a> SceneFigures<'a> {
         self.ratio_to(BASELINE, tree, figure, under)
     }
 
-    /// A figure of a tree relative to that of `base`, which is taken under the same choice of kernel, with what is known
-    /// of its noise: from times of the same rounds where the rows have them. `None` too where `base` has no figure: a
-    /// ratio to nothing is none.
+    /// A figure of a tree relative to that of `base`, which is taken under the same choice of kernel, with what is
+    /// known of its noise: from times of the same rounds where the rows have them. `None` too where `base` has no
+    /// figure: a ratio to nothing is none.
     pub fn ratio_to(
         &self,
         base: Tree<'_>,

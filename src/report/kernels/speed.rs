@@ -55,9 +55,9 @@ impl Speed {
     }
 }
 
-/// The standard error of the logarithm of a row's time, worked out from the interval of its ratio to Embree's single rays,
-/// whose own error is in their ratio to themselves twice; at least an even share of it. That of our single rays over Embree's tree stands for rows
-/// without such a ratio. Infinite where nothing is known.
+/// The standard error of the logarithm of a row's time, worked out from the interval of its ratio to Embree's
+/// single rays, whose own error is in their ratio to themselves twice; at least an even share of it. That of our
+/// single rays over Embree's tree stands for rows without such a ratio. Infinite where nothing is known.
 fn error(row: &KernelRow, rows: &[&KernelRow]) -> f64 {
     let like = |kernel: &str, needs_ratio: bool| {
         rows.iter().copied().find(|other| {

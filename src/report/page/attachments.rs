@@ -1,5 +1,5 @@
-//! Pictures and tables that lie in a results folder beside the rows, or in other folders: heat maps, experiments and other
-//! figures.
+//! Pictures and tables that lie in a results folder beside the rows, or in other folders: heat maps, experiments
+//! and other figures.
 
 use crate::bench::files::{content, text};
 use crate::bench::phases::PHASES;
@@ -51,8 +51,8 @@ pub struct Attachments {
 }
 
 impl Attachments {
-    /// Those of `folder`, and heat maps and experiments of the folders `others`; one that cannot be read says so, and costs the
-    /// page no other.
+    /// Those of `folder`, and heat maps and experiments of the folders `others`; one that cannot be read says so,
+    /// and costs the page no other.
     pub fn of(folder: &Path, others: &[PathBuf]) -> Self {
         let mut figures = files(folder, "svg");
         figures.retain(|file| !name(file).starts_with("figure6"));

@@ -1,4 +1,5 @@
-//! The figures of the page, each from the code that makes tables and plots of them; the page shows them and computes none.
+//! The figures of the page, each from the code that makes tables and plots of them; the page shows them and
+//! computes none.
 
 use super::family::family_of;
 use crate::bench::row::Row;

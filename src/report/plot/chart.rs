@@ -1,6 +1,5 @@
-//! A panel of a figure: points over two axes, a line through some of them, labels beside them.
-//! Ratios belong on logarithmic axes: half and twice are equally far from 1. Only levels of a tree are counted on a linear
-//! one.
+//! A panel of a figure: points over two axes, a line through some of them, labels beside them. Ratios belong on
+//! logarithmic axes: half and twice are equally far from 1. Only levels of a tree are counted on a linear one.
 
 use super::labels::{self, Label, Rect};
 use super::raster::text_width;

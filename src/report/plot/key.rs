@@ -1,4 +1,5 @@
-//! The key of Figure 6: the marks of trees by width, the paper's, and the fronts through them, and what the shapes mean.
+//! The key of Figure 6: the marks of trees by width, the paper's, and the fronts through them, and what the shapes
+//! mean.
 
 use super::chart::{DASHES, GREY, INK, Line, style};
 use super::raster::text_width;
@@ -9,7 +10,8 @@ const DARK: &str = "#4d4d4d";
 const PALE: &str = "#c4c4c4";
 const BAND: &str = "#dfe8d8";
 
-/// Families of builders that have a shape of their own: how their names begin, and what they are called; the paper's first.
+/// Families of builders that have a shape of their own: how their names begin, and what they are called; the
+/// paper's first.
 const FAMILIES: [(&str, &str); 7] = [
     ("embree", "Embree"),
     ("phr", "PHR"),

@@ -1,11 +1,12 @@
 //! The figures drawn from the rows of a run. A figure is a function from rows to SVG, in a module of its own, with
 //! a line in [`figures`] and a name in [`FIGURES`].
 //!
-//! [`figure6`], [`growth`], [`threads`] and [`phases`] choose the points, [`total_time`] draws advice; [`pareto`] finds the
-//! front, [`chart`] draws a panel with axes and [`labels`] and [`key`], [`svg`] writes the drawing and [`raster`] turns it into
-//! PNG. It is drawn by hand: the chart crates place no labels beside crowded points, and their texts depend on the fonts of the
-//! machine, so that no file would stay the same. Bars and lines without labels, which such a crate would draw as well, come
-//! from the same writer: all figures have the same colours and keys, and are checked in the same way, byte for byte.
+//! [`figure6`], [`growth`], [`threads`] and [`phases`] choose the points, [`total_time`] draws advice; [`pareto`]
+//! finds the front, [`chart`] draws a panel with axes and [`labels`] and [`key`], [`svg`] writes the drawing and
+//! [`raster`] turns it into PNG. It is drawn by hand: the chart crates place no labels beside crowded points, and
+//! their texts depend on the fonts of the machine, so that no file would stay the same. Bars and lines without
+//! labels, which such a crate would draw as well, come from the same writer: all figures have the same colours and
+//! keys, and are checked in the same way, byte for byte.
 
 pub mod chart;
 pub mod figure6;
@@ -34,8 +35,8 @@ pub struct Drawing {
     pub svg: String,
 }
 
-/// The figures for which `rows`, and the phases of their builds, have points. `figure6-own` is left out where `figure6` already compares each engine's
-/// trees under its own kernel.
+/// The figures for which `rows`, and the phases of their builds, have points. `figure6-own` is left out where
+/// `figure6` already compares each engine's trees under its own kernel.
 pub fn figures(rows: &[Row], phase_rows: &[PhaseRow], under: &Under) -> Vec<Drawing> {
     let own = if *under == Under::Own { None } else { figure6::averaged(rows, &Under::Own) };
     // In the order of their names.

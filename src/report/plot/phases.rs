@@ -15,7 +15,8 @@ const TOP: f64 = 128.0;
 /// How many times as long as the longest bar of phases another may be.
 const BREAK: f64 = 1.5;
 
-/// Phases in the order of a build, with their colours: neighbours differ in lightness, for those who tell no colours apart.
+/// Phases in the order of a build, with their colours: neighbours differ in lightness, for those who tell no
+/// colours apart.
 const COLOURS: [(&str, &str); 11] = [
     ("bounds", "#000000"),
     ("presplit", "#f0e442"),
@@ -49,7 +50,8 @@ pub fn phases(rows: &[Row], phases: &[PhaseRow]) -> Option<String> {
     }
     // A mean over fewer scenes is another mean.
     bars.retain(|bar| bar.scenes == all.len());
-    // Builds that tell no phases may take many times as long: their bars are broken off, lest the others' be hair lines.
+    // Builds that tell no phases may take many times as long: their bars are broken off, lest the others' be hair
+    // lines.
     let told = bars.iter().filter(|bar| bar.tells()).map(Bar::sum).fold(0.0, f64::max);
     let most = bars.iter().map(Bar::sum).fold(0.0, f64::max).min(BREAK * told);
     let left = 34.0 + bars.iter().map(|bar| text_width(&tree_name(bar.tree), SMALL)).fold(0.0, f64::max);
@@ -125,7 +127,8 @@ fn colour(phase: &str) -> &'static str {
 }
 
 impl<'a> Bar<'a> {
-    /// The means over the scenes in which the tree was built; its whole builds, without a name, where it tells no phases.
+    /// The means over the scenes in which the tree was built; its whole builds, without a name, where it tells no
+    /// phases.
     fn of(tree: Tree<'a>, rows: &[Row], phases: &[PhaseRow], scenes: &[String]) -> Option<Self> {
         let mut parts: Vec<(String, f64)> = Vec::new();
         let mut built = 0;

@@ -32,7 +32,8 @@ static OPTIONS: LazyLock<usvg::Options<'static>> = LazyLock::new(|| {
     usvg::Options { fontdb: Arc::new(fonts), font_family: family, ..usvg::Options::default() }
 });
 
-/// Draws `svg` with two pixels for each of its own and encodes it; large drawings with one and a half, to keep files small.
+/// Draws `svg` with two pixels for each of its own and encodes it; large drawings with one and a half, to keep
+/// files small.
 ///
 /// # Errors
 /// A drawing that is malformed or too large.
@@ -53,7 +54,8 @@ pub struct Patch {
     pub rgb: Vec<[u8; 3]>,
 }
 
-/// Likewise with `scale` pixels for each of the drawing's, and `patches` over it; what of them lies outside is left out.
+/// Likewise with `scale` pixels for each of the drawing's, and `patches` over it; what of them lies outside is left
+/// out.
 ///
 /// # Errors
 /// As [`png()`].

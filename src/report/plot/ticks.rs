@@ -1,7 +1,7 @@
 //! Round values along an axis.
 
-/// Round values within the range of a logarithmic axis, at most `room` of them, with their texts: of the finest series that
-/// is not too fine.
+/// Round values within the range of a logarithmic axis, at most `room` of them, with their texts: of the finest
+/// series that is not too fine.
 pub fn ticks((least, most): (f64, f64), room: usize) -> Vec<(f64, String)> {
     let decades = |steps: &[f64]| -> Vec<f64> {
         (-6..7).flat_map(|power| steps.iter().map(move |step| step * 10f64.powi(power))).collect()

@@ -13,7 +13,8 @@ const DECADES: (i32, i32) = (4, 10);
 const STEPS: i32 = 32;
 /// Ratios shown.
 const MOST: f64 = 2.0;
-/// Colours of winners in their order, after Okabe and Ito: most are of one family, whose colour would not tell them apart.
+/// Colours of winners in their order, after Okabe and Ito: most are of one family, whose colour would not tell them
+/// apart.
 const COLOURS: [&str; 7] = ["#000000", "#0072b2", "#009e73", "#d55e00", "#cc79a7", "#e69f00", "#56b4e9"];
 
 /// The figure; `None` without any tree.

@@ -38,8 +38,8 @@ impl<'a> Field<'a> {
         (ratios.0.len() == of_base && of_base > 0).then_some(ratios)
     }
 
-    /// The trees whose mean relative to that of `best` has an interval that reaches down to 1, the nearest first: none of
-    /// them is told apart from it. `None` where no interval is known.
+    /// The trees whose mean relative to that of `best` has an interval that reaches down to 1, the nearest first:
+    /// none of them is told apart from it. `None` where no interval is known.
     pub fn rivals(&self, best: Tree<'_>, figure: Figure, under: &Under) -> Option<Vec<Tree<'a>>> {
         let to_best = |tree| {
             let ratios = Ratios::among(&self.scenes, best, tree, figure, under);

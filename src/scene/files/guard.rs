@@ -16,8 +16,8 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// What this machine has to give now: memory that is free or can be freed, of a control group of this process where one
-    /// has less. Without limit where the system does not tell (it does on Linux).
+    /// What this machine has to give now: memory that is free or can be freed, of a control group of this process
+    /// where one has less. Without limit where the system does not tell (it does on Linux).
     pub fn of_machine() -> Self {
         let kibibytes = text(Path::new("/proc/meminfo")).lines().find_map(|line| {
             line.strip_prefix("MemAvailable:")?.split_whitespace().next()?.parse::<u64>().ok()
@@ -32,8 +32,8 @@ fn text(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_default()
 }
 
-/// What the control groups (version 2) below `root` leave to a process: the least of its own, which the line `0::` of `own`
-/// names, and those around it. `None` where none of them has a limit.
+/// What the control groups (version 2) below `root` leave to a process: the least of its own, which the line `0::`
+/// of `own` names, and those around it. `None` where none of them has a limit.
 fn of_groups(root: &Path, own: &str) -> Option<u64> {
     let own = own.lines().find_map(|line| line.strip_prefix("0::")).unwrap_or_default();
     let own = root.join(own.trim_start_matches('/'));

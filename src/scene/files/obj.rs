@@ -1,8 +1,8 @@
 //! OBJ through `tobj`, behind a filter that passes on positions and faces only.
 //!
-//! The filter bounds lines and memory and keeps the line number, none of which `tobj` does. It drops and counts faces whose
-//! indices are out of range, where `tobj` would stop. It drops texture coordinates, normals, materials and names, which
-//! need not be UTF-8, so that all objects become one mesh with shared vertices.
+//! The filter bounds lines and memory and keeps the line number, none of which `tobj` does. It drops and counts
+//! faces whose indices are out of range, where `tobj` would stop. It drops texture coordinates, normals, materials
+//! and names, which need not be UTF-8, so that all objects become one mesh with shared vertices.
 
 use super::error::Fault;
 use super::guard::Guard;
@@ -11,12 +11,13 @@ use super::raw_mesh::RawMesh;
 use crate::scene::model::Contents;
 use std::io::{self, BufRead, Read};
 
-/// Bytes that `tobj` holds at most for a vertex or a triangle: coordinates and indices as read, a map of indices, and the
-/// mesh that it makes of them.
+/// Bytes that `tobj` holds at most for a vertex or a triangle: coordinates and indices as read, a map of indices,
+/// and the mesh that it makes of them.
 const HELD: u64 = 128;
 
-/// Reads `v` and `f` lines; indices may be negative (counted back from the last vertex given before). Faces with an index
-/// out of range or without three vertices are left out and counted; points, lines, objects and groups are counted.
+/// Reads `v` and `f` lines; indices may be negative (counted back from the last vertex given before). Faces with an
+/// index out of range or without three vertices are left out and counted; points, lines, objects and groups are
+/// counted.
 pub(super) fn read<'a>(reader: &mut dyn BufRead, guard: &'a Guard) -> Result<RawMesh<'a>, Fault> {
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ..tobj::LoadOptions::default() };
     let mut filter = Filter::new(reader, guard);

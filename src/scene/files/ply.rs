@@ -95,8 +95,8 @@ fn check_end(input: &mut impl Read, ascii: bool) -> Result<(), Fault> {
     }
 }
 
-/// The header and then the data. `serde-ply` expects white space after the last ASCII token; files may lack it, so a line
-/// break is added. It holds an ASCII token whole, so a word without end is refused.
+/// The header and then the data. `serde-ply` expects white space after the last ASCII token; files may lack it, so
+/// a line break is added. It holds an ASCII token whole, so a word without end is refused.
 struct Terminated<'a> {
     header: io::Cursor<Vec<u8>>,
     inner: &'a mut dyn BufRead,

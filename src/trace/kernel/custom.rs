@@ -1,5 +1,5 @@
-//! Traversal with a test of the caller's: boxes are tested by our kernels, what leaves hold by a closure, which is compiled
-//! into the traversal.
+//! Traversal with a test of the caller's: boxes are tested by our kernels, what leaves hold by a closure, which is
+//! compiled into the traversal.
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2::FastAvx2;
@@ -73,9 +73,9 @@ impl<K, F> Custom<'_, K, F> {
 }
 
 impl<const N: usize> ProvenTree<N, IdBlock> {
-    /// The closest hit of `ray` by `test`, which is given a primitive and the ray up to the closest hit so far, and returns
-    /// the distance where it hits. Primitives come about in the order of their boxes along the ray. A distance out of the
-    /// ray's interval is no hit. A ray that is not valid hits nothing.
+    /// The closest hit of `ray` by `test`, which is given a primitive and the ray up to the closest hit so far, and
+    /// returns the distance where it hits. Primitives come about in the order of their boxes along the ray. A
+    /// distance out of the ray's interval is no hit. A ray that is not valid hits nothing.
     #[inline]
     pub fn closest_with(&self, isa: Isa, ray: &Ray, test: impl FnMut(u32, &Ray) -> Option<f32>) -> Hit {
         if ray.is_valid() { self.with(isa, ray, test, Closest) } else { Hit::MISS }

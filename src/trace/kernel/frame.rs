@@ -1,11 +1,11 @@
 //! A ray prepared for the watertight tests, the same for all instruction sets.
 //!
-//! Triangles are tested as by Woop, Benthin and Wald ("Watertight Ray/Triangle Intersection", JCGT 2013): sheared so
-//! that the ray becomes an axis through the origin, they are hit if the origin lies in their projection. The corners
-//! are rounded by that, but equally for all triangles that share them, and the tests of the projected edges are exact.
-//! So the tests answer without gaps for a mesh whose corners were moved a little, and boxes are padded by as much.
-//! Unlike theirs, distances are not weighted means of the corners': where a ray grazes a triangle, errors of the weights
-//! move it far along the ray. They are those of the triangle's plane.
+//! Triangles are tested as by Woop, Benthin and Wald ("Watertight Ray/Triangle Intersection", JCGT 2013): sheared
+//! so that the ray becomes an axis through the origin, they are hit if the origin lies in their projection. The
+//! corners are rounded by that, but equally for all triangles that share them, and the tests of the projected edges
+//! are exact. So the tests answer without gaps for a mesh whose corners were moved a little, and boxes are padded
+//! by as much. Unlike theirs, distances are not weighted means of the corners': where a ray grazes a triangle,
+//! errors of the weights move it far along the ray. They are those of the triangle's plane.
 
 use crate::geometry::{Aabb, Ray};
 use glam::Vec3A;

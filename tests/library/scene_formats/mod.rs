@@ -1,4 +1,5 @@
-//! Scene files of other programs: what they hold becomes one mesh, what is not read is told, and damage is told in one line.
+//! Scene files of other programs: what they hold becomes one mesh, what is not read is told, and damage is told in
+//! one line.
 #![cfg(feature = "files")]
 
 mod gltf;

@@ -27,8 +27,8 @@ pub struct Chosen {
 }
 
 impl Chosen {
-    /// The builders of `--builder`, `--set` and `--config`. The changes of one builder are of one changed builder, which
-    /// stands beside the others.
+    /// The builders of `--builder`, `--set` and `--config`. The changes of one builder are of one changed builder,
+    /// which stands beside the others.
     ///
     /// # Errors
     /// A builder or field that does not exist, a value that cannot be, a file that cannot be used.

@@ -1,5 +1,5 @@
-//! Points to be tried next, by a tree-structured Parzen estimator (Bergstra et al. 2011; the crate `tpe`): it takes numbers
-//! and lists alike, bears noise, and needs no more trials than there is time for.
+//! Points to be tried next, by a tree-structured Parzen estimator (Bergstra et al. 2011; the crate `tpe`): it takes
+//! numbers and lists alike, bears noise, and needs no more trials than there is time for.
 
 use super::space::{PARAMETERS, Point, effective};
 use rand::SeedableRng;

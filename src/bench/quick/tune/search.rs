@@ -144,7 +144,8 @@ impl Search {
         Ok(racers)
     }
 
-    /// Measures each of `racers` after the anchor, in random order within a round, until the time is over. Who fails has lost.
+    /// Measures each of `racers` after the anchor, in random order within a round, until the time is over. Who
+    /// fails has lost.
     fn rounds(
         &self,
         quick: &mut Quick<'_>,

@@ -1,5 +1,5 @@
-//! The parameters that are searched: the paper's, the extensions, the rounds of reinsertion and the width. A point has one
-//! number per parameter, not a number where the parameter has no effect.
+//! The parameters that are searched: the paper's, the extensions, the rounds of reinsertion and the width. A point
+//! has one number per parameter, not a number where the parameter has no effect.
 
 use crate::builders::Recipe;
 use serde_json::Value;
@@ -145,7 +145,8 @@ pub fn effective(mut point: Point) -> Point {
     point
 }
 
-/// The configuration of a point: `phr-quality` with other parameters, or `phr-best` where there are rounds of reinsertion.
+/// The configuration of a point: `phr-quality` with other parameters, or `phr-best` where there are rounds of
+/// reinsertion.
 pub fn recipe_of(point: &Point) -> Recipe {
     let rounds = PARAMETERS[1].scale.value(point[1]);
     let base = if rounds.is_null() { "phr-quality" } else { "phr-best" };

@@ -130,8 +130,8 @@ pub struct Environment {
     pub machine: Machine,
     /// Embree.
     pub library: Library,
-    /// Instruction sets in use, by our kernel and builders and by Embree's: an object of `phr`, `phr_builders`, `embree`
-    /// and `embree_builders`; null without Embree.
+    /// Instruction sets in use, by our kernel and builders and by Embree's: an object of `phr`, `phr_builders`,
+    /// `embree` and `embree_builders`; null without Embree.
     pub isa: serde_json::Value,
     /// Before the first round, and again where a run was resumed.
     pub before: Vec<Moment>,

@@ -19,8 +19,8 @@ pub const ALL: &str = "all";
 pub const NO_KERNEL: &str = "none";
 /// Value of `regime`: the first build of a new builder object or device.
 pub const FIRST: &str = "first";
-/// Value of `regime`: on warm threads, but a new builder object and new memory each time; Embree: a new scene of the same
-/// device. Trees are traced as built so, and builders are compared by it.
+/// Value of `regime`: on warm threads, but a new builder object and new memory each time; Embree: a new scene of
+/// the same device. Trees are traced as built so, and builders are compared by it.
 pub const FRESH: &str = "fresh";
 /// Value of `regime`: the same builder object in the memory of the tree before; Embree: the same scene committed again.
 pub const REBUILD: &str = "rebuild";

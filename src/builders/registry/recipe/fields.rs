@@ -66,9 +66,9 @@ pub fn at<'a>(fields: &'a Value, path: &str) -> &'a Value {
     path.split('.').fold(fields, |inside, name| inside.get(name).unwrap_or(&Value::Null))
 }
 
-/// The configuration with another value in the field of a full name. `false` turns off what may be off: an extension, and
-/// spatial splits by an infinite `spatial_threshold`. Fields beside it in an extension that was off are
-/// those of `template`.
+/// The configuration with another value in the field of a full name. `false` turns off what may be off: an
+/// extension, and spatial splits by an infinite `spatial_threshold`. Fields beside it in an extension that was off
+/// are those of `template`.
 ///
 /// # Errors
 /// A value of another kind.

@@ -1,6 +1,6 @@
 //! A builder with some fields of its configuration changed. Its name says which: `phr-hq[delta=8]`,
-//! `phr-speed[presplit=none+max_cut=4096]`, so that its figures are not taken for the preset's. The characters of such a
-//! name mean nothing in CSV, Markdown and names of files.
+//! `phr-speed[presplit=none+max_cut=4096]`, so that its figures are not taken for the preset's. The characters of
+//! such a name mean nothing in CSV, Markdown and names of files.
 //!
 //! [`fields`] reads and writes the fields of any configuration by their names, [`error`] says what is wrong with one.
 
@@ -67,8 +67,8 @@ impl Recipe {
         self.set(field, &fields::value_of(value))
     }
 
-    /// Sets a field, by its name or the end of it (`filled` for `presplit.filled`) where that is clear. `null` or `false`
-    /// turns an extension off, `true` on; an object sets the fields within.
+    /// Sets a field, by its name or the end of it (`filled` for `presplit.filled`) where that is clear. `null` or
+    /// `false` turns an extension off, `true` on; an object sets the fields within.
     ///
     /// # Errors
     /// No such field, a value of another kind or out of range.

@@ -25,8 +25,8 @@ use std::time::Duration;
 
 /// Tell which builder to take for a scene and a number of rays: total time = build + rays / speed
 ///
-/// Measures the scene for some seconds, or takes a model with --instant. Prints every builder with its intervals, the best,
-/// and which is best from how many rays on; writes advice.csv, advice.svg and advice.png.
+/// Measures the scene for some seconds, or takes a model with --instant. Prints every builder with its intervals,
+/// the best, and which is best from how many rays on; writes advice.csv, advice.svg and advice.png.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene file or name of a generated scene

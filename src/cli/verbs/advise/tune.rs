@@ -16,8 +16,9 @@ use std::time::Duration;
 
 /// Search the parameters of PHR for a scene and a number of rays
 ///
-/// Tries configurations of phr-quality and phr-best, each measured right after phr-quality, chosen by a Parzen estimator;
-/// races the best of them, and measures the winner again with other rays. With -o, writes a file for --config.
+/// Tries configurations of phr-quality and phr-best, each measured right after phr-quality, chosen by a Parzen
+/// estimator; races the best of them, and measures the winner again with other rays. With -o, writes a file for
+/// --config.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene file or name of a generated scene

@@ -5,7 +5,8 @@ use crate::bench::turns::child::answer;
 use crate::cli::failure::Failure;
 use crate::cli::options::{all_threads, pools};
 
-/// Build when told to: load a scene, then answer each line "BUILDER WIDTH" of standard input by the build's milliseconds
+/// Build when told to: load a scene, then answer each line "BUILDER WIDTH" of standard input by the build's
+/// milliseconds
 ///
 /// What `phr compare --against` starts.
 #[derive(Debug, clap::Args)]

@@ -9,7 +9,8 @@ use crate::cli::output::say;
 use crate::report::kernels::leaks_table;
 use std::path::PathBuf;
 
-/// Count the rays that leave a closed sphere through its vertices and edges, by Embree's kernels and ours, into DIR/leaks.csv
+/// Count the rays that leave a closed sphere through its vertices and edges, by Embree's kernels and ours, into
+/// DIR/leaks.csv
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Rays by the watertight kernel over each tree, half of them at vertices, half at edges; the others get a tenth

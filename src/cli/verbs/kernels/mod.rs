@@ -1,5 +1,5 @@
-//! `phr kernels`: single rays, packets, streams and batches over the same trees, side by side, and single rays over trees
-//! of other builders; and how many rays leak.
+//! `phr kernels`: single rays, packets, streams and batches over the same trees, side by side, and single rays over
+//! trees of other builders; and how many rays leak.
 
 pub mod leaks;
 
@@ -24,8 +24,8 @@ pub struct Arguments {
     /// Scene files or names of generated scenes
     #[arg(required = true)]
     scenes: Vec<String>,
-    /// Builder (repeatable); all kernels trace the trees of the first, Embree's, single rays those of the others [default:
-    /// embree-sah, embree-fast-spatial, phr-speed, phr-quality, phr-best]
+    /// Builder (repeatable); all kernels trace the trees of the first, Embree's, single rays those of the others
+    /// [default: embree-sah, embree-fast-spatial, phr-speed, phr-quality, phr-best]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
     /// The builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}

@@ -10,15 +10,15 @@ use std::path::{Path, PathBuf};
 
 /// Write a page about a results folder: verdict, plots, table, pictures and surroundings in one HTML file
 ///
-/// The file needs no network and no other file. Heat maps (heat*.png, heatmaps/*.png), experiments (experiments/*.svg,
-/// *.csv, *.md, and experiments/NAME/ likewise) and other figures in the folder are put into it, and with --experiments those
-/// of other folders: `phr experiment` writes to results/experiments.
+/// The file needs no network and no other file. Heat maps (heat*.png, heatmaps/*.png), experiments
+/// (experiments/*.svg, *.csv, *.md, and experiments/NAME/ likewise) and other figures in the folder are put into
+/// it, and with --experiments those of other folders: `phr experiment` writes to results/experiments.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Results folder, or a rows.csv
     results: PathBuf,
-    /// Folder with experiments (*.svg, *.csv, *.md, and NAME/ likewise) and heat maps (heat*.png, heatmaps/*.png) for the page
-    /// (repeatable)
+    /// Folder with experiments (*.svg, *.csv, *.md, and NAME/ likewise) and heat maps (heat*.png, heatmaps/*.png)
+    /// for the page (repeatable)
     #[arg(long, value_name = "DIR")]
     experiments: Vec<PathBuf>,
     /// File to write [default: report.html in the folder]

@@ -10,8 +10,8 @@ use crate::cli::verbs::pages::made_of_rows;
 use crate::report::compare::machines::{COMPARED, compared};
 use std::path::PathBuf;
 
-/// Merge the shards of a run (`phr bench --shard K/N`) into rows, table, plots and page; those of unlike machines apart,
-/// with a table that compares each machine's trees
+/// Merge the shards of a run (`phr bench --shard K/N`) into rows, table, plots and page; those of unlike machines
+/// apart, with a table that compares each machine's trees
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// The run's results folder, which has the folder shards

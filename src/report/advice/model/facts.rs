@@ -1,5 +1,5 @@
-//! Facts of a mesh that tell how it is built and traced: its size, and what the tree of `lbvh` over it costs and overlaps,
-//! which takes milliseconds to build and stands in the rows of any run.
+//! Facts of a mesh that tell how it is built and traced: its size, and what the tree of `lbvh` over it costs and
+//! overlaps, which takes milliseconds to build and stands in the rows of any run.
 
 use crate::bench::row::Row;
 use crate::builders;

@@ -24,7 +24,8 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether the advised tree is more than `factor` times as slow as the best beyond the noise of the rounds: Student's 95 % interval of the ratio lies above it. Nothing is known below three rounds.
+    /// Whether the advised tree is more than `factor` times as slow as the best beyond the noise of the rounds:
+    /// Student's 95 % interval of the ratio lies above it. Nothing is known below three rounds.
     pub fn is_surely_above(&self, factor: f64) -> Option<bool> {
         let logs: Vec<f64> = self.by_round.iter().map(|ratio| ratio.ln()).collect();
         (logs.len() >= 3).then(|| PairedMean::of(std::iter::once(&logs[..])).ratio().low > factor)
@@ -43,8 +44,8 @@ pub fn judge(scene: &Observed, lines: &[TotalTime]) -> Vec<Outcome> {
     BUDGETS.iter().filter_map(of).collect()
 }
 
-/// The mean over the rounds of the logarithm of the advised tree's ratio to the one that is the best by all other rounds, which
-/// does not take the luck of a round for merit; `None` below three rounds.
+/// The mean over the rounds of the logarithm of the advised tree's ratio to the one that is the best by all other
+/// rounds, which does not take the luck of a round for merit; `None` below three rounds.
 pub fn fair_loss(by_round: &[Vec<TotalTime>], advised: usize, rays: f64) -> Option<f64> {
     if by_round.len() < 3 {
         return None;

@@ -1,4 +1,5 @@
-//! The table of how good instant advice is: scenes left out of the open run, and withheld scenes that no model has seen.
+//! The table of how good instant advice is: scenes left out of the open run, and withheld scenes that no model has
+//! seen.
 
 use super::choose::{Choice, choose};
 use super::fit::weights;

@@ -1,5 +1,5 @@
-//! The table of how good advice in files is, measured most often, by a run over the same scenes, which has to have every tree
-//! that the advice names as the best.
+//! The table of how good advice in files is, measured most often, by a run over the same scenes, which has to have
+//! every tree that the advice names as the best.
 
 use super::judge::{fair_loss, judge, one_round};
 use super::judged::{Judged, RIGHT, misses, table};

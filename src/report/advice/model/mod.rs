@@ -1,7 +1,8 @@
-//! A model of total times from facts of the mesh, without tracing a ray: for each tree the logarithms of its build time
-//! per triangle and of its time per ray are linear in the logarithms of a few facts, by ridge regression over the scenes of
-//! a run ([`fit`], [`choose`]). Few scenes bear few parameters: which facts, and how strongly weights are held down, is chosen by
-//! leaving one scene out at a time ([`judge`], [`judged`]); [`judged_files`] judges advice that was measured likewise. The times are those of the machine of that run.
+//! A model of total times from facts of the mesh, without tracing a ray: for each tree the logarithms of its build
+//! time per triangle and of its time per ray are linear in the logarithms of a few facts, by ridge regression over
+//! the scenes of a run ([`fit`], [`choose`]). Few scenes bear few parameters: which facts, and how strongly weights
+//! are held down, is chosen by leaving one scene out at a time ([`judge`], [`judged`]); [`judged_files`] judges
+//! advice that was measured likewise. The times are those of the machine of that run.
 
 pub mod choose;
 pub mod facts;

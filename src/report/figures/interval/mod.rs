@@ -1,7 +1,7 @@
-//! 95 % intervals of means of ratios, by bootstrap: scenes are drawn with replacement, and in each drawn scene rounds.
-//! The times of two builders stay paired within a round, since rounds are interleaved and drift hits both. Draws are
-//! centred on the figure, and deviations known from few rounds are enlarged as Student's. Generators are seeded, so that
-//! the same rows give the same interval.
+//! 95 % intervals of means of ratios, by bootstrap: scenes are drawn with replacement, and in each drawn scene
+//! rounds. The times of two builders stay paired within a round, since rounds are interleaved and drift hits both.
+//! Draws are centred on the figure, and deviations known from few rounds are enlarged as Student's. Generators are
+//! seeded, so that the same rows give the same interval.
 
 mod arithmetic;
 mod noise;
@@ -92,8 +92,8 @@ pub fn of_mean(ratios: &[SceneRatio], over: Over) -> Option<Interval> {
     }
 }
 
-/// The interval of the geometric mean of `ratios` relative to that of `others`, which are of other scenes: both are drawn
-/// again. `None` for none, unknown where one of them is of one scene.
+/// The interval of the geometric mean of `ratios` relative to that of `others`, which are of other scenes: both are
+/// drawn again. `None` for none, unknown where one of them is of one scene.
 pub fn of_quotient(ratios: &[SceneRatio], others: &[SceneRatio]) -> Option<Interval> {
     match ratios.len().min(others.len()) {
         0 => None,

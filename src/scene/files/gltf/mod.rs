@@ -1,5 +1,5 @@
-//! glTF 2: `.gltf` with buffers in files or data URIs, and `.glb`. The crate `gltf` reads the JSON; bytes are taken from
-//! the buffers here, each access checked, because the crate's own readers trust counts and offsets.
+//! glTF 2: `.gltf` with buffers in files or data URIs, and `.glb`. The crate `gltf` reads the JSON; bytes are taken
+//! from the buffers here, each access checked, because the crate's own readers trust counts and offsets.
 //!
 //! A file is read in this order: [`container`], what it requires ([`extensions`]), where its meshes stand ([`nodes`]),
 //! how much that is, the [`buffers`] in use, and the [`primitives`] through [`accessor`].

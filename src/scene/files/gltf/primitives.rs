@@ -68,8 +68,8 @@ pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) 
     Ok(plan)
 }
 
-/// What is known of the accessors whose vertices are in the scene already, moved as those of the mesh at hand: primitives of
-/// a mesh often share theirs, and in some files all meshes do.
+/// What is known of the accessors whose vertices are in the scene already, moved as those of the mesh at hand:
+/// primitives of a mesh often share theirs, and in some files all meshes do.
 struct Known<T> {
     transform: DMat4,
     accessors: HashMap<usize, T>,

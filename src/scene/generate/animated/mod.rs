@@ -1,5 +1,5 @@
-//! Generated scenes that move: a body that deforms, one that bursts, and rigid parts among static ones. Triangles keep their
-//! vertices, so that trees can be refitted; where they are depends on the time alone.
+//! Generated scenes that move: a body that deforms, one that bursts, and rigid parts among static ones. Triangles
+//! keep their vertices, so that trees can be refitted; where they are depends on the time alone.
 //!
 //! An [`animation`] is one; there are
 //!

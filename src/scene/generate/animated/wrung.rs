@@ -1,5 +1,5 @@
-//! A statue wrung about its axis while it sways and swells: neighbours stay neighbours, but boxes around what is wrung fit
-//! worse and worse.
+//! A statue wrung about its axis while it sways and swells: neighbours stay neighbours, but boxes around what is
+//! wrung fit worse and worse.
 
 use super::super::generated_scene::view;
 use super::super::parts::{Frame, draw, sin_cos};

@@ -1,8 +1,8 @@
 //! The tests with AVX2 and FMA, in the operation order of Embree's single-ray kernels, so that on the same processor
 //! the same tree gives the same bits.
 //!
-//! [`fast`] and [`watertight`] are the two kernels, [`boxes`] and [`crossing`] what they share; [`packet`] is the first for
-//! many rays at a time.
+//! [`fast`] and [`watertight`] are the two kernels, [`boxes`] and [`crossing`] what they share; [`packet`] is the
+//! first for many rays at a time.
 
 #![allow(unsafe_code)]
 

@@ -1,5 +1,5 @@
-//! Several rays at a time on one core: each visits one node or leaf, then it is the next one's turn. While one waits for
-//! memory, or for the comparison that its next step depends on, the processor works on the others.
+//! Several rays at a time on one core: each visits one node or leaf, then it is the next one's turn. While one
+//! waits for memory, or for the comparison that its next step depends on, the processor works on the others.
 
 #![allow(unsafe_code)]
 
@@ -36,8 +36,8 @@ struct Waiting {
     entries: [MaybeUninit<u32>; ROOM],
 }
 
-/// Traces the valid ones of `rays`, for any hit if `ANY`, else for the closest, and tells `answer` the place and the hit of
-/// each, in no order; of an any hit it only tells whether there is one. Compile it for AVX2.
+/// Traces the valid ones of `rays`, for any hit if `ANY`, else for the closest, and tells `answer` the place and
+/// the hit of each, in no order; of an any hit it only tells whether there is one. Compile it for AVX2.
 #[inline(always)]
 pub(super) fn run<K: Kernel, const N: usize, const ANY: bool>(
     token: Avx2,
@@ -135,8 +135,8 @@ fn visit<K: Kernel, const N: usize, const ANY: bool>(
         let node = unsafe { tree.node(link.bits() as usize) };
         let (mask, entries) = ray.kernel.enter(node, ray.hit.t);
         debug_assert!(ray.waiting + N <= ROOM);
-        // SAFETY: the token proves AVX2. Each of at most `MAX_DEPTH` levels leaves at most seven children waiting, so that
-        // there is room for the eight of the lowest.
+        // SAFETY: the token proves AVX2. Each of at most `MAX_DEPTH` levels leaves at most seven children waiting,
+        // so that there is room for the eight of the lowest.
         unsafe {
             let links = waiting.links.as_mut_ptr().add(ray.waiting);
             let to = waiting.entries.as_mut_ptr().add(ray.waiting);
@@ -157,9 +157,9 @@ fn visit<K: Kernel, const N: usize, const ANY: bool>(
     }
 }
 
-/// Writes the links of the children in `mask` and, unless `ANY`, where they are entered, the nearest last. The lowest
-/// bits of entries hold the slot while they are sorted, and are zeros after it: no entry is greater than it was, so that
-/// a child entered at the very end of the interval is visited.
+/// Writes the links of the children in `mask` and, unless `ANY`, where they are entered, the nearest last. The
+/// lowest bits of entries hold the slot while they are sorted, and are zeros after it: no entry is greater than it
+/// was, so that a child entered at the very end of the interval is visited.
 ///
 /// # Safety
 /// `N` elements may be written at `links` and at `to`.
@@ -172,8 +172,8 @@ unsafe fn push<const N: usize, const ANY: bool>(
     links: *mut __m256i,
     to: *mut __m256i,
 ) {
-    // SAFETY: the token proves AVX2; nodes and entries are of `N` elements, 4 or 8, unaligned loads and stores of as many
-    // are within them, those to `links` and `to` by the caller's promise.
+    // SAFETY: the token proves AVX2; nodes and entries are of `N` elements, 4 or 8, unaligned loads and stores of
+    // as many are within them, those to `links` and `to` by the caller's promise.
     unsafe {
         if N == 8 {
             let from = _mm256_loadu_si256(node.links.as_ptr().cast());

@@ -1,7 +1,7 @@
-//! A stream of rays that go down the tree together: a node is visited once for all rays that reach it, so that a branch is
-//! taken for many rays at a time (Barringer and Akenine-Moeller, "Dynamic Ray Stream Traversal", 2014; Embree's streams for
-//! shadow rays do the same). Where many rays are left, each child is tested against all of them, as a [`Packet`]; where few
-//! are, each of them against all children; a last one goes on by itself.
+//! A stream of rays that go down the tree together: a node is visited once for all rays that reach it, so that a
+//! branch is taken for many rays at a time (Barringer and Akenine-Moeller, "Dynamic Ray Stream Traversal", 2014;
+//! Embree's streams for shadow rays do the same). Where many rays are left, each child is tested against all of
+//! them, as a [`Packet`]; where few are, each of them against all children; a last one goes on by itself.
 
 #![allow(unsafe_code)]
 
@@ -35,8 +35,8 @@ impl Shared {
     }
 }
 
-/// Traces the valid ones of `rays` at `places`, for any hit if `ANY`, else for the closest, and tells `answer` the place and
-/// the hit of each; of an any hit it only tells whether there is one.
+/// Traces the valid ones of `rays` at `places`, for any hit if `ANY`, else for the closest, and tells `answer` the
+/// place and the hit of each; of an any hit it only tells whether there is one.
 #[inline(always)]
 pub(super) fn run<R: Reciprocal + Lanes, const N: usize, const ANY: bool>(
     avx2: Avx2,

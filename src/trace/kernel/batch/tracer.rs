@@ -19,9 +19,9 @@ use crate::trace::kernel::sound_tree::{ProvenTree, SoundTree};
 use crate::trace::kernel::tracer::{BvhTracer, sound};
 use std::slice::{from_mut, from_ref};
 
-/// Traces many rays at once: see the module. Hits are those of [`BvhTracer`] but for the choice among those that are equally
-/// close up to rounding; rays that are not valid miss. Rays that go alike should be neighbours, as a camera's are; others may
-/// be in any order. Without AVX2 all rays are traced one by one.
+/// Traces many rays at once: see the module. Hits are those of [`BvhTracer`] but for the choice among those that
+/// are equally close up to rounding; rays that are not valid miss. Rays that go alike should be neighbours, as a
+/// camera's are; others may be in any order. Without AVX2 all rays are traced one by one.
 #[derive(Clone, Copy, Debug)]
 pub struct BatchTracer<'a, const N: usize> {
     tree: SoundTree<'a, N>,
@@ -62,8 +62,8 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
         self.isa
     }
 
-    /// Traces the valid ones of `rays`, for any hit if `ANY`, else for the closest, and tells `answer` the place and the hit
-    /// of each; false if this processor has no instructions for that, and nothing was done.
+    /// Traces the valid ones of `rays`, for any hit if `ANY`, else for the closest, and tells `answer` the place
+    /// and the hit of each; false if this processor has no instructions for that, and nothing was done.
     fn run<const ANY: bool>(&self, rays: &[Ray], answer: impl FnMut(usize, Hit)) -> bool {
         match self.isa {
             #[cfg(target_arch = "x86_64")]
@@ -129,7 +129,8 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
         );
     }
 
-    /// Finds the closest hits of `rays` and tells `answer` the place and the hit of each that hits, and maybe of others.
+    /// Finds the closest hits of `rays` and tells `answer` the place and the hit of each that hits, and maybe of
+    /// others.
     pub(crate) fn closest_hits(&self, rays: &[Ray], mut answer: impl FnMut(usize, Hit)) {
         for (chunk, rays) in rays.chunks(AT_ONCE).enumerate() {
             let first = chunk * AT_ONCE;

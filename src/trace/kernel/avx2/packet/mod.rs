@@ -1,5 +1,6 @@
-//! Many rays at a time, a lane of a vector for each: [a box](boxes) or [a triangle](triangles) is tested against all of them
-//! at once, in the operations and the order of [`FastAvx2`], so that each ray has the answers that it has by itself.
+//! Many rays at a time, a lane of a vector for each: [a box](boxes) or [a triangle](triangles) is tested against
+//! all of them at once, in the operations and the order of [`FastAvx2`], so that each ray has the answers that it
+//! has by itself.
 
 mod boxes;
 mod triangles;
@@ -15,8 +16,9 @@ use crate::trace::kernel::scalar::SMALLEST_DIRECTION;
 /// Most rays of a packet: a mask has a bit for each.
 pub(in crate::trace::kernel) const MOST: usize = 64;
 
-/// Rays left in a vector, on average, for which it is faster than one ray at a time: to test it against a node's boxes or a
-/// block's triangles, one after the other, takes some times as long as to test all of these against one ray.
+/// Rays left in a vector, on average, for which it is faster than one ray at a time: to test it against a node's
+/// boxes or a block's triangles, one after the other, takes some times as long as to test all of these against one
+/// ray.
 const WORTH: usize = 6;
 
 /// Some of the rays.
@@ -68,7 +70,8 @@ impl Packet {
         self.rays += 1;
     }
 
-    /// Prepares the rays for [`Packet::meet`] and [`Packet::hit`], as [`FastAvx2::new`] does. Call it within [`Lanes::run`].
+    /// Prepares the rays for [`Packet::meet`] and [`Packet::hit`], as [`FastAvx2::new`] does. Call it within
+    /// [`Lanes::run`].
     #[inline(always)]
     pub(in crate::trace::kernel) fn prepare<L: Lanes>(&mut self, lanes: L) {
         let (zero, one, smallest) = (lanes.splat(0.0), lanes.splat(1.0), lanes.splat(SMALLEST_DIRECTION));
@@ -103,8 +106,8 @@ impl Packet {
         self.tfar[i % MOST]
     }
 
-    /// The last end of an interval, or 0 if that is later. An end that is no number, as of a distance that single precision
-    /// cannot tell, does not count: its ray hits nothing more.
+    /// The last end of an interval, or 0 if that is later. An end that is no number, as of a distance that single
+    /// precision cannot tell, does not count: its ray hits nothing more.
     #[inline(always)]
     pub(in crate::trace::kernel) fn farthest(&self) -> f32 {
         // Eight at a time: rows hold zeros where no ray is.

@@ -7,8 +7,8 @@ use crate::simd::vector::Lanes;
 use crate::trace::kernel::avx2::fast::normals;
 
 impl Packet {
-    /// Tests `rays` against the triangles of `block`; returns those that have a hit. Unless `ANY`, their hits are replaced by
-    /// the closest. Call it within [`Lanes::run`].
+    /// Tests `rays` against the triangles of `block`; returns those that have a hit. Unless `ANY`, their hits are
+    /// replaced by the closest. Call it within [`Lanes::run`].
     #[inline(always)]
     pub(in crate::trace::kernel) fn hit<L: Lanes, const ANY: bool>(
         &mut self,
