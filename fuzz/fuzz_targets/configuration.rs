@@ -20,7 +20,7 @@ struct Input {
     triangles: Vec<[u8; 3]>,
 }
 
-fuzz_target!(|input: Input| {
+fuzz_target!(init: phr_fuzz::one_thread(), |input: Input| {
     if input.triangles.len() > 300 || input.vertices.is_empty() {
         return;
     }

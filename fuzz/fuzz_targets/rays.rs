@@ -14,7 +14,7 @@ fn built(width: usize) -> Bvh {
     Bvh::build(&mesh, &BvhConfig { width, ..BvhConfig::default() }).unwrap()
 }
 
-fuzz_target!(|rays: Vec<([f32; 3], [f32; 3], f32, f32)>| {
+fuzz_target!(init: phr_fuzz::one_thread(), |rays: Vec<([f32; 3], [f32; 3], f32, f32)>| {
     let rays: Vec<Ray> = rays
         .into_iter()
         .map(|(org, dir, tnear, tfar)| Ray { org: org.into(), dir: dir.into(), tnear, tfar })

@@ -13,7 +13,7 @@ thread_local! {
     static FOLDER: OnceCell<tempfile::TempDir> = const { OnceCell::new() };
 }
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(init: phr_fuzz::one_thread(), |data: &[u8]| {
     let Some((first, content)) = data.split_first() else { return };
     FOLDER.with(|folder| {
         let folder = folder.get_or_init(|| tempfile::tempdir().unwrap()).path();

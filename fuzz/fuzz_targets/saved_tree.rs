@@ -29,7 +29,7 @@ fn place() -> Place {
 }
 
 // Pairs of a place and a byte: a whole tree with some bytes changed, of any length.
-fuzz_target!(|changes: (Option<u16>, Vec<(u16, u8)>)| {
+fuzz_target!(init: phr_fuzz::one_thread(), |changes: (Option<u16>, Vec<(u16, u8)>)| {
     PLACE.with(|known| {
         let Place { folder, mesh, whole } = known.get_or_init(place);
         let mut bytes = whole.clone();

@@ -14,7 +14,7 @@ thread_local! {
     static FOLDER: OnceCell<tempfile::TempDir> = const { OnceCell::new() };
 }
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(init: phr_fuzz::one_thread(), |data: &[u8]| {
     FOLDER.with(|folder| {
         let folder = folder.get_or_init(|| {
             let folder = tempfile::tempdir().unwrap();

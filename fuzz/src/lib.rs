@@ -1,0 +1,10 @@
+//! What all targets share.
+
+/// Has the thread that asks do all parallel work: to wake another takes longer than most inputs.
+///
+/// # Panics
+/// If a pool was made before.
+pub fn one_thread() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+    pool.build_global().expect("the first pool of the process");
+}
