@@ -188,12 +188,13 @@ impl Projection {
 
     fn x(&self, value: f32) -> f64 {
         let x = self.place.x + self.scale * (f64::from(value) - self.from[0]);
-        x.clamp(self.place.x, self.place.x + self.place.width)
+        // Not by `clamp`, which panics where a place is no number.
+        x.max(self.place.x).min(self.place.x + self.place.width)
     }
 
     fn y(&self, value: f32) -> f64 {
         let y = self.place.y + self.place.height - self.scale * (f64::from(value) - self.from[1]);
-        y.clamp(self.place.y, self.place.y + self.place.height)
+        y.max(self.place.y).min(self.place.y + self.place.height)
     }
 
     /// Left, top, right and bottom of a box.

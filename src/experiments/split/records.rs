@@ -98,6 +98,9 @@ pub fn pictures(rows: &[BoxRow]) -> Result<Vec<Picture>, String> {
             cut,
             sides: [side(&of_kind, kind, SIDES[0])?, side(&of_kind, kind, SIDES[1])?],
         };
+        if !split.bounds().extent().is_finite() {
+            return Err(format!("figure {} has a box cut that is not finite, or none", kind.figure()));
+        }
         let (scene, builder) = (first.scene.clone(), first.builder.clone());
         pictures.push(Picture { kind, scene, triangles: first.triangles, builder, split });
     }
@@ -181,6 +184,11 @@ mod tests {
         let orphan: Vec<BoxRow> =
             found.iter().flat_map(of_picture).filter(|row| row.part != "opened-left").collect();
         assert!(pictures(&orphan).unwrap_err().contains("child-left of no opened node"));
+        for max_x in [f32::INFINITY, f32::MAX] {
+            let boxes = found.iter().flat_map(of_picture);
+            let far: Vec<BoxRow> = boxes.map(|row| BoxRow { min_x: -max_x, max_x, ..row }).collect();
+            assert!(pictures(&far).unwrap_err().contains("a box cut that is not finite"));
+        }
         for name in ["aac", "hunt-50"] {
             let error = choose(&scene, name, Kind::Object).unwrap_err();
             assert!(error.contains(&format!("{name} has no cuts")), "{error}");

@@ -109,15 +109,18 @@ fn mean_points<'a>(rows: &'a [Row], under: &Under, keep: impl Fn(Tree<'_>) -> bo
     let point = |tree| {
         let ratios = |figure| Ratios::of(rows, tree, figure, under);
         let (build, trace) = (ratios(Figure::Build), ratios(Figure::Trace));
-        let at = (build.arithmetic()?, trace.arithmetic()?);
+        let at = placed((build.arithmetic()?, trace.arithmetic()?))?;
         // A mean over fewer scenes is another mean.
         let traced = trace.0.len().min(build.0.len());
         let of = if traced < count { format!(" ({traced} of {count})") } else { String::new() };
         let mut point = TreePoint::new(tree, at, tree_name(tree) + &of);
-        let ends =
-            |ratios: &Ratios| ratios.arithmetic_interval().map(|interval| (interval.low, interval.high));
+        let ends = |ratios: &Ratios, mean: f64| {
+            let interval = ratios.arithmetic_interval()?;
+            // That of few scenes unlike each other may reach below zero, where such an axis has no place.
+            Some((if interval.low > 0.0 { interval.low } else { 0.2 * mean }, interval.high))
+        };
         if tree != BASELINE {
-            point.point.interval = ends(&build).zip(ends(&trace)).map(|(across, up)| [across, up]);
+            point.point.interval = ends(&build, at.0).zip(ends(&trace, at.1)).map(|(x, y)| [x, y]);
         }
         Some(point)
     };
@@ -129,9 +132,15 @@ fn scene_points<'a>(rows: &'a [Row], scene: &str, under: &Under) -> Vec<TreePoin
     let figures = SceneFigures::of(rows, scene);
     let point = |tree| {
         let ratio = |figure| Some(figures.ratio(tree, figure, under)?.value);
-        Some(TreePoint::new(tree, (ratio(Figure::Build)?, ratio(Figure::Trace)?), tree_name(tree)))
+        let at = placed((ratio(Figure::Build)?, ratio(Figure::Trace)?))?;
+        Some(TreePoint::new(tree, at, tree_name(tree)))
     };
     trees(rows).into_iter().filter_map(point).collect()
+}
+
+/// The same, if it has a place on logarithmic axes: a row may have a time of zero.
+fn placed(at: (f64, f64)) -> Option<(f64, f64)> {
+    [at.0, at.1].iter().all(|ratio| *ratio > 0.0 && ratio.is_finite()).then_some(at)
 }
 
 /// The paper's methods, at the means that `mean` tells.
@@ -244,4 +253,27 @@ fn with_key(size: (f64, f64), rows: &[Row], under: &Under, means: &str, entries:
     let builders: Vec<&str> = trees(rows).into_iter().map(|tree| tree.0).collect();
     shapes(&mut svg, (26.0, 108.5), &builders, SMALL);
     svg
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_figure_falls_off_logarithmic_axes() {
+        let row = |scene: &str, builder: &str, build: f64| Row {
+            scene: scene.into(),
+            ..Row::by_hand(builder, 4, "phr", build, 1.0)
+        };
+        // The interval of 0.05 and 3 reaches below zero, and a time of zero has no logarithm.
+        let sah = ["a", "b"].map(|scene| row(scene, "embree-sah", 10.0));
+        let others = [row("a", "lbvh", 0.5), row("b", "lbvh", 30.0), row("a", "aac", 0.0)];
+        let rows = [&sah[..], &others].concat();
+        let under = Under::One("phr".into());
+        assert!(mean_points(&rows, &under, |_| true).iter().any(|point| point.point.interval.is_some()));
+        for svg in [averaged(&rows, &under), by_scene(&rows, &under)] {
+            let svg = svg.unwrap();
+            assert!(svg.contains(">lbvh") && !svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        }
+    }
 }

@@ -19,8 +19,11 @@ pub fn growth(rows: &[Row]) -> Option<String> {
         // Beside those of other builders, so that intervals do not hide each other.
         let shift = 1.03f64.powf(place as f64 - 0.5 * (growth.lines.len() - 1) as f64);
         let at = growth.sizes.iter().zip(&line.ns).zip(&line.errors);
-        let at =
-            at.filter_map(|((&size, ns), &error)| Some(((size as f64 * 1e-6 * shift, ns.value()?), error)));
+        let at = at.filter_map(|((&size, ns), &error)| {
+            // A time of zero has no place on a logarithmic axis.
+            let ns = ns.value().filter(|ns| *ns > 0.0 && ns.is_finite())?;
+            Some(((size as f64 * 1e-6 * shift, ns), error))
+        });
         let at: Vec<((f64, f64), f64)> = at.collect();
         let last = at.len().saturating_sub(1);
         points.extend(at.iter().enumerate().map(|(index, &((size, ns), error))| {
@@ -54,4 +57,27 @@ pub fn growth(rows: &[Row]) -> Option<String> {
     let mut svg = sheet((820.0, 560.0), "Build time per triangle as scenes grow", &[&about]);
     panel.draw(&mut svg, Rect { x: 78.0, y: 76.0, width: 716.0, height: 416.0 });
     Some(svg.finish())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::scalable_name;
+
+    #[test]
+    fn a_time_of_zero_has_no_point() {
+        let row = |builder: &str, triangles: u64, ms: f64| Row {
+            scene: scalable_name(triangles as usize),
+            triangles,
+            ..Row::by_hand(builder, 4, "phr", ms, 1.0)
+        };
+        let rows = [
+            row("lbvh", 10_000, 1.0),
+            row("lbvh", 100_000, 0.0),
+            row("phr-hq", 10_000, 5.0),
+            row("phr-hq", 100_000, 60.0),
+        ];
+        let svg = growth(&rows).unwrap();
+        assert!(svg.contains(">lbvh<") && !svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    }
 }

@@ -28,7 +28,8 @@ impl Rect {
 
     /// The point of the rectangle nearest to another.
     pub fn nearest(&self, (x, y): (f64, f64)) -> (f64, f64) {
-        (x.clamp(self.x, self.x + self.width), y.clamp(self.y, self.y + self.height))
+        // `clamp` panics where the rectangle has no place, as one beside a figure that is no number.
+        (x.max(self.x).min(self.x + self.width), y.max(self.y).min(self.y + self.height))
     }
 }
 
@@ -128,5 +129,11 @@ mod tests {
         assert!(place(&[label(100.0)], &[], &[], BOUNDS)[0].x > 100.0);
         let at_edge = place(&[label(395.0)], &[Rect::around((395.0, 50.0), 4.0)], &[], BOUNDS)[0];
         assert!(at_edge.x + at_edge.width < 395.0, "{at_edge:?}");
+    }
+
+    #[test]
+    fn a_figure_that_is_no_number_ends_nothing() {
+        let nowhere = place(&[Label { at: (f64::NAN, 50.0), size: (40.0, 10.0) }], &[], &[], BOUNDS)[0];
+        assert_eq!(nowhere.nearest((1.0, f64::INFINITY)), (1.0, nowhere.y + nowhere.height));
     }
 }

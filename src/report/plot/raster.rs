@@ -38,9 +38,42 @@ static OPTIONS: LazyLock<usvg::Options<'static>> = LazyLock::new(|| {
 /// # Errors
 /// A drawing that is malformed or too large.
 pub fn png(svg: &str) -> Result<Vec<u8>, RasterError> {
+    encoded(&figure(svg)?)
+}
+
+/// Whether the file `png` shows what [`png()`] makes of `svg`. Pixels are compared, not bytes: another version of the
+/// crate that deflates them writes the same picture in other bytes.
+///
+/// # Errors
+/// As [`png()`].
+pub fn shows(png: &[u8], svg: &str) -> Result<bool, RasterError> {
+    let drawn = figure(svg)?;
+    Ok(tiny_skia::Pixmap::decode_png(png).is_ok_and(|shown| shown == drawn))
+}
+
+/// Whether two PNGs have the same pixels; a file that is none is like no other.
+pub fn are_alike(png: &[u8], other: &[u8]) -> bool {
+    let [png, other] = [png, other].map(|file| tiny_skia::Pixmap::decode_png(file).ok());
+    png.is_some() && png == other
+}
+
+fn figure(svg: &str) -> Result<tiny_skia::Pixmap, RasterError> {
     const LARGE: f32 = 2e6;
-    let size = usvg::Tree::from_str(svg, &OPTIONS)?.size();
-    png_with(svg, if size.width() * size.height() > LARGE { 1.5 } else { 2.0 }, &[])
+    let tree = usvg::Tree::from_str(svg, &OPTIONS)?;
+    let size = tree.size();
+    rendered(&tree, if size.width() * size.height() > LARGE { 1.5 } else { 2.0 })
+}
+
+fn rendered(tree: &usvg::Tree, scale: f32) -> Result<tiny_skia::Pixmap, RasterError> {
+    let size = |length: f32| (length * scale).ceil() as u32;
+    let (width, height) = (size(tree.size().width()), size(tree.size().height()));
+    let mut pixels = tiny_skia::Pixmap::new(width, height).ok_or(RasterError::Size { width, height })?;
+    resvg::render(tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
+    Ok(pixels)
+}
+
+fn encoded(pixels: &tiny_skia::Pixmap) -> Result<Vec<u8>, RasterError> {
+    pixels.encode_png().map_err(|error| RasterError::Png(error.to_string()))
 }
 
 /// Colours to put over a drawing, pixel for pixel.
@@ -60,23 +93,20 @@ pub struct Patch {
 /// # Errors
 /// As [`png()`].
 pub fn png_with(svg: &str, scale: f32, patches: &[Patch]) -> Result<Vec<u8>, RasterError> {
-    let tree = usvg::Tree::from_str(svg, &OPTIONS)?;
-    let size = |length: f32| (length * scale).ceil() as u32;
-    let (width, height) = (size(tree.size().width()), size(tree.size().height()));
-    let mut pixels = tiny_skia::Pixmap::new(width, height).ok_or(RasterError::Size { width, height })?;
-    resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
+    let mut pixels = rendered(&usvg::Tree::from_str(svg, &OPTIONS)?, scale)?;
+    let (width, height) = (pixels.width() as usize, pixels.height() as usize);
     for Patch { at: (x, y), width: across, rgb } in patches {
         for (row, colours) in rgb.chunks(*across).enumerate() {
             for (column, [r, g, b]) in colours.iter().enumerate() {
                 let (x, y) = (x + column, y + row);
-                if x < width as usize && y < height as usize {
-                    let place = 4 * (y * width as usize + x);
+                if x < width && y < height {
+                    let place = 4 * (y * width + x);
                     pixels.data_mut()[place..place + 4].copy_from_slice(&[*r, *g, *b, 255]);
                 }
             }
         }
     }
-    pixels.encode_png().map_err(|error| RasterError::Png(error.to_string()))
+    encoded(&pixels)
 }
 
 /// Width of a line of text, pixels; ten per cent more than in our font, since others are wider.
@@ -104,6 +134,39 @@ mod tests {
         let blank = png(&svg.clone().finish()).unwrap();
         svg.text((5.0, 15.0), super::super::svg::Anchor::Start, 12.0, "#000000", "phr-hq", "");
         assert_ne!(png(&svg.finish()).unwrap(), blank);
+    }
+
+    /// A small drawing with a text at `x`.
+    fn with_text(x: f64) -> String {
+        let mut svg = super::super::svg::Svg::new(61.0, 21.0, "");
+        svg.text((x, 15.0), super::super::svg::Anchor::Start, 12.0, "#000000", "phr-hq", "");
+        svg.finish()
+    }
+
+    /// The same pixels in other bytes.
+    fn deflated_otherwise(file: &[u8]) -> Vec<u8> {
+        let shown = tiny_skia::Pixmap::decode_png(file).unwrap();
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, shown.width(), shown.height());
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::NoCompression);
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(&shown.take_demultiplied()).unwrap();
+        writer.finish().unwrap();
+        bytes
+    }
+
+    #[test]
+    fn files_are_told_apart_by_their_pixels() {
+        let svg = with_text(5.0);
+        let (file, moved) = (png(&svg).unwrap(), png(&with_text(6.0)).unwrap());
+        let same = deflated_otherwise(&file);
+        assert_ne!(same, file);
+        assert!(shows(&file, &svg).unwrap() && shows(&same, &svg).unwrap() && are_alike(&same, &file));
+        assert!(!shows(&moved, &svg).unwrap() && !are_alike(&moved, &file));
+        assert!(!shows(b"no picture", &svg).unwrap() && !are_alike(b"no picture", b"no picture"));
+        assert!(shows(&file, "no drawing").is_err());
     }
 
     #[test]
