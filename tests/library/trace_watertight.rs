@@ -199,3 +199,20 @@ fn intervals_and_coordinates_are_those_of_the_fast_kernel() {
         }
     }
 }
+
+#[test]
+fn trees_of_other_meshes_are_refused() {
+    let (whole, part) = (sphere(8, 1.0, Vec3::ZERO), sphere(7, 1.0, Vec3::ZERO));
+    let tree = median_tree::<4>(&whole, 4);
+    let rays = inner_rays(&whole, Vec3::ZERO, 1.0, 100, 3);
+    let tracer = WatertightTracer::try_new(&tree, &whole).unwrap();
+    assert_eq!(closest(&tracer, &rays), closest(&WatertightTracer::new(&tree, &whole), &rays));
+    let refusal = WatertightTracer::try_new(&tree, &part).unwrap_err();
+    assert_eq!(refusal, "the tree names triangle 127 of a mesh of 98; give the mesh of the tree");
+    // A lane that is used after one that is not.
+    let mut gap = tree.clone();
+    gap.blocks[0].prims = [u32::MAX, u32::MAX, u32::MAX, 500];
+    assert!(WatertightTracer::try_new(&gap, &whole).unwrap_err().contains("triangle 500"));
+    gap.root = phr::bvh::Link::inner(1 << 20);
+    assert!(WatertightTracer::try_new(&gap, &whole).unwrap_err().starts_with("malformed tree: link to node"));
+}

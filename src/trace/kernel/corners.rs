@@ -30,13 +30,26 @@ impl CornerBlock {
     }
 }
 
-/// A block for each of `tree`, which was built over `mesh`.
+/// A block for each of `tree`, which was built over `mesh`. Unwinds to [`told`](crate::memory::told) where there is no
+/// memory for them.
 ///
-/// # Panics
-/// If the tree names a triangle that the mesh lacks.
-pub(super) fn corner_blocks<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh) -> Vec<CornerBlock> {
+/// # Errors
+/// One line, if the tree names a triangle that the mesh lacks.
+pub(super) fn corner_blocks<const N: usize>(
+    tree: &WideBvh<N>,
+    mesh: &Mesh,
+) -> Result<Vec<CornerBlock>, String> {
+    // All lanes, as below: those of a malformed block may have gaps.
+    let prims = tree.blocks.par_iter().flat_map_iter(|block| block.prims);
+    let last = prims.filter(|&prim| prim != Hit::NONE).max();
+    if let Some(prim) = last.filter(|&prim| prim as usize >= mesh.len()) {
+        let triangles = mesh.len();
+        return Err(format!(
+            "the tree names triangle {prim} of a mesh of {triangles}; give the mesh of the tree"
+        ));
+    }
     let mut blocks = Vec::new();
     huge_pages::reserve(&mut blocks, tree.blocks.len(), "corners of triangles");
     blocks.par_extend(tree.blocks.par_iter().map(|block| CornerBlock::of(block, mesh)));
-    blocks
+    Ok(blocks)
 }

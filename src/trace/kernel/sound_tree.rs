@@ -7,6 +7,7 @@ use crate::bvh::limits::{MAX_BLOCKS, check_width};
 use crate::bvh::saved::SavedError;
 use crate::bvh::{Child, Link, MAX_DEPTH, MAX_LEAF_BLOCKS, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Mesh;
+use crate::memory::{OutOfMemory, huge_pages, told};
 use std::path::Path;
 
 /// A tree whose links are in range, whose nodes have one parent each and whose inner levels do not exceed
@@ -28,10 +29,10 @@ impl<const N: usize, B> Clone for SoundTree<'_, N, B> {
 impl<const N: usize, B> Copy for SoundTree<'_, N, B> {}
 
 impl<'a, const N: usize, B> SoundTree<'a, N, B> {
-    /// Walks `tree` from the root.
+    /// Walks `tree` from the root. Unwinds to [`told`] where there is no memory for that.
     pub(super) fn new(tree: &'a WideBvh<N, B>) -> Result<Self, String> {
         const { check_width::<N>() };
-        let mut seen = vec![false; tree.nodes.len()];
+        let mut seen = huge_pages::filled(tree.nodes.len(), false, "the proof of a tree");
         let mut pending = vec![(tree.root, 0)];
         while let Some((link, level)) = pending.pop() {
             match link.get() {
@@ -132,9 +133,15 @@ impl<const N: usize, B> ProvenTree<N, B> {
     ///
     /// # Errors
     /// The flaw of a malformed tree: links out of range, shared or cyclic nodes, more than [`MAX_DEPTH`] inner levels.
+    /// Or no memory to walk it.
     pub fn new(tree: WideBvh<N, B>) -> Result<Self, String> {
-        SoundTree::new(&tree)?;
-        Ok(Self(tree))
+        Self::proven(tree).unwrap_or_else(|error| Err(error.to_string()))
+    }
+
+    /// The same, which tells a flaw from a lack of memory.
+    pub(crate) fn proven(tree: WideBvh<N, B>) -> Result<Result<Self, String>, OutOfMemory> {
+        let flaw = told(|| SoundTree::new(&tree).err())?;
+        Ok(flaw.map_or(Ok(Self(tree)), Err))
     }
 
     /// The tree, given back.

@@ -5,10 +5,10 @@ use super::avx2::{self, WatertightAvx2};
 use super::corners::{CornerBlock, corner_blocks};
 use super::scalar::WatertightScalar;
 use super::sound_tree::SoundTree;
-use super::tracer::sound;
 use super::traverse::{self, Query};
 use crate::bvh::WideBvh;
 use crate::geometry::{Aabb, Hit, Mesh, Ray, Tracer};
+use crate::memory::told;
 use crate::simd::Isa;
 
 /// Traces rays through a tree so that none slips through an edge or a vertex that triangles share, as with Embree's
@@ -35,15 +35,29 @@ impl<'a, const N: usize> WatertightTracer<'a, N> {
         Self::with_isa(tree, mesh, Isa::best())
     }
 
+    /// As [`WatertightTracer::new`] for a tree that may be of another mesh.
+    ///
+    /// # Errors
+    /// One line: a malformed tree, a triangle that `mesh` lacks, or no memory for the corners.
+    pub fn try_new(tree: &'a WideBvh<N>, mesh: &Mesh) -> Result<Self, String> {
+        told(|| Self::checked(tree, mesh, Isa::best())).unwrap_or_else(|error| Err(error.to_string()))
+    }
+
     /// As [`WatertightTracer::new`] with instructions of choice.
     ///
     /// # Panics
     /// As [`WatertightTracer::new`].
     pub fn with_isa(tree: &'a WideBvh<N>, mesh: &Mesh, isa: Isa) -> Self {
-        let blocks = corner_blocks(tree, mesh);
+        Self::checked(tree, mesh, isa).unwrap_or_else(|flaw| panic!("{flaw}"))
+    }
+
+    /// The tracer, or what is wrong with the tree. Unwinds to [`told`] where there is no memory.
+    fn checked(tree: &'a WideBvh<N>, mesh: &Mesh, isa: Isa) -> Result<Self, String> {
+        let sound = SoundTree::new(tree).map_err(|flaw| format!("malformed tree: {flaw}"))?;
+        let blocks = corner_blocks(tree, mesh)?;
         // AVX-512 would add nothing.
         let isa = isa.avx2().map_or(Isa::Scalar, Isa::Avx2);
-        Self { tree: sound(tree), blocks, bounds: mesh.bounds(), isa }
+        Ok(Self { tree: sound, blocks, bounds: mesh.bounds(), isa })
     }
 
     /// The instructions in use: those of choice, or AVX2's of a processor with AVX-512.
