@@ -2,6 +2,7 @@
 
 use super::WideBvh;
 use super::record::Record;
+use crate::memory::{OutOfMemory, huge_pages, told};
 use rayon::prelude::*;
 
 /// Records converted by a task.
@@ -22,16 +23,32 @@ impl<const N: usize, B: Record> WideBvh<N, B> {
         bytes(&self.nodes)
     }
 
+    /// The same where memory may not suffice.
+    ///
+    /// # Errors
+    /// No memory for the bytes.
+    pub fn try_node_bytes(&self) -> Result<Vec<u8>, OutOfMemory> {
+        told(|| self.node_bytes())
+    }
+
     /// The leaf blocks, little-endian. Of triangles, 160 bytes each: first corners, these less the second ones, the
     /// third ones less the first (each as all x, all y, all z of four triangles), and the triangles; of other
     /// primitives, 16 bytes: their numbers.
     pub fn block_bytes(&self) -> Vec<u8> {
         bytes(&self.blocks)
     }
+
+    /// The same where memory may not suffice.
+    ///
+    /// # Errors
+    /// As of [`WideBvh::try_node_bytes`].
+    pub fn try_block_bytes(&self) -> Result<Vec<u8>, OutOfMemory> {
+        told(|| self.block_bytes())
+    }
 }
 
 fn bytes<R: Record>(records: &[R]) -> Vec<u8> {
-    let mut bytes = vec![0; records.len() * R::BYTES];
+    let mut bytes = huge_pages::filled(records.len() * R::BYTES, 0u8, "a tree's bytes");
     records.par_chunks(CHUNK).zip(bytes.par_chunks_mut(CHUNK * R::BYTES)).for_each(|(records, bytes)| {
         records.iter().zip(bytes.chunks_mut(R::BYTES)).for_each(|(record, to)| record.put(to));
     });

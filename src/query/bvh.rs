@@ -192,7 +192,7 @@ impl TryFrom<Bvh4> for Bvh {
     /// Proves a builder's tree sound.
     fn try_from(tree: Bvh4) -> Result<Self, BvhError> {
         let places = places(&tree.blocks, triangles(&tree.blocks)?)?;
-        Ok(Self { tree: Tree::Four(ProvenTree::new(tree).map_err(BvhError::Malformed)?), places })
+        Ok(Self { tree: Tree::Four(ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?), places })
     }
 }
 
@@ -202,7 +202,7 @@ impl TryFrom<Bvh8> for Bvh {
     /// As from a 4-wide tree.
     fn try_from(tree: Bvh8) -> Result<Self, BvhError> {
         let places = places(&tree.blocks, triangles(&tree.blocks)?)?;
-        Ok(Self { tree: Tree::Eight(ProvenTree::new(tree).map_err(BvhError::Malformed)?), places })
+        Ok(Self { tree: Tree::Eight(ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?), places })
     }
 }
 

@@ -29,7 +29,7 @@ pub enum BvhError {
     NoSuchWidth(usize),
     /// Boxes that cannot be built over.
     #[error(transparent)]
-    Boxes(#[from] BoxesError),
+    Boxes(BoxesError),
     /// A transform under which no instance can be traced.
     #[error("the transform of instance {instance} is of no use: {reason}; leave the instance out")]
     Transform {
@@ -47,4 +47,14 @@ pub enum BvhError {
     /// The tree's links lead out of it or in circles, or it is too deep.
     #[error("malformed tree: {0}; check it by WideBvh::validate")]
     Malformed(String),
+}
+
+impl From<BoxesError> for BvhError {
+    /// No memory for boxes is no memory, as for a tree.
+    fn from(error: BoxesError) -> Self {
+        match error {
+            BoxesError::OutOfMemory(error) => Self::OutOfMemory(error),
+            BoxesError::Invalid { .. } | BoxesError::TooMany(_) => Self::Boxes(error),
+        }
+    }
 }

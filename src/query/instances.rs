@@ -3,6 +3,7 @@
 use super::placed::{Placed, Slabs};
 use super::{Bvh, BvhConfig, BvhError, Hit, PrimitiveBvh};
 use crate::geometry::{Aabb, Ray};
+use crate::memory::huge_pages;
 use glam::Affine3A;
 use std::borrow::Borrow;
 
@@ -66,8 +67,8 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
     /// objects stay as they are.
     ///
     /// # Errors
-    /// [`BvhError::Transform`]; the tree is then as before. [`BvhError::OutOfMemory`]; it is then empty, and may be
-    /// rebuilt.
+    /// [`BvhError::Transform`]; the tree is then as before. [`BvhError::OutOfMemory`]; it is then empty or as before,
+    /// and may be rebuilt.
     pub fn rebuild(&mut self, instances: Vec<Instance<B>>) -> Result<(), BvhError> {
         let placed = placed(instances)?;
         self.top.rebuild(&placed)?;
@@ -134,8 +135,11 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
 
 /// The instances, ready for rays.
 fn placed<B: Borrow<Bvh>>(instances: Vec<Instance<B>>) -> Result<Vec<Placed<B>>, BvhError> {
-    let place = |(instance, Instance { bvh, transform })| {
-        Placed::new(bvh, transform).map_err(|reason| BvhError::Transform { instance, reason })
-    };
-    instances.into_iter().enumerate().map(place).collect()
+    let mut placed = Vec::new();
+    huge_pages::try_reserve(&mut placed, instances.len(), "instances")?;
+    for (instance, Instance { bvh, transform }) in instances.into_iter().enumerate() {
+        let place = Placed::new(bvh, transform);
+        placed.push(place.map_err(|reason| BvhError::Transform { instance, reason })?);
+    }
+    Ok(placed)
 }

@@ -78,8 +78,8 @@ impl PrimitiveBvh {
     /// Builds the tree anew over other `primitives`, or the same ones that moved, in the memory of this one.
     ///
     /// # Errors
-    /// [`BvhError::Boxes`]; the tree is then as before. [`BvhError::OutOfMemory`]; it is then empty, and may be
-    /// rebuilt.
+    /// [`BvhError::Boxes`]; the tree is then as before. [`BvhError::OutOfMemory`]; it is then empty or as before, and
+    /// may be rebuilt.
     pub fn rebuild<P: Primitives>(&mut self, primitives: &P) -> Result<(), BvhError> {
         let boxes = Boxes::of(primitives)?;
         match &mut self.0 {
@@ -146,7 +146,7 @@ impl PrimitiveBvh {
 impl<const N: usize> Built<N> {
     fn new(boxes: &Boxes<'_>, name: &str) -> Result<Self, BvhError> {
         let mut builder = over_boxes(name).ok_or_else(|| BvhError::NoSuchBuilder(name.to_owned()))?;
-        let tree = ProvenTree::new(builder.try_build(boxes)?.tree).map_err(BvhError::Malformed)?;
+        let tree = ProvenTree::proven(builder.try_build(boxes)?.tree)?.map_err(BvhError::Malformed)?;
         Ok(Self { tree, name: name.to_owned(), builder: Mutex::new(builder) })
     }
 
@@ -158,7 +158,7 @@ impl<const N: usize> Built<N> {
         if built.is_err() {
             *builder = over_boxes(&self.name).ok_or_else(|| BvhError::NoSuchBuilder(self.name.clone()))?;
         }
-        self.tree = ProvenTree::new(built?.tree).map_err(BvhError::Malformed)?;
+        self.tree = ProvenTree::proven(built?.tree)?.map_err(BvhError::Malformed)?;
         Ok(())
     }
 }

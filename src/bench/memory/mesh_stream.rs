@@ -2,6 +2,7 @@
 //! read lies in memory of the right size, and loading leaves nothing behind.
 
 use crate::geometry::Mesh;
+use crate::memory::huge_pages;
 use std::io::{BufReader, BufWriter, Read, Write};
 
 /// Writes `mesh`.
@@ -25,28 +26,36 @@ pub fn write(mesh: &Mesh, output: impl Write) -> std::io::Result<()> {
 /// Reads a mesh.
 ///
 /// # Errors
-/// One line: an end too early, or no mesh.
+/// One line: an end too early, no mesh, or no memory for as much as is announced.
 pub fn read(input: impl Read) -> Result<Mesh, String> {
     let mut input = BufReader::with_capacity(1 << 20, input);
-    let mut read = || -> std::io::Result<_> {
-        let (vertices, triangles) =
-            (u64::from_le_bytes(next(&mut input)?), u64::from_le_bytes(next(&mut input)?));
-        if vertices > u64::from(u32::MAX) || triangles > Mesh::MAX_TRIANGLES as u64 {
-            return Err(std::io::Error::other("too many vertices or triangles"));
-        }
-        // One more, which a mesh appends.
-        let mut points = Vec::with_capacity(vertices as usize + 1);
-        for _ in 0..vertices {
-            points.push(three(&mut input, f32::from_le_bytes)?);
-        }
-        let mut indices = Vec::with_capacity(triangles as usize);
-        for _ in 0..triangles {
-            indices.push(three(&mut input, u32::from_le_bytes)?);
-        }
-        Ok((points, indices))
-    };
-    let (vertices, triangles) = read().map_err(|error| format!("standard input: {error}; give a mesh"))?;
+    let mut len = || next(&mut input).map(u64::from_le_bytes).map_err(wrong);
+    let (vertices, triangles) = (len()?, len()?);
+    if vertices > u64::from(u32::MAX) || triangles > Mesh::MAX_TRIANGLES as u64 {
+        return Err(wrong(std::io::Error::other("too many vertices or triangles")));
+    }
+    let vertices = list(&mut input, vertices, f32::from_le_bytes, "vertices")?;
+    let triangles = list(&mut input, triangles, u32::from_le_bytes, "triangles")?;
     Mesh::new(vertices, triangles).map(|(mesh, _)| mesh).map_err(|error| error.to_string())
+}
+
+fn wrong(error: std::io::Error) -> String {
+    format!("standard input: {error}; give a mesh")
+}
+
+/// So many threes, with room for one more: a mesh appends a vertex.
+fn list<T: Default + Copy>(
+    input: &mut impl Read,
+    len: u64,
+    of: fn([u8; 4]) -> T,
+    what: &'static str,
+) -> Result<Vec<[T; 3]>, String> {
+    let mut list = Vec::new();
+    huge_pages::try_reserve(&mut list, len as usize + 1, what).map_err(|error| error.to_string())?;
+    for _ in 0..len {
+        list.push(three(input, of).map_err(wrong)?);
+    }
+    Ok(list)
 }
 
 fn next<const N: usize>(input: &mut impl Read) -> std::io::Result<[u8; N]> {
@@ -77,5 +86,8 @@ mod tests {
         assert_eq!((read_again.vertices(), read_again.triangles()), (mesh.vertices(), mesh.triangles()));
         assert!(read(&bytes[..bytes.len() - 1]).unwrap_err().contains("standard input"));
         assert!(read(&[255; 16][..]).is_err());
+        // As much as may be announced: there is no memory for that, or it ends too early.
+        let most = [u64::from(u32::MAX), Mesh::MAX_TRIANGLES as u64].map(u64::to_le_bytes);
+        assert_eq!(read(most.as_flattened()).unwrap_err().lines().count(), 1);
     }
 }

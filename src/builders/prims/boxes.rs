@@ -5,6 +5,7 @@ use super::geometry::{Checked, Geometry};
 use crate::bvh::IdBlock;
 use crate::geometry::{Aabb, Mesh, Ray};
 use crate::memory::prefetch::line;
+use crate::memory::{OutOfMemory, huge_pages};
 use rayon::prelude::*;
 use std::fmt;
 use std::ops::Range;
@@ -84,6 +85,9 @@ pub enum BoxesError {
     /// More than every builder is sure to hold.
     #[error("{0} primitives are more than the 2^26 that any tree is sure to hold; divide them")]
     TooMany(usize),
+    /// No memory for them.
+    #[error(transparent)]
+    OutOfMemory(#[from] OutOfMemory),
 }
 
 /// The boxes of primitives, checked: what builders build over.
@@ -128,15 +132,18 @@ impl<'a> Boxes<'a> {
     /// Those of `primitives`, on the current rayon pool.
     ///
     /// # Errors
-    /// As [`Boxes::new`].
+    /// As [`Boxes::new`], and [`BoxesError::OutOfMemory`].
     pub fn of<P: Primitives>(primitives: &'a P) -> Result<Self, BoxesError> {
         let count = primitives.len();
         if count > Mesh::MAX_TRIANGLES {
             return Err(BoxesError::TooMany(count));
         }
-        let bounds = (0..count as u32).into_par_iter().with_min_len(1 << 10).map(|id| primitives.bounds(id));
+        let mut bounds: Vec<Aabb> = Vec::new();
+        huge_pages::try_reserve(&mut bounds, count, "boxes")?;
+        let ids = (0..count as u32).into_par_iter().with_min_len(1 << 10);
+        bounds.par_extend(ids.map(|id| primitives.bounds(id)));
         let splitter: Option<&dyn Primitives> = if primitives.splits() { Some(primitives) } else { None };
-        Ok(Self { splitter, ..Boxes::new(bounds.collect())? })
+        Ok(Self { splitter, ..Boxes::new(bounds)? })
     }
 
     /// The boxes.

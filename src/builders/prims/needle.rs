@@ -3,6 +3,7 @@
 use crate::builders::prims::refs::Fragment;
 use crate::geometry::Aabb;
 use crate::geometry::triangle_split::split_triangle;
+use crate::memory::huge_pages;
 use glam::Vec3A;
 
 /// Most times a triangle is halved.
@@ -82,7 +83,7 @@ impl Splitter {
                     continue;
                 }
             }
-            pieces.push(Fragment { bounds, prim: needle.prim });
+            huge_pages::push(pieces, Fragment { bounds, prim: needle.prim }, "pieces of needles");
         }
     }
 }

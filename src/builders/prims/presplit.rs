@@ -10,6 +10,7 @@
 use crate::builders::prims::needle::{Needle, Splitter};
 use crate::builders::prims::refs::{Fragment, GRAIN, PrimInfo};
 use crate::geometry::{Aabb, Mesh};
+use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
 use crate::parallel;
 use crate::parallel::ordered_append::{self, Chunk, Offset};
@@ -62,12 +63,13 @@ impl Presplit {
         let min_area = scene.half_area() * config.min_area;
         let chunks = mesh.triangles().par_chunks(GRAIN).enumerate();
         let needles: Vec<Vec<Needle>> = parallel::map(chunks, |(chunk, triangles)| {
-            let numbered = (chunk as u32 * GRAIN as u32..).zip(triangles);
-            numbered
-                .filter_map(|(prim, triangle)| {
-                    Needle::of(mesh.corners_of(triangle), prim, min_area, config.filled)
-                })
-                .collect()
+            let mut needles = Vec::new();
+            for (prim, triangle) in (chunk as u32 * GRAIN as u32..).zip(triangles) {
+                if let Some(needle) = Needle::of(mesh.corners_of(triangle), prim, min_area, config.filled) {
+                    huge_pages::push(&mut needles, needle, "needles");
+                }
+            }
+            needles
         });
         let count = needles.iter().map(|needles| needles.len() as u64).sum::<u64>();
         let pieces = needles.iter().flatten().map(Needle::most_pieces).sum::<u64>();

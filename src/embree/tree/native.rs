@@ -8,8 +8,11 @@ use super::layout::{Node, RootSlot, Triangle4, Unavailable};
 use crate::bvh::{Bvh4, Bvh8, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::embree::scene::{EmbreeScene, GEOMETRY};
 use crate::geometry::{Aabb, Mesh};
-use crate::memory::huge_pages;
+use crate::memory::{huge_pages, told};
 use glam::Vec3A;
+
+/// What memory is asked for.
+const COPY: &str = "a copy of Embree's tree";
 
 /// The tree of a scene built with [`crate::embree::Width::Four`].
 ///
@@ -35,10 +38,11 @@ fn read<const N: usize>(scene: &EmbreeScene<'_>) -> Result<WideBvh<N>, Unavailab
     let slot = RootSlot::find::<N>(scene)?;
     // SAFETY: the scene is live. The guards of `find` hold, so the root belongs to its tree, or to the one that
     // replaces it, and nothing changes it while the scene is borrowed.
-    unsafe { walk(slot.get(), scene.bounds(), scene.mesh()) }
+    let walked = told(|| unsafe { walk(slot.get(), scene.bounds(), scene.mesh()) });
+    walked.unwrap_or_else(Unavailable::because)
 }
 
-/// Copies the tree below `root`, over the triangles of `mesh`.
+/// Copies the tree below `root`, over the triangles of `mesh`. Unwinds to [`told`] where there is no memory for that.
 ///
 /// # Safety
 /// `root` refers to a finished tree of width `N` in Embree's layout, which nobody changes.
@@ -46,7 +50,7 @@ unsafe fn walk<const N: usize>(root: u64, bounds: Aabb, mesh: &Mesh) -> Result<W
     // Spatial splits add a fifth of the triangles at most; a walk that finds twice as many is lost.
     let limit = 2 * mesh.len() + 8;
     let mut tree = WideBvh { root: Link::EMPTY, bounds, nodes: Vec::new(), blocks: Vec::new() };
-    let mut seen = vec![false; mesh.len()];
+    let mut seen = huge_pages::filled(mesh.len(), false, COPY);
     let mut stack = vec![Visit { bits: root, depth: 0, parent: None }];
     while let Some(Visit { bits, depth, parent }) = stack.pop() {
         let link =
@@ -61,7 +65,7 @@ unsafe fn walk<const N: usize>(root: u64, bounds: Aabb, mesh: &Mesh) -> Result<W
                     // SAFETY: by the caller's promise a node of this width lies here; alignment is not assumed.
                     let node = unsafe { place.read_unaligned() };
                     let index = tree.nodes.len();
-                    tree.nodes.push(convert(&node));
+                    huge_pages::push(&mut tree.nodes, convert(&node), COPY);
                     let visits = node.children.iter().enumerate();
                     stack.extend(
                         visits.rev().filter(|(_, bits)| **bits != reference::EMPTY).map(|(slot, &bits)| {
@@ -80,7 +84,8 @@ unsafe fn walk<const N: usize>(root: u64, bounds: Aabb, mesh: &Mesh) -> Result<W
                             std::ptr::with_exposed_provenance(address + block * size_of::<Triangle4>());
                         // SAFETY: by the caller's promise `count` blocks lie here; references keep them aligned.
                         let block = unsafe { place.read() };
-                        tree.blocks.push(check_block(&block, mesh, &mut seen)?);
+                        let block = check_block(&block, mesh, &mut seen)?;
+                        huge_pages::push(&mut tree.blocks, block, COPY);
                     }
                     Link::leaf(first, count)
                 }
@@ -99,7 +104,7 @@ unsafe fn walk<const N: usize>(root: u64, bounds: Aabb, mesh: &Mesh) -> Result<W
 /// The same elements where Embree and our builders keep theirs: a copy on small pages would be slower to trace.
 fn on_huge_pages<T>(mut elements: Vec<T>) -> Vec<T> {
     let mut moved = Vec::new();
-    huge_pages::reserve(&mut moved, elements.len(), "a tree's copy");
+    huge_pages::reserve(&mut moved, elements.len(), COPY);
     moved.append(&mut elements);
     moved
 }

@@ -8,7 +8,9 @@ use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::{GRAIN, PrimInfo, PrimRefs};
 use crate::bvh::limits::CLUSTER_DEPTH;
 use crate::geometry::Aabb;
+use crate::memory::huge_pages;
 use crate::parallel;
+use crate::parallel::timeline::{fork, task};
 use rayon::prelude::*;
 
 /// A reference with its box.
@@ -25,8 +27,10 @@ pub(crate) fn binned_sah<G: Geometry>(
     keys: &mut [MortonKey],
     pairs: &mut [[Node; 2]],
 ) -> Option<Node> {
-    let mut items: Vec<Item> =
-        parallel::map(keys.par_iter().with_min_len(GRAIN), |&key| (key, refs.bounds(reference(key))));
+    let mut items: Vec<Item> = Vec::new();
+    huge_pages::reserve(&mut items, keys.len(), "references with their boxes");
+    let of_keys = keys.par_iter().with_min_len(GRAIN);
+    fork(|| items.par_extend(of_keys.map(|&key| task(|| (key, refs.bounds(reference(key)))))));
     let root = (!items.is_empty()).then(|| build(config, &mut items, (0, 0), 0, pairs));
     keys.iter_mut().zip(&items).for_each(|(key, item)| *key = item.0);
     root
@@ -69,10 +73,19 @@ fn split(config: &BinnedSahConfig, items: &mut [Item]) -> Option<usize> {
     let bins = in_parts(items, bins).into_iter().reduce(|a, b| a.union(&b))?;
     let plane = bins.cheapest()?;
     let is_left = |item: &Item| binning.bin(item.1, plane.axis) < plane.bin;
-    let (left, right): (Vec<Item>, Vec<Item>) = items.iter().partition(|item| is_left(item));
-    items[..left.len()].copy_from_slice(&left);
-    items[left.len()..].copy_from_slice(&right);
-    Some(left.len())
+    let (mut left, mut right) = (0, Vec::new());
+    huge_pages::reserve(&mut right, items.len(), "references on the right");
+    for at in 0..items.len() {
+        let item = items[at];
+        if is_left(&item) {
+            items[left] = item;
+            left += 1;
+        } else {
+            right.push(item);
+        }
+    }
+    items[left..].copy_from_slice(&right);
+    Some(left)
 }
 
 /// What `f` makes of parts of the items, in order.
