@@ -14,28 +14,48 @@ struct Case {
     edge: usize,
     /// Rays per thousand that hit something, at least: where none does, nothing is compared.
     hit: usize,
+    /// Rays per thousand that Embree's robust kernel may answer wrongly: far from the origin of a ray it rounds by more
+    /// than a small triangle.
+    robust: usize,
+}
+
+/// Rays with the answers that are held to be right.
+struct Asked<'a> {
+    rays: &'a [Ray],
+    hits: Vec<Hit>,
+    shadows: Vec<bool>,
+}
+
+impl<'a> Asked<'a> {
+    fn of(reference: &dyn Tracer, rays: &'a [Ray]) -> Self {
+        Self { rays, hits: closest(reference, rays), shadows: any(reference, rays) }
+    }
 }
 
 /// Holds the answers of every instruction set, width and kernel, of brute force and of Embree to those of our
 /// scalar kernel over four children.
 fn agree(case: &Case, mesh: &Mesh, rays: &[Ray]) {
-    let Case { what, edge, hit } = *case;
+    let Case { what, edge, hit, robust } = *case;
     let (four, eight) = (median_tree::<4>(mesh, 4), median_tree::<8>(mesh, 11));
     let reference = BvhTracer::with_isa(&four, Isa::Scalar);
-    let (hits, shadows) = (closest(&reference, rays), any(&reference, rays));
-    let found = hits.iter().filter(|hit| hit.is_hit()).count();
+    let asked = Asked::of(&reference, rays);
+    let found = asked.hits.iter().filter(|hit| hit.is_hit()).count();
     assert!(found * 1000 >= hit * rays.len(), "{what}: {found} of {} rays hit", rays.len());
-    let check = |name: &str, tracer: &dyn Tracer| {
+    let compare = |name: &str, tracer: &dyn Tracer, asked: &Asked<'_>, wrong: usize| {
+        let Asked { rays, hits, shadows } = asked;
         let found = closest(tracer, rays);
-        let verdict = compare_closest(mesh, rays, &hits, &found);
-        assert!(verdict.is_ok() && verdict.edge * 1000 <= edge * rays.len(), "{what}, {name}: {verdict}");
+        let verdict = compare_closest(mesh, rays, hits, &found);
+        let [is_right, is_sure] = [(verdict.mismatched, wrong), (verdict.edge, edge)]
+            .map(|(count, most)| count * 1000 <= most * rays.len());
+        assert!(is_right && is_sure, "{what}, {name}: {verdict}");
         let occluded = any(tracer, rays);
-        let verdict = compare_any(mesh, rays, &shadows, &occluded, witness(&[&reference, tracer]));
-        assert!(verdict.is_ok(), "{what}, {name}, any hit: {verdict}");
-        for ((hit, shadow), ray) in found.iter().zip(occluded).zip(rays) {
+        let verdict = compare_any(mesh, rays, shadows, &occluded, witness(&[&reference, tracer]));
+        assert!(verdict.mismatched * 1000 <= wrong * rays.len(), "{what}, {name}, any hit: {verdict}");
+        for ((hit, shadow), ray) in found.iter().zip(occluded).zip(*rays) {
             assert_eq!(hit.is_hit(), shadow, "{what}, {name}: closest and any hit disagree on {ray:?}");
         }
     };
+    let check = |name: &str, tracer: &dyn Tracer| compare(name, tracer, &asked, 0);
     for isa in Isa::available() {
         check(&format!("{isa}, width 4"), &BvhTracer::with_isa(&four, isa));
         check(&format!("{isa}, width 8"), &BvhTracer::with_isa(&eight, isa));
@@ -49,9 +69,14 @@ fn agree(case: &Case, mesh: &Mesh, rays: &[Ray]) {
     for width in phr::embree::Width::ALL {
         use phr::embree::{Config, Device, EmbreeBuilder};
         let config = Config { builder: EmbreeBuilder::Sah, width, threads: 2 };
-        for device in [Device::new(&config), Device::robust(&config)].map(Result::unwrap) {
-            check(device.config(), &device.prepare(mesh).unwrap().commit().unwrap());
-        }
+        let device = Device::new(&config).unwrap();
+        check(device.config(), &device.prepare(mesh).unwrap().commit().unwrap());
+        // Embree's robust kernel takes a hit at the very start of the interval, too: these begin behind it.
+        let behind: Vec<Ray> =
+            rays.iter().map(|ray| Ray { tnear: ray.tnear.max(f32::MIN_POSITIVE), ..*ray }).collect();
+        let device = Device::robust(&config).unwrap();
+        let scene = device.prepare(mesh).unwrap().commit().unwrap();
+        compare(device.config(), &scene, &Asked::of(&reference, &behind), robust);
     }
 }
 
@@ -75,7 +100,7 @@ fn over_random_rays_at_all_scales() {
             let [tnear, tfar] = [ray.tnear * scale, ray.tfar * scale];
             Ray { org: ray.org * scale, tnear, tfar, ..*ray }
         });
-        let case = |what| Case { what, edge: 5, hit: 300 };
+        let case = |what| Case { what, edge: 5, hit: 300, robust: 0 };
         agree(&case("scenes scaled"), &mesh, &unscaled.collect::<Vec<_>>());
         let scaled = random.iter().map(|ray| Ray { org: ray.org * scale, dir: ray.dir * scale, ..*ray });
         agree(&case("directions scaled with the scene"), &mesh, &scaled.collect::<Vec<_>>());
@@ -90,7 +115,7 @@ fn over_rays_along_axes() {
             dir[random.below(3)] = if random.unit() < 0.5 { -1.0 } else { 2.0 };
             ray_of(1.5 * random.point(-1.0, 1.0), dir)
         });
-        agree(&Case { what: "along axes", edge: 20, hit: 300 }, &mesh, &rays);
+        agree(&Case { what: "along axes", edge: 20, hit: 300, robust: 0 }, &mesh, &rays);
     }
 }
 
@@ -103,7 +128,7 @@ fn over_rays_in_planes_of_triangles() {
             let org = a + u * (b - a) + v * (c - a);
             ray_of(org, a + random.unit() * (b - a) + random.unit() * (c - a) - org)
         });
-        agree(&Case { what: "in planes", edge: 500, hit: 300 }, &mesh, &rays);
+        agree(&Case { what: "in planes", edge: 500, hit: 300, robust: 0 }, &mesh, &rays);
     }
 }
 
@@ -115,7 +140,7 @@ fn over_rays_from_far_away() {
         let org = 1e6 * away;
         ray_of(org, random.point(-1.0, 1.0) - org)
     });
-    agree(&Case { what: "from far away", edge: 200, hit: 300 }, &mesh, &rays);
+    agree(&Case { what: "from far away", edge: 200, hit: 300, robust: 1 }, &mesh, &rays);
 }
 
 #[test]
@@ -131,7 +156,7 @@ fn over_denormal_and_zero_components() {
             org[random.below(3)] = tiny[random.below(tiny.len())];
             ray_of(org, dir)
         });
-        agree(&Case { what: "tiny components", edge: 30, hit: 300 }, &mesh, &rays);
+        agree(&Case { what: "tiny components", edge: 30, hit: 300, robust: 0 }, &mesh, &rays);
     }
 }
 
