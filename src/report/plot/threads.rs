@@ -4,9 +4,11 @@ use super::chart::{GREY, INK, SMALL, sheet};
 use super::raster::text_width;
 use super::svg::{Anchor, Shape};
 use super::ticks::ticks;
+use crate::bench::rounds::paired;
 use crate::bench::row::Row;
-use crate::bench::statistics::geometric_mean;
+use crate::report::figures::interval::{Interval, Noise, SceneRatio};
 use crate::report::figures::{Tree, scenes, tree_name, trees};
+use crate::report::means::Ratios;
 
 const LENGTH: f64 = 620.0;
 const LINE: f64 = 30.0;
@@ -16,7 +18,7 @@ const COLOUR: &str = "#0072b2";
 /// The speedup of a tree's builds in a scene.
 struct Speedup {
     threads: u32,
-    value: f64,
+    ratio: SceneRatio,
 }
 
 /// The figure; `None` unless some builds were timed on one thread and on several.
@@ -24,22 +26,25 @@ pub fn threads(rows: &[Row]) -> Option<String> {
     let of_tree = |tree| (tree, speedups(rows, tree));
     let lines: Vec<(Tree<'_>, Vec<Speedup>)> =
         trees(rows).into_iter().map(of_tree).filter(|(_, speedups)| !speedups.is_empty()).collect();
-    let counts = {
-        let mut counts: Vec<u32> =
-            lines.iter().flat_map(|(_, speedups)| speedups).map(|speedup| speedup.threads).collect();
-        counts.sort_unstable();
-        counts.dedup();
-        counts
-    };
+    let all = || lines.iter().flat_map(|(_, speedups)| speedups);
+    let mut counts: Vec<u32> = all().map(|speedup| speedup.threads).collect();
+    counts.sort_unstable();
+    counts.dedup();
     let most_threads = *counts.last()?;
+    let means: Vec<Vec<Mean>> = lines.iter().map(|(_, speedups)| means(speedups, &counts)).collect();
     let left = 34.0 + lines.iter().map(|(tree, _)| text_width(&tree_name(*tree), SMALL)).fold(0.0, f64::max);
     let bottom = TOP + lines.len() as f64 * LINE;
-    let values = || lines.iter().flat_map(|(_, speedups)| speedups).map(|speedup| speedup.value);
-    let (least, most) =
-        (0.97 * values().fold(1.0, f64::min), 1.03 * values().fold(f64::from(most_threads), f64::max));
+    let intervals = || means.iter().flatten().filter_map(|mean| mean.interval);
+    let ends = intervals().flat_map(|interval| [interval.low, interval.high]);
+    let values: Vec<f64> = all().map(|speedup| speedup.ratio.value).chain(ends).collect();
+    let (least, most) = values
+        .into_iter()
+        .fold((1.0_f64, f64::from(most_threads)), |(least, most), value| (least.min(value), most.max(value)));
+    let (least, most) = (0.97 * least, 1.03 * most);
     let told: Vec<String> = counts.iter().map(ToString::to_string).collect();
+    let with = if intervals().next().is_some() { " with its 95 % interval" } else { "" };
     let about = format!(
-        "fresh builds on {} threads, {} scenes (grey, on {most_threads}) and their geometric mean (blue), logarithmic",
+        "fresh builds on {} threads, {} scenes (grey, on {most_threads}) and their geometric mean{with} (blue), logarithmic",
         told.join(", "),
         scenes(rows).len()
     );
@@ -59,21 +64,37 @@ pub fn threads(rows: &[Row]) -> Option<String> {
         "",
     );
     svg.frame((left, TOP), (LENGTH, bottom - TOP), "#b3b3b3");
-    for (line, (tree, speedups)) in lines.iter().enumerate() {
+    for (line, ((tree, speedups), means)) in lines.iter().zip(&means).enumerate() {
         let y = TOP + (line as f64 + 0.5) * LINE;
         svg.text((left - 10.0, y + 4.5), Anchor::End, SMALL, INK, &tree_name(*tree), "");
         for speedup in speedups.iter().filter(|speedup| speedup.threads == most_threads) {
-            svg.point((x(speedup.value), y + 6.0), Shape::Circle, 2.4, GREY, true);
+            svg.point((x(speedup.ratio.value), y + 6.0), Shape::Circle, 2.4, GREY, true);
         }
-        for &count in &counts {
-            let of_count = speedups.iter().filter(|speedup| speedup.threads == count);
-            let values: Vec<f64> = of_count.map(|speedup| speedup.value).collect();
-            if let Some(mean) = geometric_mean(&values) {
-                svg.point((x(mean), y - 4.0), Shape::Diamond, 4.6, COLOUR, false);
+        for Mean { value, interval } in means {
+            if let Some(Interval { low, high }) = interval {
+                svg.line(&[(x(*low), y - 4.0), (x(*high), y - 4.0)], COLOUR, 2.5, "");
             }
+            svg.point((x(*value), y - 4.0), Shape::Diamond, 4.6, COLOUR, false);
         }
     }
     Some(svg.finish())
+}
+
+/// The geometric mean of the speedups by a number of threads.
+struct Mean {
+    value: f64,
+    /// `None` where too little is known.
+    interval: Option<Interval>,
+}
+
+fn means(speedups: &[Speedup], counts: &[u32]) -> Vec<Mean> {
+    let mean = |&count: &u32| {
+        let of_count = speedups.iter().filter(|speedup| speedup.threads == count);
+        let ratios = Ratios(of_count.map(|speedup| speedup.ratio.clone()).collect());
+        let interval = ratios.interval(ratios.over()).filter(|interval| interval.high.is_finite());
+        Some(Mean { value: ratios.geometric()?, interval })
+    };
+    counts.iter().filter_map(mean).collect()
 }
 
 /// The speedups of a tree, scene by scene, by more threads than one.
@@ -85,19 +106,34 @@ fn speedups(rows: &[Row], tree: Tree<'_>) -> Vec<Speedup> {
     for scene in scenes(rows) {
         let of_scene = rows.iter().filter(is_of_tree).filter(|row| row.scene == scene);
         // A tree has a row for each kernel, all with the same builds.
-        let mut times: Vec<(u32, f64)> =
-            of_scene.filter_map(|row| Some((row.threads, row.build_ms_median?))).collect();
-        times.sort_by_key(|(threads, _)| *threads);
-        times.dedup_by_key(|(threads, _)| *threads);
-        let Some(&(1, alone)) = times.first() else { continue };
-        all.extend(times[1..].iter().map(|&(threads, ms)| Speedup { threads, value: alone / ms }));
+        let mut builds: Vec<&Row> = of_scene.filter(|row| row.build_ms().is_some()).collect();
+        builds.sort_by_key(|row| row.threads);
+        builds.dedup_by_key(|row| row.threads);
+        if let Some((alone, several)) = builds.split_first().filter(|(alone, _)| alone.threads == 1) {
+            all.extend(several.iter().filter_map(|several| speedup(alone, several)));
+        }
     }
     all
+}
+
+/// How many times as fast as `alone` the builds of `several` threads are; both are timed in each round of a run.
+fn speedup(alone: &Row, several: &Row) -> Option<Speedup> {
+    let (one, more) = (alone.build_ms()?, several.build_ms()?);
+    let pairs = match alone.run_id == several.run_id {
+        true => paired(&alone.by_round.build, &several.by_round.build),
+        false => Vec::new(),
+    };
+    let (value, noise) = (one.median / more.median, Noise::of(&one, &more, pairs));
+    Some(Speedup {
+        threads: several.threads,
+        ratio: SceneRatio { scene: several.scene.clone(), value, noise },
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bench::rounds::RowRounds;
 
     #[test]
     fn builds_on_one_thread_are_set_beside_those_on_more() {
@@ -105,9 +141,36 @@ mod tests {
         assert!(threads(&[row(2, 10.0)]).is_none());
         let rows = [row(2, 10.0), row(1, 18.0), row(4, 6.0), row(4, 6.0)];
         let told: Vec<(u32, f64)> =
-            speedups(&rows, ("lbvh", 4)).iter().map(|speedup| (speedup.threads, speedup.value)).collect();
+            speedups(&rows, ("lbvh", 4)).iter().map(|it| (it.threads, it.ratio.value)).collect();
         assert_eq!(told, [(2, 1.8), (4, 3.0)]);
         let svg = threads(&rows).unwrap();
         assert!(svg.contains("on 2, 4 threads") && svg.contains(">lbvh<"), "{svg}");
+    }
+
+    #[test]
+    fn means_have_intervals_over_scenes_and_paired_rounds() {
+        let row = |scene: &str, threads, times: [f64; 3]| {
+            let build = (0..).zip(times).collect();
+            let by_round = RowRounds { build, ..RowRounds::default() };
+            let scene = scene.into();
+            Row { scene, threads, by_round, ..Row::by_hand("lbvh", 4, "none", times[1], 1.0) }
+        };
+        // Drift from round to round hits both.
+        let rows = [
+            row("a", 1, [9.0, 18.0, 36.0]),
+            row("a", 2, [5.0, 10.0, 20.0]),
+            row("b", 1, [8.0, 16.0, 32.0]),
+            row("b", 2, [5.0, 10.0, 20.0]),
+        ];
+        let both = speedups(&rows, ("lbvh", 4));
+        let mean = |speedups: &[Speedup]| means(speedups, &[2]).remove(0);
+        let Mean { value, interval } = mean(&both[..1]);
+        let Interval { low, high } = interval.unwrap();
+        assert!((value - 1.8).abs() < 1e-9 && (low - 1.8).abs() < 1e-9 && (high - 1.8).abs() < 1e-9);
+        let Interval { low, high } = mean(&both).interval.unwrap();
+        assert!(low < 1.65 && 1.75 < high, "{low} {high}");
+        let svg = threads(&rows).unwrap();
+        assert!(svg.contains("with its 95 % interval (blue)"), "{svg}");
+        assert_eq!(svg.matches("stroke-width=\"2.5\"").count(), 1, "{svg}");
     }
 }
