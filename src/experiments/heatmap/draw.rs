@@ -76,7 +76,8 @@ pub fn draw(panels: &[Panel]) -> Result<Vec<u8>, RasterError> {
         svg.text((x, (bar_top + BAR + 20) as f64), Anchor::Middle, SMALL, INK, &steps.to_string(), "");
     }
     let beside = ((GAP + bar + 14) as f64, (bar_top + BAR - 4) as f64);
-    svg.text(beside, Anchor::Start, SMALL, INK, "steps; more than the most have its colour", "");
+    let legend = format!("steps per ray; yellow: {} or more", first.scale);
+    svg.text(beside, Anchor::Start, SMALL, INK, &legend, "");
     png_with(&svg.finish(), 1.0, &patches)
 }
 
