@@ -85,6 +85,11 @@ pub fn above_from(a: &[f64], b: &[f64]) -> Option<usize> {
     (from < a.len().min(b.len())).then_some(from)
 }
 
+/// The frame from which on a frame takes longer than one of `base`.
+pub fn loses_from(track: &Track<'_>, base: &Track<'_>, rays: Option<f64>) -> Option<usize> {
+    above_from(&smoothed(&track.totals(rays)), &smoothed(&base.totals(rays)))
+}
+
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;

@@ -1,7 +1,7 @@
-//! Draws an animation: for each scene the time of all frames so far, relative to one contestant's, that of each
-//! frame, and the steps of a ray.
+//! Draws an animation: for each scene the time of all frames so far, relative to one contestant's, with marks where
+//! refitting begins to lose, that of each frame, and the steps of a ray.
 
-use super::compared::{Track, rebuilt, smoothed, tracks};
+use super::compared::{Track, loses_from, rebuilt, smoothed, tracks};
 use super::entrant::{Entrant, Update};
 use super::records::FrameRow;
 use crate::bench::cell::place;
@@ -10,6 +10,12 @@ use crate::report::plot::chart::{Across, Front, INK, Line, Panel, Point, Range, 
 use crate::report::plot::labels::Rect;
 use crate::report::plot::raster::text_width;
 use crate::report::plot::svg::{Anchor, Shape};
+
+/// Size of the texts in a panel.
+const FONT: f64 = 12.0;
+/// What a diamond in the panels of all frames so far means.
+const LOSES: &str =
+    "from here on a frame takes longer than with the same builder's rebuilding, medians of five frames";
 
 /// The line of a contestant: a colour by its builder, after Okabe and Ito, and dashes by how it follows.
 fn line(entrant: &Entrant) -> Line {
@@ -55,7 +61,11 @@ pub fn draw(rows: &[FrameRow]) -> Option<String> {
     entrants.sort_by_key(|entrant| place(&entrant.builder));
     let (inside, pitch, left) = ((500.0, 330.0), (580.0, 420.0), 80.0);
     let wide = left + 3.0 * pitch.0 - 60.0;
-    let places = key(&entrants, wide);
+    let mut names: Vec<String> = entrants.iter().map(|entrant| entrant.name()).collect();
+    if scenes.iter().any(|(_, tracks)| !losers(tracks).is_empty()) {
+        names.push(LOSES.into());
+    }
+    let places = key(&names, wide);
     let top = places.last().map_or(78.0, |(_, y)| *y) + 62.0;
     let about = format!(
         "build + trace, {}-wide trees, {} threads, {} thousand rays a frame, traces under {}; left: all frames so far, \
@@ -67,10 +77,15 @@ pub fn draw(rows: &[FrameRow]) -> Option<String> {
     );
     let size = (wide, top + scenes.len() as f64 * pitch.1 + 10.0);
     let mut svg = sheet(size, "Trees that follow a moving scene", &[&about]);
-    for (entrant, (x, y)) in entrants.iter().zip(&places) {
-        let Line { colour, width, more } = line(entrant);
-        svg.line(&[(*x, *y), (x + 40.0, *y)], colour, width, more);
-        svg.text((x + 46.0, y + 4.5), Anchor::Start, SMALL, INK, &entrant.name(), "");
+    for (index, (name, (x, y))) in names.iter().zip(&places).enumerate() {
+        match entrants.get(index) {
+            Some(entrant) => {
+                let Line { colour, width, more } = line(entrant);
+                svg.line(&[(*x, *y), (x + 40.0, *y)], colour, width, more);
+            }
+            None => svg.point((x + 32.0, *y), Shape::Diamond, 0.36 * FONT, INK, false),
+        }
+        svg.text((x + 46.0, y + 4.5), Anchor::Start, SMALL, INK, name, "");
     }
     for (index, (scene, tracks)) in scenes.iter().enumerate() {
         for (column, panel) in panels(scene, tracks, index + 1 == scenes.len()).into_iter().enumerate() {
@@ -105,12 +120,12 @@ fn thousands_of_rays(rows: &[FrameRow]) -> String {
     if least < most { format!("{least} to {most}") } else { most.to_string() }
 }
 
-/// Where the lines of the key begin.
-fn key(entrants: &[&Entrant], wide: f64) -> Vec<(f64, f64)> {
+/// Where the entries of the key begin.
+fn key(names: &[String], wide: f64) -> Vec<(f64, f64)> {
     let (mut x, mut y) = (26.0, 78.0);
     let mut places = Vec::new();
-    for entrant in entrants {
-        let width = 72.0 + text_width(&entrant.name(), SMALL);
+    for name in names {
+        let width = 72.0 + text_width(name, SMALL);
         if x + width > wide - 20.0 {
             (x, y) = (26.0, y + 20.0);
         }
@@ -118,6 +133,15 @@ fn key(entrants: &[&Entrant], wide: f64) -> Vec<(f64, f64)> {
         x += width;
     }
     places
+}
+
+/// Those whose frames take longer than with their builder's rebuilding from some frame on, with that frame.
+fn losers<'a, 'b>(tracks: &'b [Track<'a>]) -> Vec<(&'b Track<'a>, usize)> {
+    let loser = |track: &'b Track<'a>| {
+        let base = rebuilt(tracks, &track.entrant)?;
+        Some((track, loses_from(track, base, None)?))
+    };
+    tracks.iter().filter_map(loser).collect()
 }
 
 /// The panels of a scene.
@@ -149,18 +173,23 @@ fn panels(scene: &str, tracks: &[Track<'_>], is_last: bool) -> [Panel; 3] {
             fronts.push(Front { through, line });
         }
         range.y = (range.y.0 / 1.04, range.y.1 * 1.04);
-        Panel { title, axes: (across.into(), up), range, across: Across::Linear, fronts, points, font: 12.0 }
+        Panel { title, axes: (across.into(), up), range, across: Across::Linear, fronts, points, font: FONT }
     };
     let of_frame = |track: &Track<'_>| smoothed(&track.totals(None));
     let least = of_frame(base).first().copied().unwrap_or(1.0);
     let steps = base.steps().first().copied().unwrap_or(1.0);
+    let mut all = panel(
+        format!("{scene}, {triangles} k triangles: all frames so far"),
+        format!("time relative to {}", base.entrant.name()),
+        &relative,
+        1.0,
+    );
+    all.points.extend(losers(tracks).into_iter().map(|(track, frame)| {
+        let (at, colour) = ((frame as f64, relative(track)[frame]), line(&track.entrant).colour);
+        Point { at, shape: Shape::Diamond, colour, is_hollow: false, label: None, interval: None }
+    }));
     [
-        panel(
-            format!("{scene}, {triangles} k triangles: all frames so far"),
-            format!("time relative to {}", base.entrant.name()),
-            &relative,
-            1.0,
-        ),
+        all,
         panel(format!("{scene}: each frame"), "build + trace, ms".into(), &of_frame, least),
         panel(format!("{scene}: steps of a ray"), "steps".into(), &|track| track.steps(), steps),
     ]
@@ -191,7 +220,24 @@ mod tests {
         for title in [">s: each frame<", ">s, its static part kept: each frame<"] {
             assert!(svg.contains(title), "{title}: {svg}");
         }
+        assert!(!svg.contains(LOSES) && !svg.contains("<polygon"), "nobody loses: {svg}");
         assert!(draw(&rows("lbvh", Update::Refit, &[(1.0, 2.0)])).is_some(), "one frame");
         assert!(draw(&[]).is_none());
+    }
+
+    #[test]
+    fn the_frame_is_marked_from_which_refitting_loses() {
+        let refit: Vec<(f64, f64)> = (0..20).map(|i| (1.0, 10.0 + f64::from(i))).collect();
+        let all =
+            [rows("phr-fast", Update::Rebuild, &[(8.0, 10.0); 20]), rows("phr-fast", Update::Refit, &refit)]
+                .concat();
+        let tracks = tracks(&all, "s");
+        let losers: Vec<(Update, usize)> =
+            losers(&tracks).into_iter().map(|(track, frame)| (track.entrant.update, frame)).collect();
+        assert_eq!(losers, [(Update::Refit, 8)]);
+        let svg = draw(&all).unwrap();
+        let marks: Vec<&str> = svg.lines().filter(|line| line.starts_with("<polygon")).collect();
+        assert!(svg.contains("than with the same builder's rebuilding"), "{svg}");
+        assert!(marks.len() == 2 && marks[1].contains("fill=\"#d55e00\""), "{marks:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! What following an animation found, in words made from its rows.
 
-use super::compared::{Track, above_from, rebuilt, smoothed, tracks};
+use super::compared::{Track, above_from, loses_from, rebuilt, tracks};
 use super::entrant::{Entrant, Update};
 use super::records::FrameRow;
 use crate::bench::statistics::arithmetic_mean;
@@ -81,11 +81,6 @@ fn table(tracks: &[Track<'_>]) -> String {
 /// The mean over the frames after the first; of the first where there is no other.
 fn later(values: &[f64]) -> f64 {
     arithmetic_mean(values.get(1..).filter(|rest| !rest.is_empty()).unwrap_or(values)).unwrap_or(0.0)
-}
-
-/// The frame from which on a frame takes longer than one of `base`.
-fn loses_from(track: &Track<'_>, base: &Track<'_>, rays: Option<f64>) -> Option<usize> {
-    above_from(&smoothed(&track.totals(rays)), &smoothed(&base.totals(rays)))
 }
 
 /// Who takes the least time for all frames.

@@ -250,3 +250,51 @@ fn steps(built: &BuiltTree<'_>, recorded: &[ViewRays], pools: &Pools) -> Option<
     }
     (rays > 0).then(|| figures(steps as f64 / rays as f64))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builders;
+    use crate::scene::animated_by_name;
+    use rayon::ThreadPool;
+    use std::time::Duration;
+
+    /// Keeps the tree of the mesh as it once was.
+    struct Idle(Mesh);
+
+    impl Contestant for Idle {
+        fn update(&mut self, _: &Mesh, _: &ThreadPool) -> Result<Duration, String> {
+            Ok(Duration::from_millis(1))
+        }
+
+        fn show(
+            &mut self,
+            mesh: &Mesh,
+            see: &mut dyn FnMut(&BuiltTree<'_>) -> Result<(), String>,
+        ) -> Result<(), String> {
+            let tree = builders::by_name::<4>("lbvh").unwrap().build(&self.0).tree;
+            see(&BuiltTree::of(mesh, Ok(tree.into()), None))
+        }
+    }
+
+    #[test]
+    fn a_tree_that_answers_wrongly_fails_in_its_frame_and_is_left_out() {
+        let animation = animated_by_name("burst").unwrap().generate(2000);
+        let (entrants, kernel, trace) = (Vec::new(), Kernel::Phr, Settings::new(16, 1, 1, 2));
+        let settings = AnimationSettings { entrants, frames: 3, rounds: 2, width: 4, kernel, trace };
+        let pools = Pools::new(&settings.trace).unwrap();
+        let entrant = Entrant { builder: "lbvh".into(), ..Entrant::default() };
+        let mut all = [0, 1].map(|_| Measured::new(&FrameRow::default(), &entrant));
+        let (mut scene, mut rows) = (animation.scene.clone(), Vec::new());
+        all[0].contestant = Some(contestant(&entrant, 4, &scene.mesh, (animation.fixed, 2)).unwrap());
+        all[1].contestant = Some(Box::new(Idle(scene.mesh.clone())));
+        for frame in 1..settings.frames {
+            scene.mesh.move_vertices(&animation.vertices(0.5 * frame as f32)).unwrap();
+            follow(&mut all, &scene, (frame, animation.fixed), &settings, &pools).unwrap();
+            rows.extend(all.iter_mut().filter_map(Measured::finish));
+        }
+        let told: Vec<(u32, bool)> = rows.iter().map(|row| (row.frame, row.verified)).collect();
+        assert_eq!(told, [(1, true), (1, false), (2, true)]);
+        assert!(rows[1].error.starts_with("wrong hits: ") && rows[1].trace_ms.is_none(), "{:?}", rows[1]);
+    }
+}
