@@ -36,7 +36,12 @@ pub struct Mean {
     pub value: f64,
     /// Over scenes and rounds, or over rounds where there is one scene; nothing where too little is known.
     pub interval: Option<Interval>,
+    /// What the interval is over.
+    pub over: Over,
 }
+
+/// In a table, behind an interval over rounds alone.
+pub const OF_ROUNDS: &str = ", rounds";
 
 impl<'a> Compared<'a> {
     /// The ratios of trees of `width`, those of traces over whole frames where the scenes have them; `None` if
@@ -76,7 +81,7 @@ impl Mean {
 
     fn over(ratios: &Ratios, over: Over) -> Option<Self> {
         let interval = ratios.interval(over).filter(|interval| interval.high.is_finite());
-        Some(Self { value: ratios.geometric()?, interval })
+        Some(Self { value: ratios.geometric()?, interval, over })
     }
 
     /// The mean over the scenes `among` those of the rows, which know their triangles. Of the paper's scenes it is
@@ -96,6 +101,12 @@ impl Mean {
     pub fn shown(&self) -> String {
         let interval = self.interval.map_or_else(|| "[?]".into(), |interval| interval.shown(2));
         format!("{:.2} {interval}", self.value)
+    }
+
+    /// The same in a table, which says where the interval is over rounds alone.
+    pub fn cell(&self) -> String {
+        let is_of_rounds = self.over == Over::Rounds && self.interval.is_some();
+        self.shown() + if is_of_rounds { OF_ROUNDS } else { "" }
     }
 
     /// Whether the mean is within a range: the whole interval is, or none of it, or that is not known.
@@ -132,9 +143,9 @@ mod tests {
         let comparison = Comparison { changed: "aac".into(), base: "phr-fast".into(), expected: Vec::new() };
         let scenes = SceneFigures::all(&rows);
         let compared = Compared::of(&comparison, FIGURES, &scenes, 4, &Under::best(&rows)).unwrap();
-        let mean = |figure| Mean::of(compared.of_figure(figure).unwrap()).map(|mean| mean.shown());
-        assert_eq!(mean(Figure::Steps).as_deref(), Some("1.50 [1.50, 1.50]"));
-        assert_eq!(mean(Figure::Trace).as_deref(), Some("3.00 [3.00, 3.00]"));
+        let mean = |figure| Mean::of(compared.of_figure(figure).unwrap());
+        assert_eq!(mean(Figure::Steps).map(|mean| mean.shown()).as_deref(), Some("1.50 [1.50, 1.50]"));
+        assert_eq!(mean(Figure::Trace).map(|mean| mean.cell()).as_deref(), Some("3.00 [3.00, 3.00], rounds"));
         assert_eq!(mean(Figure::Cost), None, "the rows have no cost");
         assert!(Compared::of(&comparison, OF_TREES, &scenes, 8, &Under::best(&rows)).is_none());
     }
@@ -158,5 +169,8 @@ mod tests {
         assert_eq!(mean(LARGE), Some(200.0));
         assert_eq!(mean(Among::Paper(&["San Miguel"])), Some(100.0));
         assert_eq!(mean(Among::Paper(&["Hairball"])), None);
+        let over = |among| Mean::among(&ratios, among, &rows).map(|mean| mean.over);
+        assert_eq!(over(Among::All), Some(Over::ScenesAndRounds));
+        assert_eq!(over(Among::Paper(&["San Miguel", "Powerplant"])), Some(Over::Rounds));
     }
 }

@@ -1,6 +1,6 @@
 //! What an experiment found, in words made from its rows.
 
-use super::compared::{Compared, Mean, name};
+use super::compared::{Compared, Mean, OF_ROUNDS, name};
 use super::experiment::{Comparison, Experiment};
 use crate::bench::row::Row;
 use crate::report::ablation::Ablation;
@@ -21,7 +21,9 @@ pub fn findings(experiment: &Experiment, rows: &[Row], width: u32) -> String {
         .filter_map(|comparison| Compared::of(comparison, experiment.figures, &scenes, width, &under))
         .collect();
     let mut text = heading(experiment, &own, width, &under);
-    text += &(means(&compared) + "\n" + &claims(&compared, rows));
+    let told = means(&compared) + "\n" + &claims(&compared, rows);
+    text += &told;
+    text += remark(&told);
     if let Some(more) = experiment.more {
         text += &format!("{}\n", more(rows, width, &under));
     }
@@ -78,7 +80,7 @@ fn means(compared: &[Compared<'_>]) -> String {
     for one in compared {
         let Comparison { changed, base, .. } = one.comparison;
         let means =
-            one.ratios.iter().map(|(_, ratios)| Mean::of(ratios).map_or_else(String::new, |m| m.shown()));
+            one.ratios.iter().map(|(_, ratios)| Mean::of(ratios).map_or_else(String::new, |m| m.cell()));
         let ends = one.of_figure(Figure::Steps).and_then(|steps| steps.least().zip(steps.worst()));
         let range = ends.map_or_else(String::new, |(least, most)| {
             format!("{:.2} {} to {:.2} {}", least.value, least.scene, most.value, most.scene)
@@ -107,7 +109,7 @@ fn claims(compared: &[Compared<'_>], rows: &[Row]) -> String {
                 let ratios = one.of_figure(figure);
                 let mean = ratios.and_then(|ratios| Mean::among(ratios, expectation.among, rows));
                 let verdict = mean.map_or("was not measured", |mean| mean.verdict(expectation.range));
-                let shown = mean.map_or_else(String::new, |mean| mean.shown());
+                let shown = mean.map_or_else(String::new, |mean| mean.cell());
                 let paper = expectation.among.of_paper(one.comparison, figure);
                 let paper = paper.map_or_else(String::new, |ratio| format!("{ratio:.2}"));
                 let says = [expectation.says, name(figure), changed, base].map(String::from);
@@ -116,6 +118,15 @@ fn claims(compared: &[Compared<'_>], rows: &[Row]) -> String {
         }
     }
     if grid.is_empty() { String::new() } else { grid.markdown() + "\n" }
+}
+
+/// What intervals over rounds mean, below tables that have some.
+fn remark(tables: &str) -> &'static str {
+    if !tables.contains(OF_ROUNDS) {
+        return "";
+    }
+    "rounds: an interval over the rounds of these very scenes alone, as another measurement of them would give; it says \
+     nothing of other scenes.\n\n"
 }
 
 /// Rows without figures, so that none is missed.
@@ -145,4 +156,38 @@ fn tables(comparisons: &[Comparison], rows: &[Row], width: u32) -> String {
         Ablation::of(rows, &name(base), &names).ok().map(|table| table.text())
     };
     bases.iter().filter_map(table).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::compared::FIGURES;
+    use super::super::list::by_name;
+    use super::*;
+    use crate::report::figures::{GRAFTED, PHR};
+
+    fn rows(builder: &str, scene: &str, build: f64) -> [Row; 2] {
+        [GRAFTED, PHR]
+            .map(|kernel| Row { scene: scene.into(), ..Row::by_hand(builder, 4, kernel, build, 10.0) })
+    }
+
+    #[test]
+    fn intervals_over_rounds_alone_are_told() {
+        let comparisons = (by_name("grid").unwrap().comparisons)();
+        let comparison = &comparisons[0];
+        let of = |scene: &str| {
+            [rows(&comparison.changed, scene, 6.0), rows(&comparison.base, scene, 10.0)].concat()
+        };
+        let told = |rows: &[Row]| {
+            let under = Under::best(rows);
+            let compared = [Compared::of(comparison, FIGURES, &SceneFigures::all(rows), 4, &under).unwrap()];
+            [means(&compared), claims(&compared, rows)]
+        };
+        // The claims are about scenes of the paper.
+        let [of_all, of_paper] = told(&[of("sanmiguel-like"), of("rooms")].concat());
+        assert!(of_all.contains(" 0.60 [0.60, 0.60] |") && remark(&of_all).is_empty(), "{of_all}");
+        assert!(of_paper.contains(" 0.60 [0.60, 0.60], rounds |"), "{of_paper}");
+        assert!(remark(&of_paper).starts_with("rounds: "));
+        let [of_one, _] = told(&of("rooms"));
+        assert!(of_one.contains(" 0.60 [0.60, 0.60], rounds |"), "{of_one}");
+    }
 }
