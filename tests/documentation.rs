@@ -84,9 +84,10 @@ fn plots_are_drawn_from_the_rows() {
 
 #[test]
 fn heat_maps_are_drawn_from_their_counts() {
-    for records in
-        results("experiments/heatmap").iter().filter(|file| file.extension().is_some_and(|it| it == "csv"))
-    {
+    let mut records = results("experiments/heatmap");
+    records.retain(|file| file.extension().is_some_and(|ending| ending == "csv"));
+    assert!(!records.is_empty());
+    for records in records {
         phr(&["heatmap", "--check", "-o", records.with_extension("png").to_str().unwrap()]);
     }
 }
@@ -103,17 +104,24 @@ fn figures_of_experiments_are_drawn_from_their_records() {
     // Heat maps are made by a verb of their own.
     let names: Vec<String> = names.filter(|name| name != "heatmap").collect();
     assert!(!names.is_empty());
-    for name in names {
+    let check = |name: &String| {
         // Those over stand-ins for the paper's scenes have folders of their own.
-        let experiment = name.strip_suffix("-paper").unwrap_or(&name);
+        let experiment = name.strip_suffix("-paper").unwrap_or(name);
         let folder = format!("results/experiments/{name}");
         // Those of the paper's methods are told from the reference run, or from the paper's protocol.
         let has_records =
-            ["rows.csv", &format!("{name}.csv")].iter().any(|file| all.join(&name).join(file).is_file());
+            ["rows.csv", &format!("{name}.csv")].iter().any(|file| all.join(name).join(file).is_file());
         let run = if experiment == name { "results/reference" } else { "results/paper-protocol" };
         let rows = if has_records { &[][..] } else { &["--rows", run] };
         phr(&[&["experiment", experiment, "--check", "--out", &folder], rows].concat());
-    }
+    };
+    // Two at a time: each draws its pixels on one thread.
+    let check = &check;
+    std::thread::scope(|scope| {
+        for half in names.chunks(names.len().div_ceil(2)) {
+            scope.spawn(move || half.iter().for_each(check));
+        }
+    });
 }
 
 #[test]

@@ -84,12 +84,18 @@ fn an_experiment_is_a_verified_run_with_findings_and_figures() {
     std::fs::write(results.join("effects.svg"), "other").unwrap();
     assert_eq!(phr(folder, &["experiment", "spatial-splits", "--check"]).status.code(), Some(1));
     std::fs::write(results.join("effects.svg"), &drawn).unwrap();
+    let picture = bytes(&results, "effects.png");
+    std::fs::write(results.join("effects.png"), "other").unwrap();
+    let output = phr(folder, &["experiment", "spatial-splits", "--check"]);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && error.contains("effects.png: not the figure"), "{error}");
     let findings = bytes(&results, FINDINGS);
     std::fs::write(results.join(FINDINGS), "other").unwrap();
     assert_eq!(phr(folder, &["experiment", "spatial-splits", "--check"]).status.code(), Some(1));
     let again = told(folder, &["experiment", "spatial-splits", "--redraw"]);
     assert!(text.ends_with(&again), "after the tables of the run the same:\n{text}\n{again}");
     assert_eq!(bytes(&results, "effects.svg"), drawn);
+    assert_eq!(bytes(&results, "effects.png"), picture);
     assert_eq!(bytes(&results, FINDINGS), findings);
 }
 
@@ -169,6 +175,21 @@ fn trees_follow_a_moving_scene_and_every_frame_is_verified() {
     assert_eq!(phr(folder, &["animate", "--check"]).status.code(), Some(1));
     assert_eq!(told(folder, &["animate", "--redraw"]), text);
     assert_eq!(bytes(&results, "animation.svg"), drawn);
+    std::fs::write(results.join("animation.png"), "other").unwrap();
+    let output = phr(folder, &["animate", "--check"]);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && error.contains("animation.png: not the figure"), "{error}");
+
+    // One contestant's wrong answers make the whole run an error.
+    let mut rows = rows;
+    let last = rows.last_mut().unwrap();
+    (last.verified, last.error) = (false, "wrong hits: one".into());
+    records::write(&results.join(records::ANIMATION), &rows).unwrap();
+    let output = phr(folder, &["animate", "--redraw"]);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && error.contains("1 contestants failed"), "{error}");
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert!(told.contains(" failed in frame 2: wrong hits: one"), "{told}");
 }
 
 #[test]

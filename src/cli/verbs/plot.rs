@@ -21,7 +21,7 @@ pub struct Arguments {
     /// embree-grafted if the run has it, else own]
     #[arg(long, value_name = "KERNEL")]
     kernel: Option<String>,
-    /// Draw nothing; fail if the SVG files there are not those of the CSV
+    /// Draw nothing; fail if the SVG and PNG files there are not those of the CSV
     #[arg(long)]
     check: bool,
 }
@@ -67,7 +67,7 @@ pub fn draw(drawings: &[Drawing], folder: &Path) -> Result<Vec<PathBuf>, Failure
     Ok(files)
 }
 
-/// Fails at the first SVG in `folder` that differs from its drawing.
+/// Fails at the first SVG or PNG in `folder` that differs from its drawing.
 ///
 /// # Errors
 /// That file.
@@ -75,11 +75,20 @@ pub fn check(drawings: &[Drawing], folder: &Path) -> Result<(), Failure> {
     for drawing in drawings {
         let svg = folder.join(drawing.name).with_extension("svg");
         if std::fs::read_to_string(&svg).unwrap_or_default() != drawing.svg {
-            let svg = svg.display();
-            return Err(Failure::Wrong(format!(
-                "{svg}: not the figure of these rows; draw it again with `phr plot` or --redraw"
-            )));
+            return Err(stale(&svg));
+        }
+    }
+    // Texts are compared in no time, pixels are not.
+    for drawing in drawings {
+        let png = folder.join(drawing.name).with_extension("png");
+        if !raster::shows(&std::fs::read(&png).unwrap_or_default(), &drawing.svg)? {
+            return Err(stale(&png));
         }
     }
     Ok(())
+}
+
+fn stale(file: &Path) -> Failure {
+    let file = file.display();
+    Failure::Wrong(format!("{file}: not the figure of these rows; draw it again with `phr plot` or --redraw"))
 }

@@ -44,6 +44,16 @@ fn the_command_draws_and_checks() {
     assert_eq!(phr(&["plot", "rows.csv"], folder.path()).0, 0);
     assert_eq!(std::fs::read(folder.path().join("figure6.png")).unwrap(), first);
 
+    // A picture of another figure, and none.
+    for picture in [std::fs::read(folder.path().join("figure6-paper.png")).unwrap(), Vec::new()] {
+        std::fs::write(folder.path().join("figure6.png"), picture).unwrap();
+        let (code, output) = phr(&["plot", ".", "--check"], folder.path());
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(code == 1 && error.contains("figure6.png: not the figure of these rows"), "{error}");
+    }
+    std::fs::write(folder.path().join("figure6.png"), first).unwrap();
+    assert_eq!(phr(&["plot", ".", "--check"], folder.path()).0, 0);
+
     let mut changed = rows();
     changed.iter_mut().filter(|row| row.builder == "phr-hq").for_each(|row| row.trace_ms_median = Some(17.0));
     row::write(&folder.path().join(ROWS), &changed).unwrap();
