@@ -89,8 +89,8 @@ impl Tree {
     /// The best place for node `index`, of gain 0 if none is better than its own, by branch and bound: first below
     /// its sibling, then level by level up, beside and below the siblings of its ancestors.
     ///
-    /// On the way down `saved` is the area gained by removing the subtree, less the growth of the nodes above the place so
-    /// far. The new node there costs at least the subtree's own area.
+    /// On the way down `saved` is the area gained by removing the subtree, less the growth of the nodes above the
+    /// place so far. The new node there costs at least the subtree's own area.
     fn search(&self, index: u32, stack: &mut Vec<(f32, u32)>) -> Move {
         let bounds = self.node(index).bounds();
         let own = bounds.half_area();
