@@ -118,7 +118,7 @@ pub fn beside_mean(ratio: &SceneRatio, scenes: usize, mean: f64, digits: usize) 
 
 const NOT_TOLD_APART: &str = ", not told apart";
 /// What [`beside_mean`] shows.
-pub const WORST: &str = "worst: the scene of the largest ratio, with its own 95 % interval over rounds; not told apart: from the mean, which that interval holds.";
+pub const WORST: &str = "worst: the largest ratio of a scene, with its own 95 % interval over rounds; not told apart: that interval includes the mean.";
 
 /// The tables of means: build time, cost, frame and trace time; nothing without Embree SAH.
 pub fn means(rows: &[Row], under: &Under) -> String {

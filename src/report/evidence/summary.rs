@@ -63,12 +63,12 @@ pub fn summary(
         let scenes = scenes(rows).len();
         let reused = if rows.iter().any(|row| row.regime == WARM) { ", our builds in reused memory" } else { "" };
         format!(
-            " (withheld: {scenes}, which nobody who tuned has seen, on another machine, revision {revision}{reused})"
+            " Withheld: {scenes} other scenes, not seen by those who tuned, on another machine, revision {revision}{reused}."
         )
     });
     Ok(format!(
-        "{}\nRelative to Embree SAH, 4-wide: geometric means over {} scenes{withheld}, {threads} threads; in brackets 95 % \
-         intervals over scenes and rounds. 4-wide trees, and 8-wide ones (/ 8). Traces: {}. {WORST}\n",
+        "{}\nRelative to Embree SAH, 4-wide: less is better. Geometric means over {} scenes, {threads} threads; in brackets \
+         95 % intervals. Trees are 4-wide, or 8-wide (/ 8). Traces: {}.{withheld} {WORST}\n",
         grid.markdown(),
         scenes(rows).len(),
         under.about()
