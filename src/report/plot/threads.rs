@@ -118,7 +118,9 @@ fn speedups(rows: &[Row], tree: Tree<'_>) -> Vec<Speedup> {
 
 /// How many times as fast as `alone` the builds of `several` threads are; both are timed in each round of a run.
 fn speedup(alone: &Row, several: &Row) -> Option<Speedup> {
-    let (one, more) = (alone.build_ms()?, several.build_ms()?);
+    // A time of zero has no place on a logarithmic axis.
+    let build = |row: &Row| row.build_ms().filter(|ms| ms.median > 0.0 && ms.median.is_finite());
+    let (one, more) = (build(alone)?, build(several)?);
     let pairs = match alone.run_id == several.run_id {
         true => paired(&alone.by_round.build, &several.by_round.build),
         false => Vec::new(),
@@ -143,6 +145,7 @@ mod tests {
         let told: Vec<(u32, f64)> =
             speedups(&rows, ("lbvh", 4)).iter().map(|it| (it.threads, it.ratio.value)).collect();
         assert_eq!(told, [(2, 1.8), (4, 3.0)]);
+        assert!(threads(&[row(1, 18.0), row(2, 0.0)]).is_none(), "a time of zero");
         let svg = threads(&rows).unwrap();
         assert!(svg.contains("on 2, 4 threads") && svg.contains(">lbvh<"), "{svg}");
     }
