@@ -1,5 +1,5 @@
 //! Builders with changed fields over a triangle soup: refused in one line, or a valid tree whose hits are those of
-//! brute force, differences judged by the oracle.
+//! brute force, differences judged by the oracle: it lets rays hit or miss at edges, and near triangles without area.
 
 #![no_main]
 

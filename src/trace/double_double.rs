@@ -38,6 +38,12 @@ impl From<f32> for DoubleDouble {
     }
 }
 
+impl From<f64> for DoubleDouble {
+    fn from(x: f64) -> Self {
+        Self { high: x, low: 0.0 }
+    }
+}
+
 impl Neg for DoubleDouble {
     type Output = Self;
 

@@ -17,6 +17,7 @@ mod lights;
 pub mod oracle;
 mod path;
 mod pixel_random;
+mod segment;
 pub mod verify;
 
 pub use crate::simd::Isa;

@@ -40,10 +40,10 @@ pub struct Verdict {
     /// The same distance but another triangle, which also lies there: coplanar or adjacent faces.
     pub ties: usize,
     /// Only rounding decides: the nearer hit (or the only one) is in the band along its triangle's border,
-    /// at an end of the ray's interval, or at grazing incidence.
+    /// at an end of the ray's interval, or at grazing incidence, or its triangle has no area but that band.
     pub edge: usize,
     /// Exact arithmetic finds one answer wrong by more than that, but single precision gives it: the computed normal
-    /// of a thin triangle is off.
+    /// of a thin triangle is off, or of one without area is a mere rounding error.
     pub near_misses: usize,
     /// Everything else.
     pub mismatched: usize,
@@ -186,8 +186,12 @@ fn classify(mesh: &Mesh, ray: &Ray, a: &Hit, b: &Hit, model: Model) -> Class {
     if same_distance {
         return Class::Tie;
     }
-    // May the nearer one be missed, or found as far away as the other?
-    let blurred = farther.is_some_and(|farther| farther.t - farther.t_slack <= nearer.t + nearer.t_slack);
+    // May the nearer one be missed, or found as far away as the other? Where nothing bounds the other's distance, it
+    // counts as reported: no distance of its own excuses that a nearer, certain hit was passed over.
+    let blurred = farther.is_some_and(|farther| {
+        let from = if farther.t_slack.is_finite() { farther.t - farther.t_slack } else { far.t.into() };
+        from <= nearer.t + nearer.t_slack
+    });
     if blurred || !nearer.is_certain() { Class::Edge } else { Class::Mismatch }
 }
 
