@@ -63,7 +63,8 @@ pub fn summary(
         let scenes = scenes(rows).len();
         let reused = if rows.iter().any(|row| row.regime == WARM) { ", our builds in reused memory" } else { "" };
         format!(
-            " Withheld: {scenes} other scenes, not seen by those who tuned, on another machine, revision {revision}{reused}."
+            " Withheld: {scenes} other scenes, not seen by those who tuned, but for five in a probe for phr-turbo, on \
+             another machine, revision {revision}{reused}."
         )
     });
     Ok(format!(

@@ -2,11 +2,11 @@
 //! [`averaged`] shows the trees of both widths, [`beside_paper`] the 4-wide ones beside the paper's points, and
 //! [`by_scene`] every scene by itself.
 
-use super::chart::{Across, Front, Panel, Point, Range, SMALL, sheet, style};
+use super::chart::{Across, Front, INK, Panel, Point, Range, SMALL, sheet, style};
 use super::key::{Entry, key, shapes};
 use super::labels::Rect;
 use super::pareto::front;
-use super::svg::Svg;
+use super::svg::{Anchor, Svg};
 use crate::bench::row::Row;
 use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, WIDTH, scenes, tree_name, trees};
 use crate::report::means::Ratios;
@@ -14,6 +14,9 @@ use crate::report::paper;
 
 /// Panels side by side.
 const ABREAST: usize = 3;
+
+/// From where an interval that reaches zero is drawn, as a share of its mean: logarithmic axes have no zero.
+const CUT: f64 = 0.2;
 
 /// The averaged figure, arithmetic means as in the paper; `None` if the run has no point for it.
 pub fn averaged(rows: &[Row], under: &Under) -> Option<String> {
@@ -92,6 +95,8 @@ pub fn by_scene(rows: &[Row], under: &Under) -> Option<String> {
 struct TreePoint<'a> {
     tree: Tree<'a>,
     point: Point,
+    /// An end of its interval is at [`CUT`], not where it was measured.
+    is_cut: bool,
 }
 
 impl<'a> TreePoint<'a> {
@@ -99,7 +104,8 @@ impl<'a> TreePoint<'a> {
     fn new(tree: Tree<'a>, at: (f64, f64), label: String) -> Self {
         let (shape, colour) = style(tree.0);
         let is_hollow = tree.1 != WIDTH;
-        Self { tree, point: Point { at, shape, colour, is_hollow, label: Some(label), interval: None } }
+        let point = Point { at, shape, colour, is_hollow, label: Some(label), interval: None };
+        Self { tree, point, is_cut: false }
     }
 }
 
@@ -114,13 +120,12 @@ fn mean_points<'a>(rows: &'a [Row], under: &Under, keep: impl Fn(Tree<'_>) -> bo
         let traced = trace.0.len().min(build.0.len());
         let of = if traced < count { format!(" ({traced} of {count})") } else { String::new() };
         let mut point = TreePoint::new(tree, at, tree_name(tree) + &of);
-        let ends = |ratios: &Ratios, mean: f64| {
-            let interval = ratios.arithmetic_interval()?;
-            // That of few scenes unlike each other may reach below zero, where such an axis has no place.
-            Some((if interval.low > 0.0 { interval.low } else { 0.2 * mean }, interval.high))
-        };
-        if tree != BASELINE {
-            point.point.interval = ends(&build, at.0).zip(ends(&trace, at.1)).map(|(x, y)| [x, y]);
+        let intervals = build.arithmetic_interval().zip(trace.arithmetic_interval());
+        if let Some((across, up)) = intervals.filter(|_| tree != BASELINE) {
+            // That of few scenes unlike each other may reach below zero.
+            let low = |low: f64, mean: f64| if low > 0.0 { low } else { CUT * mean };
+            point.is_cut = across.low <= 0.0 || up.low <= 0.0;
+            point.point.interval = Some([(low(across.low, at.0), across.high), (low(up.low, at.1), up.high)]);
         }
         Some(point)
     };
@@ -213,6 +218,7 @@ fn one_panel(
     if points.is_empty() {
         return None;
     }
+    let is_cut = points.iter().any(|point| point.is_cut);
     let points: Vec<Point> = points.into_iter().map(|point| point.point).collect();
     let range = Range::of(&points);
     let panel = Panel {
@@ -236,6 +242,10 @@ fn one_panel(
         entries,
     );
     panel.draw(&mut svg, Rect { x: 78.0, y: 134.0, width: 716.0, height: 516.0 });
+    if is_cut {
+        let note = format!("intervals that reach zero are drawn from {CUT} of their mean");
+        svg.text((20.0, 711.0), Anchor::Start, SMALL, INK, &note, "");
+    }
     Some(svg.finish())
 }
 
@@ -271,6 +281,12 @@ mod tests {
         let rows = [&sah[..], &others].concat();
         let under = Under::One("phr".into());
         assert!(mean_points(&rows, &under, |_| true).iter().any(|point| point.point.interval.is_some()));
+        let tells_of_cuts =
+            |rows: &[Row]| averaged(rows, &under).is_some_and(|svg| svg.contains("from 0.2 of their mean"));
+        assert!(tells_of_cuts(&rows));
+        let alike = [&sah[..], &[row("a", "lbvh", 5.0), row("b", "lbvh", 5.1)]].concat();
+        assert!(averaged(&alike, &under).unwrap().contains("with their 95 % intervals"));
+        assert!(!tells_of_cuts(&alike));
         for svg in [averaged(&rows, &under), by_scene(&rows, &under)] {
             let svg = svg.unwrap();
             assert!(svg.contains(">lbvh") && !svg.contains("NaN") && !svg.contains("inf"), "{svg}");
