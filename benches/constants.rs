@@ -1,5 +1,5 @@
 //! What neighbours of the constants that were chosen by looking at scenes give: a line of CSV for each constant,
-//! value and scene. `cargo bench --bench constants -- [--rounds=N] [--only=PRESET] SCENE...`, generators' names or
+//! value and scene, and a last one with their number. `cargo bench --bench constants -- [--rounds=N] [--only=PRESET] SCENE...`, generators' names or
 //! files; costs and counts are exact, build times are the least of N rounds (3) in which the preset and its variant
 //! take turns, none with `--rounds=0`. Trees are 4-wide; the costs of a collapse are those of a width, and looked
 //! at for 8-wide trees too.
@@ -154,13 +154,14 @@ fn build<const N: usize>(
     (ms, exact)
 }
 
+/// Prints a line for each value of the constants. Returns how many.
 fn compare<const N: usize>(
     scene: &Scene,
     rays: &[(RayKind, Vec<Ray>)],
     preset: Preset,
     constants: &[Constant],
     rounds: usize,
-) {
+) -> usize {
     let mut base = preset.builder::<N>();
     let (_, exact) = build(&mut *base, &scene.mesh, Some(rays));
     let of_base = exact.expect("asked for");
@@ -182,6 +183,7 @@ fn compare<const N: usize>(
             println!("{},{},{N},{constant},{value},{ratios},{build}", scene.name, preset.name);
         }
     }
+    constants.iter().map(|(_, values, _)| values.len()).sum()
 }
 
 fn main() {
@@ -198,6 +200,7 @@ fn main() {
         ("phr-best", OptimisedPhrConfig::DEFAULT, true, &BEST, &COSTS),
     ];
     println!("scene,preset,width,constant,value,sah,refs_per_tri,node_visits,block_tests,build");
+    let mut lines = 0;
     for name in names {
         let scene = match scene::generator(&name) {
             Some(generator) => generator.generate(),
@@ -215,10 +218,11 @@ fn main() {
         for (name, config, is_optimised, constants, costs) in presets {
             if only.is_none_or(|only| only == name) {
                 let preset = Preset { name, config, is_optimised };
-                compare::<4>(&scene, &rays, preset, constants, rounds);
-                compare::<4>(&scene, &rays, preset, costs, rounds);
-                compare::<8>(&scene, &rays, preset, costs, rounds);
+                lines += compare::<4>(&scene, &rays, preset, constants, rounds);
+                lines += compare::<4>(&scene, &rays, preset, costs, rounds);
+                lines += compare::<8>(&scene, &rays, preset, costs, rounds);
             }
         }
     }
+    println!("# rows: {lines}");
 }

@@ -30,7 +30,7 @@ fn a_heat_map_is_drawn_again_from_the_files_beside_it() {
     let text = told(folder, &[&["heatmap", "scalable-2k"], &builders[..], &size[..]].concat());
     assert!(text.contains("lbvh / 4: build") && text.contains("phr-hq / 4: build"), "{text}");
     let csv = String::from_utf8(bytes(folder, "map.csv")).unwrap();
-    assert_eq!(csv.lines().count(), 3, "{csv}");
+    assert_eq!(csv.lines().count(), 4, "{csv}");
     let first = bytes(folder, "map.png");
     std::fs::remove_file(folder.join("map.png")).unwrap();
     told(folder, &["heatmap", "--redraw", "-o", "map.png"]);

@@ -5,6 +5,7 @@
 mod advice;
 mod by_hand;
 mod cli;
+mod cut_files;
 mod experiments;
 #[cfg(unix)]
 mod faults;

@@ -107,7 +107,7 @@ pub fn attach(folder: &Path) {
     let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20\" height=\"10\"><rect width=\"20\" height=\"10\"/></svg>";
     let experiments = folder.join("experiments");
     std::fs::create_dir(&experiments).unwrap();
-    std::fs::write(experiments.join("alpha-delta.csv"), "alpha,delta,ms\n0.55,6,12.5\n").unwrap();
+    std::fs::write(experiments.join("alpha-delta.csv"), "alpha,delta,ms\n0.55,6,12.5\n# rows: 1\n").unwrap();
     std::fs::write(experiments.join("alpha-delta.svg"), svg).unwrap();
     let pixels = phr::report::plot::raster::png(svg).unwrap();
     std::fs::write(folder.join("heatmap.png"), pixels).unwrap();

@@ -2,7 +2,7 @@
 //! run. Shards of unlike machines are merged apart: their times are not averaged.
 
 use super::environment::{ENVIRONMENT, Environment, Machine, State};
-use super::files::{RecordsError, Written, new_folder, write_json};
+use super::files::{RecordsError, new_folder, write_json};
 use super::phases::{self, PHASES};
 use super::results_dir;
 use super::rounds::ROUNDS;
@@ -198,8 +198,8 @@ fn write(parts: &[&Part], scenes: &[String], folder: &Path) -> Result<PathBuf, R
     let after = parts.iter().filter_map(|part| part.environment.after.clone());
     environment.after = after.max_by(|a, b| a.utc.cmp(&b.utc));
     environment.notes = parts.iter().flat_map(|part| part.environment.notes.clone()).collect();
-    let phases = Some(phases::write(folder, &phases)?);
-    environment.written = Some(Written { phases, ..row::write_all(folder, &rows)? });
+    phases::write(folder, &phases)?;
+    environment.written = Some(row::write_all(folder, &rows)?);
     write_json(&folder.join(ENVIRONMENT), &environment)?;
     Ok(folder.to_owned())
 }

@@ -1,7 +1,6 @@
 //! `phases.csv`: what the parts of each build took. `results/README.md` describes the columns.
 
 use super::files::{MEASURE, RecordsError, read_csv_file, write_csv};
-use super::row::written_beside;
 use super::samples::{CellSamples, Samples};
 use super::statistics::{Summary, figures};
 use serde::{Deserialize, Serialize};
@@ -72,15 +71,21 @@ fn medians(cell: &CellSamples) -> Vec<(String, f64)> {
     all.into_iter().filter_map(median).collect()
 }
 
-/// Writes the phases to `folder`, if there are any. Returns how many.
+/// Writes the phases to `folder`; where there are none, an older file is removed.
 ///
 /// # Errors
 /// An unwritable place.
-pub fn write(folder: &Path, rows: &[PhaseRow]) -> Result<usize, RecordsError> {
+pub fn write(folder: &Path, rows: &[PhaseRow]) -> Result<(), RecordsError> {
+    let path = folder.join(PHASES);
     if !rows.is_empty() {
-        write_csv(&folder.join(PHASES), rows)?;
+        return write_csv(&path, rows);
     }
-    Ok(rows.len())
+    match std::fs::remove_file(&path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+            Err(RecordsError::Io { path, source, remedy: "remove it, or give another folder with --out" })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Reads the phases beside the rows in the folder, or beside the file, `path`; none of runs that have no such file.
@@ -89,15 +94,7 @@ pub fn write(folder: &Path, rows: &[PhaseRow]) -> Result<usize, RecordsError> {
 /// A malformed, cut or empty file, and figures that cannot be.
 pub fn read(path: &Path) -> Result<Vec<PhaseRow>, RecordsError> {
     let path = if path.is_dir() { path.join(PHASES) } else { path.with_file_name(PHASES) };
-    if !path.is_file() {
-        return Ok(Vec::new());
-    }
-    let rows = read_csv_file(&path, MEASURE)?;
-    let found = rows.len();
-    match written_beside(&path)?.and_then(|written| written.phases) {
-        Some(written) if written != found => Err(RecordsError::Cut { path, found, written }),
-        _ => Ok(rows),
-    }
+    if path.is_file() { read_csv_file(&path, MEASURE) } else { Ok(Vec::new()) }
 }
 
 #[cfg(test)]
@@ -142,5 +139,7 @@ mod tests {
         // A name may look like a number.
         std::fs::write(&path, whole.replace(",s,", ",inf,")).unwrap();
         assert_eq!(read(folder.path()).unwrap()[0].scene, "inf");
+        write(folder.path(), &[]).unwrap();
+        assert!(!path.exists(), "an older file is not mistaken for this run's");
     }
 }

@@ -206,8 +206,8 @@ impl<'a> Recorder<'a> {
     /// Brings samples and rows on disk up to date.
     pub fn save(&self) -> Result<Written, RunError> {
         self.samples.write(self.folder)?;
-        let phases = Some(phases::write(self.folder, &phases::of_samples(&self.samples))?);
-        Ok(Written { phases, ..row::write_all(self.folder, &self.rows())? })
+        phases::write(self.folder, &phases::of_samples(&self.samples))?;
+        Ok(row::write_all(self.folder, &self.rows())?)
     }
 
     fn write_environment(&self) -> Result<(), RunError> {

@@ -2,7 +2,7 @@
 //! reduced rows that a repository keeps.
 
 use super::environment::{self, ENVIRONMENT, Environment, State};
-use super::files::{RecordsError, Written, new_folder, read_json, write_json};
+use super::files::{RecordsError, new_folder, read_json, write_json};
 use super::phases;
 use super::row::{self, ROWS, Row};
 use crate::bench::error::ReduceError;
@@ -84,8 +84,8 @@ pub fn reduce(from: &Path, to: &Path) -> Result<Vec<PathBuf>, ReduceError> {
         let below = if part == from { None } else { part.file_name() };
         let folder = below.map_or_else(|| to.to_owned(), |name| to.join(name));
         new_folder(&folder)?;
-        let phases = Some(phases::write(&folder, &phases)?);
-        let written = Some(Written { phases, ..row::write_all(&folder, &rows)? });
+        phases::write(&folder, &phases)?;
+        let written = Some(row::write_all(&folder, &rows)?);
         if let Some(environment) = environment(&part)? {
             write_json(&folder.join(ENVIRONMENT), &Environment { written, ..environment })?;
         }

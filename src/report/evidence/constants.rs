@@ -1,13 +1,14 @@
 //! The constants that were chosen by looking at scenes, and what their neighbours give: from `chosen.csv`, a line
 //! for each constant, and `rows.csv`, which `cargo bench --bench constants` prints.
 
+use crate::bench::files::{RecordsError, read_csv_file};
 use crate::bench::statistics::geometric_mean;
 use crate::report::grid::Grid;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// A constant, as a person wrote it down.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Chosen {
     preset: String,
     width: usize,
@@ -18,7 +19,7 @@ struct Chosen {
 }
 
 /// What a neighbouring value gives in a scene, relative to the preset.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Neighbour {
     scene: String,
     preset: String,
@@ -38,9 +39,12 @@ struct Neighbour {
 /// # Errors
 /// One line: a file that cannot be read, or neighbours of a constant that is not listed.
 pub fn constants(folder: &Path) -> Result<String, String> {
-    let chosen: Vec<Chosen> = read(&folder.join("chosen.csv"))?;
+    let told = |error: RecordsError| error.to_string();
+    let written = "write it as results/README.md tells";
+    let chosen: Vec<Chosen> = read_csv_file(&folder.join("chosen.csv"), written).map_err(told)?;
     let path = folder.join("rows.csv");
-    let neighbours: Vec<Neighbour> = read(&path)?;
+    let printed = "run `cargo bench --bench constants -- SCENE...`";
+    let neighbours: Vec<Neighbour> = read_csv_file(&path, printed).map_err(told)?;
     let is_of = |of: &Neighbour, c: &Chosen| {
         (&of.preset, of.width, &of.constant) == (&c.preset, c.width, &c.constant)
     };
@@ -128,11 +132,6 @@ fn shown(value: f64) -> String {
     }
 }
 
-fn read<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<Vec<T>, String> {
-    let told = |why: csv::Error| format!("{}: {why}", path.display());
-    csv::Reader::from_path(path).map_err(told)?.deserialize().map(|line| line.map_err(told)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,10 +140,12 @@ mod tests {
     fn neighbours_stand_beside_their_constant() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
-        write("chosen.csv", "preset,width,constant,value,place,scenes\nspeed,4,delta,6,config.rs,two\n");
+        let chosen = "preset,width,constant,value,place,scenes\nspeed,4,delta,6,config.rs,two\n# rows: 1\n";
+        write("chosen.csv", chosen);
         let header = "scene,preset,width,constant,value,sah,refs_per_tri,node_visits,block_tests,build\n";
         let lines = "a,speed,4,delta,3,1,1,0.5,1,2\nb,speed,4,delta,3,1,1,1,1,0.5\n";
-        write("rows.csv", &format!("{header}{lines}"));
+        let rows = format!("{header}{lines}# rows: 2\n");
+        write("rows.csv", &rows);
         let text = constants(folder.path()).unwrap();
         let line = text.lines().find(|line| line.contains("config.rs")).unwrap();
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();
@@ -165,8 +166,17 @@ mod tests {
         ];
         assert_eq!(&cells[1..14], expected, "{text}");
         for stray in ["a,speed,4,alpha,3,1,1,0.5,1,2", "a,speed,8,delta,3,1,1,0.5,1,2"] {
-            write("rows.csv", &format!("{header}{stray}\n"));
+            write("rows.csv", &format!("{header}{stray}\n# rows: 1\n"));
             assert!(constants(folder.path()).unwrap_err().contains("of speed is not in chosen.csv"));
+        }
+        for (name, whole) in [("chosen.csv", chosen), ("rows.csv", &rows)] {
+            write("rows.csv", &rows);
+            for end in 0..whole.len() {
+                write(name, &whole[..end]);
+                let error = constants(folder.path()).unwrap_err();
+                assert!(error.contains(name) && error.lines().count() == 1, "{error}");
+            }
+            write(name, whole);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Pictures and tables that lie in a results folder beside the rows, or in other folders: heat maps, experiments
 //! and other figures.
 
-use crate::bench::files::{content, text};
+use crate::bench::files::{content, last_line, text, without_last_line};
 use crate::bench::phases::PHASES;
 use crate::bench::rounds::ROUNDS;
 use crate::bench::row::ROWS;
@@ -96,11 +96,20 @@ impl Attachment {
         match file.extension().and_then(|ending| ending.to_str()) {
             Some("csv") => {
                 let bytes = content(file)?;
+                let (above, written) = without_last_line(&bytes);
                 let mut reader =
-                    csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(&bytes[..]);
+                    csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(above);
                 let lines: Result<Vec<Vec<String>>, csv::Error> =
                     reader.records().map(|line| Ok(line?.iter().map(Into::into).collect())).collect();
                 let mut lines = lines?;
+                let found = lines.len().saturating_sub(1);
+                if written != Some(found) {
+                    let wanted = last_line(found);
+                    let wanted = wanted.trim_end();
+                    return Err(
+                        format!("{found} rows, but not the last line `{wanted}`: it may be cut").into()
+                    );
+                }
                 self.more = lines.len().saturating_sub(LINES + 1);
                 lines.truncate(LINES + 1);
                 self.table = Some(lines);

@@ -143,7 +143,8 @@ fn the_verdict_and_what_lies_beside_the_rows_are_on_it() {
         std::fs::write(file, text).unwrap();
     };
     let lines: String = (0..300).map(|line| format!("{line},{}\n", 2 * line)).collect();
-    write("experiments/cut-sizes.csv", &format!("depth,size\n{lines}"));
+    write("experiments/cut-sizes.csv", &format!("depth,size\n{lines}# rows: 300\n"));
+    write("experiments/was-cut.csv", "depth,size\n1,2\n");
     write("experiments/cut-sizes.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"/>");
     write("experiments/grid/fronts-scenes.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"/>");
     write("experiments/grid/findings.md", "# grid\n\nThe front is < 1.");
@@ -172,6 +173,8 @@ fn the_verdict_and_what_lies_beside_the_rows_are_on_it() {
         "<td>199</td><td>398</td>",
         "100 more lines in the file.",
         "latin, not shown <small>experiments&#x2f;latin.csv</small>",
+        "was cut, not shown <small>experiments&#x2f;was-cut.csv</small>",
+        "1 rows, but not the last line `# rows: 1`: it may be cut; correct or remove it</pre>",
         "correct or remove it</pre>",
         "alt=\"growth\"",
         "alt=\"grid: fronts scenes\"",

@@ -120,7 +120,9 @@ fn every_constant_of_a_preset_is_listed_with_its_scenes() {
         found
     };
     let list = concat!(env!("CARGO_MANIFEST_DIR"), "/results/constants/chosen.csv");
-    let lines: Vec<[String; 4]> = csv::Reader::from_path(list)
+    let lines: Vec<[String; 4]> = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path(list)
         .unwrap()
         .records()
         .map(|line| std::array::from_fn(|i| line.as_ref().unwrap()[i].into()))

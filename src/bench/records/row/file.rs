@@ -35,7 +35,7 @@ pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
     for row in rows.iter_mut().filter(|row| row.is_total()) {
         row.by_round = by_round.remove(&row.key()).unwrap_or_default();
     }
-    check_whole(&path, Written { rows: rows.len(), rounds: lines, phases: None }, by_round.keys().next())?;
+    check_whole(&path, Written { rows: rows.len(), rounds: lines }, by_round.keys().next())?;
     if rows.is_empty() { Err(RecordsError::Empty { path, remedy }) } else { Ok(rows) }
 }
 
@@ -55,15 +55,6 @@ impl Ended {
     }
 }
 
-/// What the run that made the file `path` wrote when it had ended; nothing of a run under way, or an older one.
-///
-/// # Errors
-/// An environment of another content.
-pub fn written_beside(path: &Path) -> Result<Option<Written>, RecordsError> {
-    let ended = Ended::beside(path)?.filter(|ended| ended.state != State::Running);
-    Ok(ended.and_then(|ended| ended.written))
-}
-
 /// Refuses files with fewer lines than were written, and rounds of a row that is not there. Of a run under way neither
 /// is known; an older one tells of its rounds only.
 fn check_whole(path: &Path, found: Written, left_over: Option<&RowKey>) -> Result<(), RecordsError> {
@@ -73,7 +64,7 @@ fn check_whole(path: &Path, found: Written, left_over: Option<&RowKey>) -> Resul
         return Ok(());
     }
     let cut = |file: &'static str, found: usize, written: usize| {
-        Err(RecordsError::Cut { path: path.with_file_name(file), found, written })
+        Err(RecordsError::Cut { path: path.with_file_name(file), found, written, remedy: MEASURE })
     };
     if let Some(written) = environment.and_then(|environment| environment.written) {
         if found.rows != written.rows {
@@ -101,7 +92,7 @@ pub fn write_all(folder: &Path, rows: &[Row]) -> Result<Written, RecordsError> {
         rows.iter().filter(|row| row.is_total()).map(|row| (row.key(), &row.by_round)).collect();
     let rounds = rounds::write(folder, &totals)?;
     write(&folder.join(ROWS), rows)?;
-    Ok(Written { rows: rows.len(), rounds, phases: None })
+    Ok(Written { rows: rows.len(), rounds })
 }
 
 /// Writes `rows` to the file `path`, whole or not at all.

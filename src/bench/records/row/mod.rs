@@ -7,7 +7,7 @@ use crate::bench::rounds::{RowKey, RowRounds};
 use crate::bench::statistics::Summary;
 use serde::{Deserialize, Serialize};
 
-pub use file::{read, write, write_all, written_beside};
+pub use file::{read, write, write_all};
 
 /// Version of the columns; a reader refuses any other.
 pub const SCHEMA: u32 = 1;

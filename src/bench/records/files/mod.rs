@@ -1,5 +1,9 @@
 //! The files of a results folder: read and written whole, each error with its file and remedy.
 
+mod csv_rows;
+
+pub use csv_rows::{last_line, read_csv, read_csv_file, without_last_line, write_csv};
+
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -11,9 +15,6 @@ pub struct Written {
     pub rows: usize,
     /// Lines of `rounds.csv` without its header.
     pub rounds: usize,
-    /// Rows of `phases.csv`; older runs do not tell.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub phases: Option<usize>,
 }
 
 /// No figure is larger: as milliseconds, thirty thousand years.
@@ -75,11 +76,8 @@ pub enum RecordsError {
         /// The remedy.
         remedy: &'static str,
     },
-    /// Fewer or more lines than the run wrote.
-    #[error(
-        "{}: {found} rows, where its run wrote {written}; fetch the folder again or run `phr bench` again",
-        path.display()
-    )]
+    /// Fewer or more rows than were written.
+    #[error("{}: {found} rows, where {written} were written; fetch it again, or {remedy}", path.display())]
     Cut {
         /// The file.
         path: PathBuf,
@@ -87,6 +85,22 @@ pub enum RecordsError {
         found: usize,
         /// Rows that were written.
         written: usize,
+        /// The remedy.
+        remedy: &'static str,
+    },
+    /// The last line does not tell the number of rows.
+    #[error(
+        "{}: no last line `# rows: N`, so it was cut or is of an older program; fetch it again, or {remedy}; if \
+         its {found} rows are all, add the line `# rows: {found}`",
+        path.display()
+    )]
+    Unclosed {
+        /// The file.
+        path: PathBuf,
+        /// Rows in it.
+        found: usize,
+        /// The remedy.
+        remedy: &'static str,
     },
     /// `rounds.csv` tells of a row that is not there.
     #[error("{}: no row of {row}, of which rounds.csv tells; fetch the folder again", path.display())]
@@ -196,81 +210,6 @@ pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), RecordsErr
     })?;
     bytes.push(b'\n');
     write_whole(path, &bytes)
-}
-
-/// Writes `rows` as CSV to the file `path`, whole or not at all.
-///
-/// # Errors
-/// An unwritable place.
-pub fn write_csv<T: Serialize>(path: &Path, rows: &[T]) -> Result<(), RecordsError> {
-    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source, remedy: TELL };
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(malformed)?;
-    let bytes = writer.into_inner().map_err(|error| malformed(csv::Error::from(error.into_error())))?;
-    write_whole(path, &bytes)
-}
-
-/// Reads the rows of a CSV file, or of the file `name` in a folder; `schema` tells a row's, which is to be `expected`,
-/// and `remedy` how to come by the file.
-///
-/// # Errors
-/// No such file, other columns, no rows, figures that cannot be.
-pub fn read_csv<T: for<'a> Deserialize<'a> + Serialize>(
-    results: &Path,
-    name: &str,
-    (schema, expected): (impl Fn(&T) -> u32, u32),
-    remedy: &'static str,
-) -> Result<Vec<T>, RecordsError> {
-    let path = if results.is_dir() { results.join(name) } else { results.to_owned() };
-    let bytes = read_lines(&path, remedy)?;
-    let malformed = |source| RecordsError::Malformed { path: path.clone(), source, remedy };
-    let mut reader = csv::Reader::from_reader(&bytes[..]);
-    let headers = reader.headers().map_err(malformed)?.clone();
-    let mut rows: Vec<T> = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(malformed)?;
-        let row = record.deserialize(Some(&headers)).map_err(malformed)?;
-        if let Some((column, value)) = absurd(&row, headers.iter().zip(&record)) {
-            return Err(RecordsError::Figure { path, line: rows.len() + 2, column: column.into(), value });
-        }
-        rows.push(row);
-    }
-    if rows.is_empty() {
-        return Err(RecordsError::Empty { path, remedy });
-    }
-    match rows.iter().map(schema).find(|&found| found != expected) {
-        Some(found) => Err(RecordsError::Schema { path, found, expected, remedy }),
-        None => Ok(rows),
-    }
-}
-
-/// The first number among the fields of a row that no figure can be: NaN, beyond [`MOST`], or a negative time
-/// (`ms`). Fields that the row keeps as text are none, nor are coordinates of boxes, which are infinite where a box
-/// is empty.
-fn absurd<'a, T: Serialize>(
-    row: &T,
-    mut fields: impl Iterator<Item = (&'a str, &'a str)>,
-) -> Option<(&'a str, f64)> {
-    let row = serde_json::to_value(row).ok()?;
-    fields.find_map(|(column, field)| {
-        let value: f64 = field.parse().ok()?;
-        let least = if column.split('_').any(|word| word == "ms") { 0.0 } else { -MOST };
-        let is_other = row.get(column).is_none_or(serde_json::Value::is_string)
-            || column.starts_with("min_")
-            || column.starts_with("max_");
-        (!is_other && !(least..=MOST).contains(&value)).then_some((column, value))
-    })
-}
-
-/// As [`read_csv`], of a file whose rows tell no schema.
-///
-/// # Errors
-/// No such file, other columns, no rows, figures that cannot be.
-pub fn read_csv_file<T: for<'a> Deserialize<'a> + Serialize>(
-    path: &Path,
-    remedy: &'static str,
-) -> Result<Vec<T>, RecordsError> {
-    read_csv(path, "", (|_: &T| 0, 0), remedy)
 }
 
 /// Writes a file beside `path` and renames it: at any time, also after a kill, `path` is the old file or the new
