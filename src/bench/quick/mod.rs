@@ -7,14 +7,15 @@ pub mod survey;
 pub mod tune;
 
 use super::cell::{Cell, Kernel};
-use super::contender::{self, BuildRequest, Contender, REFERENCE_KERNEL, TreeUnderKernel};
+use super::contender::{self, BuildRequest, BuiltTree, Contender, REFERENCE_KERNEL, TreeUnderKernel};
 use super::pools::Pools;
-use super::rays;
+use super::rays::{self, ViewRays};
 use super::samples::KernelChecks;
 use super::settings::Settings;
 use super::statistics::median;
 use super::visit::SceneTraces;
 use crate::scene::Scene;
+use crate::trace::RayKind;
 use std::sync::atomic::AtomicBool;
 
 /// Pixels across and down of the recorded views.
@@ -37,6 +38,7 @@ pub struct Quick<'a> {
     pools: &'a Pools,
     kernel: Kernel,
     rays: u64,
+    recorded: &'a [ViewRays],
     traces: SceneTraces<'a>,
     checked: Vec<(Cell, KernelChecks)>,
 }
@@ -77,7 +79,8 @@ pub fn quickly<T>(
     }
     let stop = AtomicBool::new(false);
     let traces = SceneTraces::new(scene, &recorded, Some(reference), &settings, &pools, &stop);
-    Ok(measure(&mut Quick { scene, pools: &pools, kernel, rays, traces, checked: Vec::new() }))
+    let (pools, recorded) = (&pools, &recorded[..]);
+    Ok(measure(&mut Quick { scene, pools, kernel, rays, recorded, traces, checked: Vec::new() }))
 }
 
 impl Quick<'_> {
@@ -92,6 +95,18 @@ impl Quick<'_> {
     /// # Errors
     /// A builder that failed, a kernel that cannot have the tree, or wrong hits, in one line.
     pub fn visit(&mut self, cell: &Cell) -> Result<QuickVisit, String> {
+        self.visit_or_count(cell, false).map(|(visit, _)| visit)
+    }
+
+    /// As [`Quick::visit`]; then counts the inner nodes that a ray visits, where our kernel can trace the tree.
+    ///
+    /// # Errors
+    /// Those of [`Quick::visit`].
+    pub fn visit_and_count(&mut self, cell: &Cell) -> Result<(QuickVisit, Option<f64>), String> {
+        self.visit_or_count(cell, true)
+    }
+
+    fn visit_or_count(&mut self, cell: &Cell, counts: bool) -> Result<(QuickVisit, Option<f64>), String> {
         let kernels = [self.kernel];
         let request = BuildRequest {
             mesh: &self.scene.mesh,
@@ -118,9 +133,23 @@ impl Quick<'_> {
             let timings = self.traces.time(tracer, 0, checks).map_err(|_| "stopped")?;
             if checks.mismatch.is_none() {
                 let ms: f64 = timings.iter().map(|timing| timing.ms).sum();
-                return Ok(QuickVisit { build_ms, ns_per_ray: 1e6 * ms / self.rays as f64 });
+                let nodes = if counts { self.nodes_per_ray(&built) } else { None };
+                return Ok((QuickVisit { build_ms, ns_per_ray: 1e6 * ms / self.rays as f64 }, nodes));
             }
         }
         Err(format!("wrong hits: {}", checks.mismatch.clone().unwrap_or_default()))
+    }
+
+    /// The inner nodes that a ray visits under our kernel, the mean over all recorded rays.
+    fn nodes_per_ray(&self, built: &BuiltTree<'_>) -> Option<f64> {
+        let tree = TreeUnderKernel::new(built, Kernel::Phr, self.pools.all.current_num_threads()).ok()?;
+        let mut nodes = 0;
+        for view in self.recorded {
+            for kind in RayKind::ALL {
+                let counts = self.pools.all.install(|| tree.count(kind, view.batches.get(kind)))?;
+                nodes += counts.node_visits;
+            }
+        }
+        Some(nodes as f64 / self.rays as f64)
     }
 }

@@ -35,6 +35,8 @@ pub struct Surveyed {
     pub cell: Cell,
     /// The visits.
     pub visits: Vec<QuickVisit>,
+    /// Inner nodes that a ray visits, where they could be counted.
+    pub nodes_per_ray: Option<f64>,
     /// Why there are no more: dropped, failed, no time.
     pub note: String,
 }
@@ -48,8 +50,13 @@ pub fn survey(
     (start, limit): (Instant, Duration),
     progress: &mut dyn FnMut(usize, &Cell),
 ) -> Vec<Surveyed> {
-    let none = |cell: &Cell| Surveyed { cell: cell.clone(), visits: Vec::new(), note: String::new() };
-    let mut found: Vec<Surveyed> = candidates.iter().map(|candidate| none(&candidate.cell)).collect();
+    let none = |candidate: &Candidate| Surveyed {
+        cell: candidate.cell.clone(),
+        visits: Vec::new(),
+        nodes_per_ray: None,
+        note: String::new(),
+    };
+    let mut found: Vec<Surveyed> = candidates.iter().map(none).collect();
     let mut random = SplitMix64::new(1);
     let mut is_first = true;
     for round in 0.. {
@@ -71,8 +78,17 @@ pub fn survey(
             }
             is_first = false;
             progress(round, &found[i].cell);
-            match quick.visit(&found[i].cell) {
-                Ok(visit) => found[i].visits.push(visit),
+            let is_new = found[i].visits.is_empty();
+            let told = if is_new {
+                quick.visit_and_count(&found[i].cell)
+            } else {
+                quick.visit(&found[i].cell).map(|visit| (visit, found[i].nodes_per_ray))
+            };
+            match told {
+                Ok((visit, nodes)) => {
+                    found[i].visits.push(visit);
+                    found[i].nodes_per_ray = nodes;
+                }
                 Err(reason) => {
                     found[i].visits.clear();
                     found[i].note = reason;
@@ -117,6 +133,7 @@ mod tests {
         let of = |builder: &str, build_ms, ns_per_ray| Surveyed {
             cell: Cell::new(builder, 4, &[]),
             visits: vec![QuickVisit { build_ms, ns_per_ray }],
+            nodes_per_ray: None,
             note: String::new(),
         };
         let mut found = [

@@ -59,7 +59,7 @@ impl Measurement {
                 kernel.name(),
                 rays_in_words(self.rays)
             ),
-            trees: surveyed.iter().map(Known::from).collect(),
+            trees: Known::of_survey(&surveyed),
         })
     }
 

@@ -1,8 +1,9 @@
 //! Which builder for a scene and a number of rays: total time = build + rays / speed for every tree, who wins
-//! where, and where the lines cross. From a quick measurement ([`measured`]) or from a [`model`] over the mesh's
-//! facts. [`page`] is the text, [`rows`] the CSV, [`tuned`] the page of a search, [`tuned_rows`] its CSV,
-//! [`crate::report::plot::total_time`] the plot.
+//! where, and where the lines cross. From a quick measurement ([`measured`]), whose noise [`estimate`] bears, or from
+//! a [`model`] over the mesh's facts. [`page`] is the text, [`rows`] the CSV, [`tuned`] the page of a search,
+//! [`tuned_rows`] its CSV, [`crate::report::plot::total_time`] the plot.
 
+pub mod estimate;
 pub mod measured;
 pub mod model;
 pub mod page;
@@ -13,6 +14,7 @@ pub mod tuned_rows;
 use super::figures::tree_name;
 use crate::bench::quick::line::{TotalTime, least_at, winners};
 use crate::bench::quick::survey::{DROPPED, Surveyed};
+use estimate::{Traced, estimates};
 
 /// Trees of a model that take at most this many times as long as the best are near it.
 pub const NEAR: f64 = 1.05;
@@ -26,6 +28,8 @@ pub struct Known {
     pub width: u32,
     /// Its total time; `None` where there is none.
     pub line: Option<TotalTime>,
+    /// What its time per ray was estimated from; `None` for a model's.
+    pub traced: Option<Traced>,
     /// Visits behind it; 0 for a model's.
     pub rounds: usize,
     /// Why there is no line, or no further round.
@@ -37,18 +41,30 @@ impl Known {
     pub fn name(&self) -> String {
         tree_name((&self.builder, self.width))
     }
-}
 
-impl From<&Surveyed> for Known {
-    fn from(surveyed: &Surveyed) -> Self {
-        let Surveyed { cell, visits, note } = surveyed;
-        Self {
-            builder: cell.builder.clone(),
-            width: cell.width,
-            line: TotalTime::of(visits),
-            rounds: visits.len(),
-            note: note.clone(),
+    /// The trees of a survey, the times per ray estimated from all of them together.
+    pub fn of_survey(surveyed: &[Surveyed]) -> Vec<Self> {
+        let mut all: Vec<Self> = surveyed.iter().map(Self::measured).collect();
+        let traced: Vec<Traced> = all.iter().filter_map(|known| known.traced).collect();
+        let lines = all.iter_mut().filter_map(|known| known.line.as_mut());
+        for (line, ns_per_ray) in lines.zip(estimates(&traced)) {
+            line.ns_per_ray = ns_per_ray;
         }
+        all
+    }
+
+    /// As measured.
+    fn measured(surveyed: &Surveyed) -> Self {
+        let Surveyed { cell, visits, nodes_per_ray, note } = surveyed;
+        let (width, line) = (cell.width, TotalTime::of(visits));
+        let traced = line.map(|line| Traced {
+            width,
+            ns_per_ray: line.ns_per_ray,
+            visits: visits.len(),
+            nodes_per_ray: *nodes_per_ray,
+        });
+        let (builder, note) = (cell.builder.clone(), note.clone());
+        Self { builder, width, line, traced, rounds: visits.len(), note }
     }
 }
 
@@ -120,6 +136,7 @@ pub(crate) mod tests {
             builder: builder.into(),
             width,
             line,
+            traced: None,
             rounds: 3,
             note: String::new(),
         };
@@ -155,6 +172,27 @@ pub(crate) mod tests {
         assert!((found[1].1 - 5e5).abs() < 1.0 && (found[2].1 - 7.5e6).abs() < 1.0, "{found:?}");
         let (best, near) = advice.best_at(5e7).unwrap();
         assert_eq!((best.name().as_str(), near.len()), ("phr-best / 8", 0));
+    }
+
+    #[test]
+    fn a_survey_is_known_by_its_estimates() {
+        let of = |builder: &str, ns: &[f64], nodes_per_ray| Surveyed {
+            cell: crate::bench::cell::Cell::new(builder, 4, &[]),
+            visits: ns.iter().map(|&ns_per_ray| QuickVisit { build_ms: 10.0, ns_per_ray }).collect(),
+            nodes_per_ray,
+            note: String::new(),
+        };
+        let surveyed = [
+            of("disturbed", &[150.0], Some(20.0)),
+            of("late", &[], None),
+            of("known", &[100.0, 101.0, 99.0, 100.0], Some(20.0)),
+        ];
+        let known = Known::of_survey(&surveyed);
+        let [disturbed, late, sure] = &known[..] else { panic!("three trees") };
+        assert!(late.line.is_none() && late.traced.is_none());
+        let ns = |known: &Known| known.line.unwrap().ns_per_ray.value;
+        assert!(ns(disturbed) < 140.0 && (ns(sure) - 100.0).abs() < 10.0, "{known:?}");
+        assert!((disturbed.traced.unwrap().ns_per_ray.value - 150.0).abs() < 1e-9, "as measured");
     }
 
     #[test]

@@ -1,5 +1,7 @@
-//! Advice as CSV: one row per tree.
+//! Advice as CSV: one row per tree, with what was measured and what is made of it, so that an estimate that is made
+//! otherwise needs no new measurement.
 
+use super::estimate::{Traced, estimates};
 use super::{Advice, Known};
 use crate::bench::files::{RecordsError, read_csv, write_csv};
 use crate::bench::quick::line::{Estimate, TotalTime};
@@ -7,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Version of the columns.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 /// The file.
 pub const ADVICE: &str = "advice.csv";
 
@@ -34,12 +36,20 @@ pub struct AdviceRow {
     pub build_ms_low: Option<f64>,
     /// Upper end of it.
     pub build_ms_high: Option<f64>,
-    /// Time per ray.
+    /// Time per ray, as measured.
     pub ns_per_ray: Option<f64>,
     /// Lower end of its interval.
     pub ns_per_ray_low: Option<f64>,
     /// Upper end of it.
     pub ns_per_ray_high: Option<f64>,
+    /// Inner nodes that a ray visits.
+    pub nodes_per_ray: Option<f64>,
+    /// Time per ray, estimated from both in all trees.
+    pub estimated_ns_per_ray: Option<f64>,
+    /// Lower end of its interval.
+    pub estimated_ns_per_ray_low: Option<f64>,
+    /// Upper end of it.
+    pub estimated_ns_per_ray_high: Option<f64>,
     /// The number of rays asked for.
     pub rays: f64,
     /// Build and so many rays.
@@ -55,10 +65,24 @@ pub struct AdviceRow {
 }
 
 impl AdviceRow {
-    /// The total time of the tree, without its intervals.
-    pub fn line(&self) -> Option<TotalTime> {
-        Some(TotalTime::exact(self.build_ms?, self.ns_per_ray?))
+    /// What was measured of the tree's traces.
+    fn traced(&self) -> Option<Traced> {
+        let value = self.ns_per_ray?;
+        let (low, high) = (self.ns_per_ray_low.unwrap_or(0.0), self.ns_per_ray_high.unwrap_or(f64::INFINITY));
+        let ns_per_ray = Estimate { value, low, high };
+        Some(Traced { width: self.width, ns_per_ray, visits: self.rounds, nodes_per_ray: self.nodes_per_ray })
     }
+}
+
+/// The total time of each tree of a scene, without its intervals, estimated again from what was measured.
+pub fn lines(rows: &[AdviceRow]) -> Vec<Option<TotalTime>> {
+    let traced: Vec<Option<Traced>> = rows.iter().map(AdviceRow::traced).collect();
+    let mut estimates = estimates(&traced.iter().flatten().copied().collect::<Vec<_>>()).into_iter();
+    let line = |(row, traced): (&AdviceRow, &Option<Traced>)| {
+        let ns_per_ray = traced.and_then(|_| estimates.next())?;
+        Some(TotalTime::exact(row.build_ms?, ns_per_ray.value))
+    };
+    rows.iter().zip(&traced).map(line).collect()
 }
 
 /// Writes the advice to `folder`, whole or not at all.
@@ -70,7 +94,10 @@ pub fn write(folder: &Path, advice: &Advice) -> Result<(), RecordsError> {
     let row = |known: &Known| {
         let is_this = |other: &&(&Known, f64)| std::ptr::eq(other.0, known);
         let [build_ms, build_ms_low, build_ms_high] = figures(known.line.map(|line| line.build_ms));
-        let [ns_per_ray, ns_per_ray_low, ns_per_ray_high] = figures(known.line.map(|line| line.ns_per_ray));
+        let estimated = known.line.map(|line| line.ns_per_ray);
+        let measured = known.traced.map(|traced| traced.ns_per_ray).or(estimated);
+        let [ns_per_ray, ns_per_ray_low, ns_per_ray_high] = figures(measured);
+        let [estimated_ns_per_ray, estimated_ns_per_ray_low, estimated_ns_per_ray_high] = figures(estimated);
         let total = known.line.map(|line| line.estimate_at(advice.rays));
         let [total_ms, total_ms_low, total_ms_high] = figures(total);
         AdviceRow {
@@ -87,6 +114,10 @@ pub fn write(folder: &Path, advice: &Advice) -> Result<(), RecordsError> {
             ns_per_ray,
             ns_per_ray_low,
             ns_per_ray_high,
+            nodes_per_ray: known.traced.and_then(|traced| traced.nodes_per_ray),
+            estimated_ns_per_ray,
+            estimated_ns_per_ray_low,
+            estimated_ns_per_ray_high,
             rays: advice.rays,
             total_ms,
             total_ms_low,
@@ -134,7 +165,8 @@ mod tests {
     fn a_row_per_tree_with_what_is_known() {
         let folder = tempfile::tempdir().unwrap();
         write(folder.path(), &advice()).unwrap();
-        let mut reader = csv::Reader::from_path(folder.path().join(ADVICE)).unwrap();
+        let path = folder.path().join(ADVICE);
+        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
         let header = reader.headers().unwrap().clone();
         let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
         let cell = |row: usize, column: &str| {
@@ -149,5 +181,20 @@ mod tests {
             ("500000.0".into(), String::new())
         );
         assert_eq!((cell(5, "build_ms"), cell(5, "note")), (String::new(), "no time".into()));
+    }
+
+    #[test]
+    fn the_committed_advice_is_that_of_its_measurements() {
+        let committed = read_all(Path::new("results/advice")).unwrap();
+        let rows: Vec<&AdviceRow> = committed.iter().flatten().collect();
+        let lines = committed.iter().flat_map(|rows| lines(rows));
+        for (row, line) in rows.iter().zip(lines) {
+            assert_eq!(line.is_some(), row.estimated_ns_per_ray.is_some(), "{row:?}");
+            let (Some(line), Some(written)) = (line, row.estimated_ns_per_ray) else { continue };
+            assert!((line.ns_per_ray.value / written - 1.0).abs() < 1e-6, "{line:?} {row:?}");
+            assert!((line.at(row.rays) / row.total_ms.unwrap() - 1.0).abs() < 1e-6, "{line:?} {row:?}");
+        }
+        let counted = rows.iter().filter(|row| row.nodes_per_ray.is_some());
+        assert!(counted.count() > rows.len() / 2);
     }
 }

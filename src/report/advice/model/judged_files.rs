@@ -4,22 +4,25 @@
 use super::judge::{fair_loss, judge, one_round};
 use super::judged::{Judged, RIGHT, misses, table};
 use super::observed::{Observed, observed};
+use super::perfect::perfect_share;
+use super::pooled::pooled;
 use crate::bench::quick::line::{TotalTime, least_at};
 use crate::bench::quick::survey::BUDGETS;
 use crate::bench::row::Row;
 use crate::report::advice::rays_in_words;
-use crate::report::advice::rows::AdviceRow;
+use crate::report::advice::rows::{AdviceRow, lines};
 use crate::report::figures::tree_name;
 
-/// The table for some files of advice, by the total times of a run.
+/// The table for some files of advice, by the total times of a run, with the rounds of `more` runs added.
 ///
 /// # Errors
 /// Advice for a scene or a tree that the run does not have, in one line.
-pub fn page(run: &[Row], advice: &[Vec<AdviceRow>]) -> Result<String, String> {
-    let run = observed(run);
+pub fn page(run: &[Row], more: &[Vec<Row>], advice: &[Vec<AdviceRow>]) -> Result<String, String> {
+    let run = more.iter().fold(observed(run), |run, more| pooled(run, &observed(more)));
     let trees =
         run.first().map(|scene| scene.trees.clone()).ok_or("no scene has lbvh under embree-grafted")?;
     let (mut outcomes, mut noise, mut losses) = (Vec::new(), Vec::new(), Vec::new());
+    let mut scenes = Vec::new();
     for rows in advice {
         let name = rows.first().map(|row| row.scene.as_str()).unwrap_or_default();
         let scene = run.iter().find(|scene| scene.scene == name);
@@ -27,14 +30,20 @@ pub fn page(run: &[Row], advice: &[Vec<AdviceRow>]) -> Result<String, String> {
             format!("the run has no scene {name}, for which there is advice; add it to the run, or remove the advice")
         })?;
         all_are_measured(scene, rows)?;
-        let judged = judge(scene, &lines(scene, rows));
+        let judged = judge(scene, &lines_of(scene, rows));
+        scenes.push(scene);
         losses.extend(judged.iter().map(|outcome| fair_loss(&scene.by_round, outcome.advised, outcome.rays)));
         outcomes.extend(judged);
         noise.extend(one_round(std::slice::from_ref(scene)).unwrap_or_default());
     }
+    let medians = if more.is_empty() {
+        "the run's medians"
+    } else {
+        "the medians over all rounds of the runs (further ones scaled to the first one's level in each scene)"
+    };
     let mut about = format!(
-        "Share of {} scenes in which the advised tree takes at most 5 % more time in all than the best by the run's medians, and \
-         the mean loss, among the {} trees that the run has.",
+        "Share of {} scenes in which the advised tree takes at most 5 % more time in all than the best by {medians}, \
+         and the mean loss, among the {} trees that the run has.",
         advice.len(),
         trees.len()
     );
@@ -45,6 +54,13 @@ pub fn page(run: &[Row], advice: &[Vec<AdviceRow>]) -> Result<String, String> {
             " In {wrong} of {} pairs of scene and number of rays it is surely more than 5 %: the 95 % interval over the run's \
              rounds lies above it.",
             sure.len()
+        );
+    }
+    if let Some(share) = perfect_share(&scenes, RIGHT) {
+        about += &format!(
+            " A perfect adviser would be called right in at most {:.0} %: so often the best tree stays within 5 % of \
+             the best when as many rounds are drawn from these anew, with replacement.",
+            100.0 * share
         );
     }
     if let Some(losses) = losses.into_iter().collect::<Option<Vec<f64>>>() {
@@ -66,7 +82,7 @@ pub fn page(run: &[Row], advice: &[Vec<AdviceRow>]) -> Result<String, String> {
 /// Whether the run has every tree that the advice takes for the best.
 fn all_are_measured(scene: &Observed, rows: &[AdviceRow]) -> Result<(), String> {
     let (known, lines): (Vec<&AdviceRow>, Vec<TotalTime>) =
-        rows.iter().filter_map(|row| Some((row, row.line()?))).unzip();
+        rows.iter().zip(lines(rows)).filter_map(|(row, line)| Some((row, line?))).unzip();
     for rays in BUDGETS {
         let best =
             least_at(&lines, rays).ok_or_else(|| format!("the advice for {} has no tree", scene.scene))?;
@@ -83,10 +99,11 @@ fn all_are_measured(scene: &Observed, rows: &[AdviceRow]) -> Result<(), String> 
 }
 
 /// The advice's line of each tree of the scene; an endless time where it has none.
-fn lines(scene: &Observed, rows: &[AdviceRow]) -> Vec<TotalTime> {
+fn lines_of(scene: &Observed, rows: &[AdviceRow]) -> Vec<TotalTime> {
+    let lines = lines(rows);
     let of = |tree: &(String, u32)| {
-        let row = rows.iter().find(|row| (&row.builder, row.width) == (&tree.0, tree.1));
-        row.and_then(AdviceRow::line).unwrap_or(TotalTime::exact(f64::INFINITY, f64::INFINITY))
+        let place = rows.iter().position(|row| (&row.builder, row.width) == (&tree.0, tree.1));
+        place.and_then(|place| lines[place]).unwrap_or(TotalTime::exact(f64::INFINITY, f64::INFINITY))
     };
     scene.trees.iter().map(of).collect()
 }

@@ -2,7 +2,8 @@
 //! time per triangle and of its time per ray are linear in the logarithms of a few facts, by ridge regression over
 //! the scenes of a run ([`fit`], [`choose`]). Few scenes bear few parameters: which facts, and how strongly weights
 //! are held down, is chosen by leaving one scene out at a time ([`judge`], [`judged`]); [`judged_files`] judges
-//! advice that was measured likewise. The times are those of the machine of that run.
+//! advice that was measured likewise, by one run or several ([`pooled`]), beside what could be reached ([`perfect`]).
+//! The times are those of the machine of that run.
 
 pub mod choose;
 pub mod facts;
@@ -11,6 +12,8 @@ pub mod judge;
 pub mod judged;
 pub mod judged_files;
 pub mod observed;
+pub mod perfect;
+pub mod pooled;
 
 use super::{Advice, Known};
 use crate::bench::files::{RecordsError, read_json};
@@ -143,6 +146,7 @@ impl Model {
             builder: tree.builder.clone(),
             width: tree.width,
             line: Some(line),
+            traced: None,
             rounds: 0,
             note: String::new(),
         };
