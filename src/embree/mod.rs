@@ -12,6 +12,7 @@
 //! ```
 
 mod arguments;
+mod build_bvh;
 mod capture;
 mod config;
 mod device;

@@ -1,9 +1,14 @@
 //! Embree through its safe wrapper: hits, invalid rays, memory, bad devices.
 #![cfg(feature = "embree")]
 
+use crate::trace_support;
 use glam::Vec3;
-use phr::embree::{Config, Device, EmbreeBuilder, Width, version};
+use phr::bvh::{Statistics, WideBvh};
+use phr::embree::{Config, Device, EmbreeBuilder, Width, inspect, version};
 use phr::geometry::{Hit, Mesh, Ray, Tracer};
+use phr::random::SplitMix64;
+use phr::trace::verify::{compare_any, compare_closest, witness};
+use phr::trace::{BruteForce, BvhTracer};
 
 const SAH4: Config = Config { builder: EmbreeBuilder::Sah, width: Width::Four, threads: 2 };
 
@@ -139,6 +144,73 @@ fn threads_share_a_scene() {
 fn the_library_tells_its_version() {
     let major = if cfg!(embree4) { "4." } else { "3." };
     assert!(version().starts_with(major), "{}", version());
+}
+
+/// Trees of each builder by `rtcBuildBVH`: valid, about as cheap as the scene's own, and hit where brute force hits.
+fn built_without_a_scene<const N: usize>(name: &str, mesh: &Mesh, width: Width) {
+    let rays = trace_support::rays(mesh, 3000, 5);
+    let (expected, occluded) = (closest(&BruteForce(mesh), &rays), any(&BruteForce(mesh), &rays));
+    for builder in EmbreeBuilder::ALL {
+        let config = Config { builder, width, threads: 2 };
+        let device = Device::new(&config).unwrap();
+        let tree: WideBvh<N> = device.build_bvh(builder, mesh).unwrap();
+        assert_eq!(device.memory().live_bytes, 0);
+        let what = format!("{name}, {}", device.config());
+        tree.validate(mesh).unwrap_or_else(|error| panic!("{what}: {error}"));
+        let (found, printed) = (Statistics::of(&tree, mesh), inspect(mesh, &config).unwrap());
+        // The scene's 4-wide tree of Morton codes has rotations.
+        let most = if builder == EmbreeBuilder::Morton { 1.5 } else { 1.02 };
+        assert!(
+            found.sah >= 0.98 * printed.sah && found.sah <= most * printed.sah,
+            "{what}: {found:?} {printed:?}"
+        );
+        let may_split = builder == EmbreeBuilder::FastSpatial;
+        assert!(may_split || found.references == mesh.len(), "{what}: {found:?}");
+        assert!(!may_split || name != "needles" || found.references > mesh.len(), "{what}: {found:?}");
+        let tracer = BvhTracer::new(&tree);
+        let verdict = compare_closest(mesh, &rays, &expected, &closest(&tracer, &rays));
+        assert!(verdict.is_ok(), "{what}: {verdict}");
+        let hits = any(&tracer, &rays);
+        let verdict = compare_any(mesh, &rays, &occluded, &hits, witness(&[&BruteForce(mesh), &tracer]));
+        assert!(verdict.is_ok(), "{what}: {verdict}");
+    }
+}
+
+#[test]
+fn trees_built_without_a_scene_are_right() {
+    // Long and thin triangles in all directions, which are worth splitting.
+    let mut random = SplitMix64::new(4);
+    let mut needle = || {
+        let corner = random.point(-1.0, 0.3);
+        [corner, corner + random.point(0.0, 0.7), corner + random.point(0.0, 0.02)].map(|v| v.to_array())
+    };
+    let needles = trace_support::mesh(
+        (0..2000).flat_map(|_| needle()).collect(),
+        (0..2000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+    );
+    let both = trace_support::joined(&trace_support::walls(5), &trace_support::soup(1000, 2));
+    for (name, mesh) in [
+        ("nothing", trace_support::soup(0, 1)),
+        ("one triangle", trace_support::one_triangle()),
+        ("soup", trace_support::soup(3000, 1)),
+        ("walls and soup", both),
+        ("needles", needles),
+    ] {
+        built_without_a_scene::<4>(name, &mesh, Width::Four);
+        built_without_a_scene::<8>(name, &mesh, Width::Eight);
+    }
+}
+
+#[test]
+#[cfg(feature = "graft")]
+fn trees_built_without_a_scene_are_the_scenes() {
+    let mesh = trace_support::soup(3000, 1);
+    for builder in [EmbreeBuilder::Sah, EmbreeBuilder::FastSpatial] {
+        let device = Device::new(&Config { builder, width: Width::Four, threads: 2 }).unwrap();
+        let scene = device.prepare(&mesh).unwrap().commit().unwrap();
+        let Ok(read) = phr::embree::native::read4(&scene) else { return };
+        assert!(device.build_bvh::<4>(builder, &mesh).unwrap() == read, "{builder:?}: trees differ");
+    }
 }
 
 /// On a scanned model, where it is at hand: costs of trees as read, and hits of trees set back.

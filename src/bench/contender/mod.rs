@@ -12,6 +12,8 @@ mod peers;
 pub mod pools;
 mod repeated;
 pub mod saved;
+#[cfg(feature = "embree")]
+mod scene_tree;
 mod tree_under_kernel;
 #[cfg(not(feature = "embree"))]
 mod without_embree;

@@ -8,8 +8,8 @@
 
 #![allow(unsafe_code)]
 
-use crate::embree::EmbreeScene;
 use crate::embree::device::version_name;
+use crate::embree::{Device, EmbreeScene};
 use crate::geometry::Aabb;
 use std::fmt;
 use std::fs::File;
@@ -134,10 +134,7 @@ unsafe impl Sync for RootSlot {}
 impl RootSlot {
     /// Finds the root of the `N`-wide tree of `scene`, which holds at least one triangle.
     pub fn find<const N: usize>(scene: &EmbreeScene<'_>) -> Result<Self, Unavailable> {
-        if cfg!(not(all(target_os = "linux", target_arch = "x86_64"))) {
-            return Unavailable::because("the layout is known for Linux on x86-64 only");
-        }
-        check_version(scene.device().version_number())?;
+        known(scene.device())?;
         let expected = Expected {
             lanes: N,
             bounds: scene.bounds(),
@@ -171,6 +168,17 @@ impl RootSlot {
         // SAFETY: the place is valid as in `get`, and the caller has it alone.
         unsafe { self.place.write(root) }
     }
+}
+
+/// Whether the layout is known of the scenes of `device`: of its Embree, on this platform.
+///
+/// # Errors
+/// [`Unavailable`], saying for which it is.
+pub fn known(device: &Device) -> Result<(), Unavailable> {
+    if cfg!(not(all(target_os = "linux", target_arch = "x86_64"))) {
+        return Unavailable::because("the layout is known for Linux on x86-64 only");
+    }
+    check_version(device.version_number())
 }
 
 fn check_version(version: isize) -> Result<(), Unavailable> {

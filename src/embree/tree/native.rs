@@ -3,9 +3,11 @@
 
 #![allow(unsafe_code)]
 
+pub use super::layout::known;
 use super::layout::reference::{self, Target};
 use super::layout::{Node, RootSlot, Triangle4, Unavailable};
 use crate::bvh::{Bvh4, Bvh8, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
+use crate::embree::build_bvh::on_huge_pages;
 use crate::embree::scene::{EmbreeScene, GEOMETRY};
 use crate::geometry::{Aabb, Mesh};
 use crate::memory::{huge_pages, told};
@@ -99,14 +101,6 @@ unsafe fn walk<const N: usize>(root: u64, bounds: Aabb, mesh: &Mesh) -> Result<W
         Some(prim) => Unavailable::because(format_args!("triangle {prim} is in no leaf")),
         None => Ok(WideBvh { nodes: on_huge_pages(tree.nodes), blocks: on_huge_pages(tree.blocks), ..tree }),
     }
-}
-
-/// The same elements where Embree and our builders keep theirs: a copy on small pages would be slower to trace.
-fn on_huge_pages<T>(mut elements: Vec<T>) -> Vec<T> {
-    let mut moved = Vec::new();
-    huge_pages::reserve(&mut moved, elements.len(), COPY);
-    moved.append(&mut elements);
-    moved
 }
 
 /// A reference still to follow, and the slot that waits for it (none for the root).
