@@ -34,19 +34,24 @@ mod wide;
 pub use crate::memory::OutOfMemory;
 pub use api::builder::{BoxBuilder, Build, Builder, Counts, Phase};
 pub use api::config_error::ConfigError;
-pub use clusters::aac::{Aac, AacConfig};
-pub use clusters::ploc::{Ploc, PlocConfig};
-pub use hunt::{Hunt, HuntConfig};
+pub use clusters::aac::{config::AacConfig, pipeline::Aac};
+pub use clusters::ploc::{config::PlocConfig, pipeline::Ploc};
+pub use hunt::pipeline::{Hunt, HuntConfig};
 pub use lbvh::config::{AuxiliaryConfig, Clusters};
-pub use lbvh::direct::Lbvh;
-pub use optimise::{OptimiseConfig, OptimisedPhr, OptimisedPhrConfig};
-pub use phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, MergedPhr, Phr, PhrConfig};
+pub use lbvh::direct::pipeline::Lbvh;
+pub use optimise::config::OptimiseConfig;
+pub use optimise::optimised_phr::{OptimisedPhr, OptimisedPhrConfig};
+pub use phr::config::{Extensions, LocalThreshold, PhrConfig};
+pub use phr::extensions::{
+    auxiliary_tree::AuxiliaryTree, binned::config::BinnedSahConfig, merged::MergedPhr,
+};
+pub use phr::pipeline::Phr;
 pub use prims::boxes::{Boxes, BoxesError, Primitives};
 pub use prims::geometry::Geometry;
 pub use prims::presplit::PresplitConfig;
 pub use registry::by_name::{by_name, over_boxes};
 #[cfg(feature = "serde")]
-pub use registry::recipe::{Recipe, RecipeError};
+pub use registry::recipe::{Recipe, error::RecipeError};
 pub use registry::{ABLATION, CutConfig, NAMES, OVER, WITHOUT, cuts_of, on_request};
 pub use wide::foreign::{ForeignTree, Opened, widened};
 pub use wide::optimal::CollapseCosts;

@@ -1,4 +1,4 @@
-//! The modules of a crate as the compiler sees them, tests apart: what each declares, imports and names.
+//! The modules of a crate as the compiler sees them, with its tests or without: what each declares, imports and names.
 
 use crate::items::{attributes, declared_name, given_path, is_for_tests};
 use crate::sources::Sources;
@@ -50,17 +50,31 @@ pub struct Module {
 /// All modules; the first is the crate's root.
 pub struct ModuleTree {
     pub modules: Vec<Module>,
+    has_tests: bool,
 }
 
 impl ModuleTree {
-    /// Parses the modules reached from `lib.rs`.
+    /// Parses the modules reached from `lib.rs`, tests apart.
     ///
     /// # Panics
     /// If a file is missing or no Rust.
     pub fn of(sources: &Sources) -> Self {
-        let mut tree = Self { modules: Vec::new() };
+        Self::read(sources, false)
+    }
+
+    /// As [`Self::of`], tests included.
+    pub fn with_tests(sources: &Sources) -> Self {
+        Self::read(sources, true)
+    }
+
+    fn read(sources: &Sources, has_tests: bool) -> Self {
+        let mut tree = Self { modules: Vec::new(), has_tests };
         tree.add_file(sources, "lib.rs", Vec::new(), 0);
         tree
+    }
+
+    fn skips(&self, attributes: &[Attribute]) -> bool {
+        !self.has_tests && attributes.iter().any(is_for_tests)
     }
 
     fn add(&mut self, file: &str, name: Vec<String>, parent: usize) -> usize {
@@ -84,14 +98,20 @@ impl ModuleTree {
 
     /// Adds the items of a module whose files lie in `below`, and those given by `#[path]` in `folder`.
     fn add_items(&mut self, sources: &Sources, items: &[Item], module: usize, folder: &str, below: &str) {
-        for item in items.iter().filter(|item| !attributes(item).iter().any(is_for_tests)) {
+        for item in items {
+            if self.skips(attributes(item)) {
+                continue;
+            }
             if let Item::Mod(declared) = item {
                 let ident = declared.ident.to_string();
                 let mut name = self.modules[module].name.clone();
                 name.push(ident.clone());
                 let path = |rest: String| format!("{below}/{rest}").trim_start_matches('/').to_owned();
                 let child = if let Some((_, items)) = &declared.content {
-                    let file = self.modules[module].file.clone();
+                    // Nobody imports the tests of a file: they are one of their own.
+                    let is_for_tests = declared.attrs.iter().any(is_for_tests);
+                    let tests = if is_for_tests { " (tests)" } else { "" };
+                    let file = format!("{}{tests}", self.modules[module].file);
                     let child = self.add(&file, name, module);
                     self.add_items(sources, items, child, folder, &path(ident.clone()));
                     child
@@ -206,13 +226,13 @@ impl<'ast> Visit<'ast> for Collector<'_> {
     }
 
     fn visit_item(&mut self, item: &'ast Item) {
-        if !attributes(item).iter().any(is_for_tests) {
+        if !self.tree.skips(attributes(item)) {
             visit::visit_item(self, item);
         }
     }
 
     fn visit_impl_item_fn(&mut self, item: &'ast syn::ImplItemFn) {
-        if !item.attrs.iter().any(is_for_tests) {
+        if !self.tree.skips(&item.attrs) {
             visit::visit_impl_item_fn(self, item);
         }
     }

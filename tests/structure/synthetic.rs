@@ -7,7 +7,7 @@ use crate::unsafe_code::{misplaced, stray_detection};
 const ORDER: &[&str] = &["low", "high::first", "high::second"];
 
 /// Sources of the modules `low` and `high`, the latter of two, with further files or other texts for these.
-fn tree(changes: &[(&str, &str)]) -> ModuleTree {
+fn sources(changes: &[(&str, &str)]) -> Sources {
     let mut files = vec![
         ("lib.rs", "pub mod low; pub mod high;"),
         ("low/mod.rs", "mod a; mod b; pub use a::A; pub use b::B;"),
@@ -21,7 +21,11 @@ fn tree(changes: &[(&str, &str)]) -> ModuleTree {
         files.retain(|file| file.0 != name);
         files.push((name, text));
     }
-    ModuleTree::of(&Sources::of(&files))
+    Sources::of(&files)
+}
+
+fn tree(changes: &[(&str, &str)]) -> ModuleTree {
+    ModuleTree::of(&sources(changes))
 }
 
 #[track_caller]
@@ -32,7 +36,7 @@ fn upward(file: &str, text: &str, expected: &str) {
 
 #[track_caller]
 fn circle(changes: &[(&str, &str)], expected: &[&str]) {
-    let found = tree(changes).circles();
+    let found = ModuleTree::with_tests(&sources(changes)).circles();
     assert!(
         found.len() == 1 && expected.iter().all(|part| found[0].contains(part)),
         "{expected:?}: {found:?}"
@@ -128,6 +132,20 @@ fn circles_are_found() {
         &[("low/mod.rs", own), ("low/a.rs", "pub struct A([u8; super::N]);")],
         &["`super::N` -> low/mod.rs"],
     );
+}
+
+#[test]
+fn circles_among_files_of_tests_are_found() {
+    let outline = "mod a; mod b; pub use a::A; pub use b::B; #[cfg(test)] mod c; #[cfg(test)] mod d;";
+    let c = ("low/c.rs", "pub struct C; #[test] fn f() { super::d::D; }");
+    circle(
+        &[("low/mod.rs", outline), c, ("low/d.rs", "pub struct D(super::c::C);")],
+        &["low/c.rs:1 `super::d::D` -> low/d.rs", "`super::c::C` -> low/c.rs"],
+    );
+    // The tests of a file may use what uses the file.
+    let tests = ("low/a.rs", "pub struct A; #[cfg(test)] mod tests { use super::super::B; }");
+    let sound = sources(&[("low/mod.rs", outline), tests, c, ("low/d.rs", "pub struct D(super::B);")]);
+    assert_eq!(ModuleTree::with_tests(&sound).circles(), [""; 0]);
 }
 
 #[test]

@@ -86,6 +86,7 @@ impl<const N: usize, B> Build<N, B> {
 }
 
 /// Times consecutive phases.
+#[derive(Debug)]
 pub(crate) struct Stopwatch {
     last: Instant,
     /// The phases so far.

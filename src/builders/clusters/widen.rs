@@ -83,22 +83,20 @@ impl<G: Geometry> TopDown for ClusterTree<'_, G> {
     type Scratch = Vec<u32>;
     type Block = G::Block;
 
-    fn import(&self, OwnedPart(part, ids): OwnedPart, scratch: &mut Vec<u32>) -> ClusterPart {
-        let first = scratch.len();
-        scratch.extend(ids);
-        match part {
-            ClusterPart::References(_, len, bounds) => ClusterPart::References(first, len, bounds),
-            subtree @ ClusterPart::Subtree(..) => subtree,
+    fn import(&self, OwnedPart(mut part, ids): OwnedPart, scratch: &mut Vec<u32>) -> ClusterPart {
+        if let ClusterPart::References(first, ..) = &mut part {
+            *first = scratch.len();
         }
+        scratch.extend(ids);
+        part
     }
 
     fn export(&self, part: &ClusterPart, scratch: &Vec<u32>) -> OwnedPart {
-        match *part {
-            ClusterPart::References(first, len, _) => {
-                OwnedPart(*part, scratch[first..first + len as usize].to_vec())
-            }
-            ClusterPart::Subtree(..) => OwnedPart(*part, Vec::new()),
-        }
+        let ids = match *part {
+            ClusterPart::References(first, len, _) => &scratch[first..first + len as usize],
+            ClusterPart::Subtree(..) => &[],
+        };
+        OwnedPart(*part, ids.to_vec())
     }
 
     fn prefetch(&self, part: &ClusterPart, _: &Vec<u32>) {

@@ -2,7 +2,4 @@
 //! recursion, refined by opening the largest nodes until the cut is long enough, without spatial splits.
 
 mod constant_length;
-mod pipeline;
-
-pub(crate) use pipeline::begin;
-pub use pipeline::{Hunt, HuntConfig};
+pub(crate) mod pipeline;

@@ -1,13 +1,11 @@
 //! The builders `hunt-*`.
 
 use super::constant_length::ConstantLength;
-use crate::builders::api::builder::{Build, Builder, Stopwatch};
+use crate::builders::api::builder::{Build, Builder};
 use crate::builders::api::config_error::{ConfigError, check};
-use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::lbvh::auxiliary::Auxiliary;
-use crate::builders::phr::PhrConfig;
-use crate::builders::phr::cut::{Cut, OwnedCut};
-use crate::builders::phr::initial_cut::initial_cut;
+use crate::builders::phr::config::PhrConfig;
+use crate::builders::phr::cut::OwnedCut;
 use crate::builders::phr::memory::CutMemory;
 use crate::builders::phr::recursion::CutRecursion;
 use crate::builders::prims::geometry::Geometry;
@@ -63,13 +61,11 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Hunt<N, G::Block> {
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let CutMemory { auxiliary, recursion: memory } = &mut self.memory;
-        let mut phases = auxiliary.build(geometry, &self.cuts.extensions.auxiliary);
-        let mut watch = Stopwatch::start();
+        let mut watch = auxiliary.build(geometry, &self.cuts.extensions.auxiliary);
         let (recursion, cut) = begin(auxiliary, geometry, (&self.cuts, self.config.cut_length), self.isa);
         let tree = build::build(&recursion, cut, geometry, memory);
         watch.lap("cuts and nodes");
-        phases.extend(watch.phases);
-        self.memory.finish(tree, phases)
+        self.memory.finish(tree, watch)
     }
 
     fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
@@ -96,10 +92,6 @@ pub(crate) fn begin<'a, G: Geometry>(
     geometry: &'a G,
     (cuts, length): (&'a PhrConfig, usize),
     isa: Isa,
-) -> (CutRecursion<'a, ConstantLength, G>, Option<(OwnedCut, Subtrees)>) {
-    let cut = auxiliary.tree.root.map(|root| {
-        let nodes = initial_cut(&auxiliary.tree, root, 0.0, length);
-        (Cut::whole(nodes, 1.0, geometry.len()), Subtrees::default())
-    });
-    (CutRecursion::new(auxiliary, geometry, cuts, ConstantLength(length), isa), cut)
+) -> (CutRecursion<'a, ConstantLength, G>, Option<OwnedCut>) {
+    CutRecursion::new(auxiliary, geometry, cuts, ConstantLength(length), isa).begin((0.0, length))
 }

@@ -26,28 +26,16 @@ pub(crate) struct AreaScale {
 }
 
 impl AreaScale {
-    /// Those of a scene with the given box.
-    fn of(scene: Aabb) -> Self {
-        Self { scene: scene.half_area(), scale: scene.half_area() }
-    }
-
-    /// Those of a scene whose keys are in the order of its tree, calibrated or not.
+    /// Those of a scene whose keys are in the order of its tree. With a calibration of `parts` the scale is so many
+    /// times the median area of parts of the scene, runs of [`PART`] references along the Morton curve.
     pub fn in_order<G: Geometry>(
         scene: Aabb,
         keys: &[MortonKey],
         refs: &PrimRefs<'_, G>,
         calibration: Option<f32>,
     ) -> Self {
-        match calibration {
-            Some(parts) => Self::calibrated(scene, keys, refs, parts),
-            None => Self::of(scene),
-        }
-    }
-
-    /// Those of a scene whose keys are sorted: the scale is `parts` times the median area of parts of the scene,
-    /// runs of [`PART`] references along the Morton curve.
-    fn calibrated<G: Geometry>(scene: Aabb, keys: &[MortonKey], refs: &PrimRefs<'_, G>, parts: f32) -> Self {
-        let whole = Self::of(scene);
+        let scene = scene.half_area();
+        let Some(parts) = calibration else { return Self { scene, scale: scene } };
         let count = PARTS.min(keys.len() / PART);
         let area = |i: usize| {
             let first = i * keys.len() / count;
@@ -57,7 +45,7 @@ impl AreaScale {
         let mut measured: Vec<f32> = parallel::map((0..count).into_par_iter().with_min_len(16), area);
         measured.sort_by(f32::total_cmp);
         let median = measured.get(count / 2).copied().unwrap_or(f32::INFINITY);
-        Self { scale: whole.scene.min(median * parts), ..whole }
+        Self { scene, scale: scene.min(median * parts) }
     }
 }
 

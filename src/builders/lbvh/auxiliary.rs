@@ -11,14 +11,14 @@ use super::key::MortonKey;
 use super::sort::MortonOrder;
 use super::top_tree::{Treelet, top_tree};
 use super::treelet::{LbvhTreelet, LeafRule};
-use crate::builders::api::builder::{Phase, Stopwatch};
+use crate::builders::api::builder::Stopwatch;
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
-use crate::parallel::ordered_append;
+use crate::parallel::ordered_append::{self, Offset};
 use std::ops::Range;
 
 /// The auxiliary BVH with all it is made from; its memory is reused from build to build.
@@ -34,27 +34,16 @@ pub(crate) struct Auxiliary {
 }
 
 impl Auxiliary {
-    /// Builds the LBVH of `geometry`.
-    pub fn build<G: Geometry>(&mut self, geometry: &G, config: &AuxiliaryConfig) -> Vec<Phase> {
+    /// Builds the LBVH of `geometry`; the stopwatch goes on.
+    pub fn build<G: Geometry>(&mut self, geometry: &G, config: &AuxiliaryConfig) -> Stopwatch {
         let mut watch = Stopwatch::start();
-        self.presplit(geometry, geometry.prims(), config, &mut watch);
         self.sort(geometry, geometry.prims(), config, &mut watch);
         self.grow_lbvh(geometry, config, &mut watch);
-        watch.phases
+        watch
     }
 
-    /// Takes up some primitives of `geometry`, needles in pieces.
-    pub fn presplit<G: Geometry>(
-        &mut self,
-        geometry: &G,
-        prims: Range<u32>,
-        config: &AuxiliaryConfig,
-        watch: &mut Stopwatch,
-    ) {
-        self.order.presplit(geometry, prims, config.presplit.as_ref(), watch);
-    }
-
-    /// Sorts their references, in the memory of the nodes that are going to be made of them.
+    /// Presplits needles among some primitives of `geometry`, and sorts the references to all of them, in the memory
+    /// of the nodes that are going to be made of them.
     pub fn sort<G: Geometry>(
         &mut self,
         geometry: &G,
@@ -62,6 +51,7 @@ impl Auxiliary {
         config: &AuxiliaryConfig,
         watch: &mut Stopwatch,
     ) {
+        self.order.presplit(geometry, prims.clone(), config.presplit.as_ref(), watch);
         let references = prims.len() + self.order.more();
         reserve_pairs(&mut self.tree.pairs, references, config.leaf());
         self.order.sort(geometry, prims, config.sort().0, &mut self.tree.pairs, watch);
@@ -71,8 +61,17 @@ impl Auxiliary {
     pub fn grow_lbvh<G: Geometry>(&mut self, geometry: &G, config: &AuxiliaryConfig, watch: &mut Stopwatch) {
         let treelets = std::mem::take(&mut self.treelets);
         let (_, depth) = config.sort();
-        self.grow(geometry, config, watch, |refs, keys, rule, tree| {
-            lbvh(refs, keys, depth, rule, &mut tree.pairs, &treelets)
+        self.grow(geometry, config, watch, |refs, keys, rule, BinaryTree { pairs, .. }| {
+            reserve_pairs(pairs, keys.len(), rule.always);
+            let (top, tasks) = top_tree(refs, keys, depth);
+            let make = |i: usize, treelet: &mut LbvhTreelet| {
+                let Treelet { first, depth, keys } = tasks.take(i);
+                treelet.build(refs, keys, first, depth, rule)
+            };
+            let built = ordered_append::append(tasks.len(), &treelets, pairs, &mut Vec::new(), make);
+            let moved = |(root, [first, _]): (Node, Offset)| root.moved(first as u32);
+            let roots: Vec<Node> = built.into_iter().map(moved).collect();
+            top.fold(&roots, &mut |children| Node::join([children[0], children[1]], pairs))
         });
         self.treelets = treelets;
     }
@@ -105,26 +104,6 @@ fn reserve_pairs(pairs: &mut Vec<[Node; 2]>, references: usize, leaf: u32) {
     // Of leaves of several references about half are full.
     let most = references.div_ceil(leaf as usize) * if leaf == 1 { 1 } else { 2 };
     huge_pages::reserve(pairs, most + most / 1000 + 64, "the auxiliary tree");
-}
-
-/// The root of the LBVH over one or more keys.
-fn lbvh<G: Geometry>(
-    refs: &PrimRefs<'_, G>,
-    keys: &mut [MortonKey],
-    depth: u32,
-    rule: LeafRule,
-    pairs: &mut Vec<[Node; 2]>,
-    treelets: &Pool<LbvhTreelet>,
-) -> Node {
-    reserve_pairs(pairs, keys.len(), rule.always);
-    let (top, tasks) = top_tree(refs, keys, depth);
-    let make = |i: usize, treelet: &mut LbvhTreelet| {
-        let Treelet { first, depth, keys } = tasks.take(i);
-        treelet.build(refs, keys, first, depth, rule)
-    };
-    let built = ordered_append::append(tasks.len(), treelets, pairs, &mut Vec::new(), make);
-    let treelets: Vec<Node> = built.into_iter().map(|(root, offset)| root.moved(offset[0] as u32)).collect();
-    top.fold(&treelets, &mut |children| Node::join([children[0], children[1]], pairs))
 }
 
 #[cfg(test)]

@@ -196,16 +196,9 @@ fn middle(lower: Vec4, upper: Vec4) -> (usize, f32) {
 
 /// As [`super::partition::partition_by_middle`], the order included.
 fn partition_by_middle(centers: &mut [Vec4]) -> usize {
-    let (mut lower, mut upper) = ([centers[0]; 2], [centers[0]; 2]);
-    let pairs = centers.chunks_exact(2);
-    let last = pairs.remainder().last().copied().unwrap_or(centers[0]);
-    for pair in pairs {
-        for i in 0..2 {
-            lower[i] = lower[i].min(pair[i]);
-            upper[i] = upper[i].max(pair[i]);
-        }
-    }
-    let (axis, middle) = middle(lower[0].min(lower[1]).min(last), upper[0].max(upper[1]).max(last));
+    let grow = |(lower, upper): (Vec4, Vec4), center: &Vec4| (lower.min(*center), upper.max(*center));
+    let (lower, upper) = centers.iter().fold((centers[0], centers[0]), grow);
+    let (axis, middle) = middle(lower, upper);
     let (mut split, len) = (0, centers.len());
     for i in 0..len {
         let center = centers[i];

@@ -6,16 +6,16 @@ use super::auxiliary::Auxiliary;
 use super::config::AuxiliaryConfig;
 use super::key::reference;
 use super::prefetch;
-use crate::builders::api::builder::{Phase, Stopwatch};
+use crate::builders::api::builder::Stopwatch;
 use crate::builders::wide::refit::RefitError;
 use crate::geometry::{Aabb, Mesh};
 
 impl Auxiliary {
-    /// Fits the tree to `mesh`, the one it was built over with vertices moved.
+    /// Fits the tree to `mesh`, the one it was built over with vertices moved; the stopwatch goes on.
     ///
     /// # Errors
     /// A mesh of another number of triangles, and presplit needles.
-    pub fn refit(&mut self, mesh: &Mesh, config: &AuxiliaryConfig) -> Result<Vec<Phase>, RefitError> {
+    pub fn refit(&mut self, mesh: &Mesh, config: &AuxiliaryConfig) -> Result<Stopwatch, RefitError> {
         let mut watch = Stopwatch::start();
         let Self { order, tree, scale, .. } = self;
         let refs = order.refs(mesh);
@@ -32,7 +32,7 @@ impl Auxiliary {
         let bounds = tree.root.map_or(Aabb::EMPTY, |root| root.bounds());
         *scale = AreaScale::in_order(bounds, &order.keys, &refs, config.calibration);
         watch.lap("auxiliary refit");
-        Ok(watch.phases)
+        Ok(watch)
     }
 }
 
@@ -40,7 +40,8 @@ impl Auxiliary {
 mod tests {
     use super::*;
     use crate::builders::lbvh::config::Clusters;
-    use crate::builders::phr::{AuxiliaryTree, BinnedSahConfig};
+    use crate::builders::phr::extensions::auxiliary_tree::AuxiliaryTree;
+    use crate::builders::phr::extensions::binned::config::BinnedSahConfig;
     use crate::builders::prims::presplit::PresplitConfig;
     use crate::builders::testing;
     use crate::scene::scalable;

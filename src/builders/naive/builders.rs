@@ -5,10 +5,11 @@ use super::cut::{self, Cut};
 use super::ploc;
 use super::recursion::Naive;
 use super::wide::Wide;
-use crate::builders::hunt::HuntConfig;
+use crate::builders::hunt::pipeline::HuntConfig;
 use crate::builders::lbvh::config::AuxiliaryConfig;
+use crate::builders::phr::config::PhrConfig;
+use crate::builders::phr::extensions::auxiliary_tree::AuxiliaryTree;
 use crate::builders::phr::refine::Threshold;
-use crate::builders::phr::{AuxiliaryTree, PhrConfig};
 use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
 use crate::geometry::{Aabb, Mesh};
 
@@ -47,7 +48,7 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig, width: usize) -> Option<Wide> {
         },
     };
     let (above, len) = config.initial_cut_limits(mesh.len(), &Threshold::new(scene, config));
-    let members = cut::initial(root, above, len);
+    let members = cut::initial(&root, above, len);
     builder.subtree(&Cut::whole(members, config.max_references, mesh.len() * MAX_REFERENCES_PER_TRIANGLE))
 }
 
@@ -82,6 +83,6 @@ pub fn hunt(mesh: &Mesh, config: &HuntConfig, width: usize) -> Option<Wide> {
             }
         },
     };
-    let members = cut::initial(root, 0.0, config.cut_length);
+    let members = cut::initial(&root, 0.0, config.cut_length);
     builder.subtree(&Cut::whole(members, 1.0, mesh.len()))
 }

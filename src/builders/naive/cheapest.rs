@@ -1,7 +1,7 @@
 //! The cheapest wide tree over the binary splits of a part, as simple as it can be.
 
 use super::member::Member;
-use super::subtree::{Side, Swept};
+use super::subtree::{Side, SplitDown};
 use super::wide::Wide;
 use crate::builders::wide::optimal::CollapseCosts;
 use crate::geometry::Aabb;
@@ -34,9 +34,9 @@ impl Binary {
     }
 
     /// A subtree made by sweeps.
-    pub fn swept(side: &Side, costs: &CollapseCosts, width: usize) -> Self {
+    pub fn split_down(side: &Side, costs: &CollapseCosts, width: usize) -> Self {
         match &side.below {
-            Some(swept) => Self::swept_pair(swept, costs, width),
+            Some(below) => Self::pair_split_down(below, costs, width),
             None => {
                 let bounds = side.members.iter().map(|member| member.bounds).collect();
                 Self::leaf(bounds, side.members.iter().map(Member::prim).collect(), costs, width)
@@ -45,8 +45,8 @@ impl Binary {
     }
 
     /// Two subtrees made by a sweep.
-    pub fn swept_pair(swept: &Swept, costs: &CollapseCosts, width: usize) -> Self {
-        Self::pair(swept.sides.each_ref().map(|side| Self::swept(side, costs, width)), costs, width)
+    pub fn pair_split_down(below: &SplitDown, costs: &CollapseCosts, width: usize) -> Self {
+        Self::pair(below.sides.each_ref().map(|side| Self::split_down(side, costs, width)), costs, width)
     }
 
     /// The parent of two subtrees.

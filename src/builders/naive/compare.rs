@@ -40,7 +40,7 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
         ("clusters", auxiliary(clusters)),
         ("subtree sweep", fast(Extensions { subtree_sweep: Some(256), ..none })),
         ("calibration", auxiliary(AuxiliaryConfig { calibration: Some(0.3), ..clusters })),
-        ("own threshold", PhrConfig { delta: 2.0, ..fast(Extensions { local_threshold, ..none }) }),
+        ("local threshold", PhrConfig { delta: 2.0, ..fast(Extensions { local_threshold, ..none }) }),
         (
             "spatial bias",
             PhrConfig { spatial_threshold: 1e-4, ..fast(Extensions { spatial_bias: Some(1.2), ..none }) },

@@ -2,20 +2,12 @@
 
 use super::auxiliary::{Content, Tree};
 use super::member::Member;
-use super::subtree::Swept;
+use super::subtree::SplitDown;
+use crate::builders::binary::kind::Kind;
+use crate::builders::phr::initial_cut::by_definition;
 use crate::geometry::Aabb;
 use glam::Vec3A;
 use std::rc::Rc;
-
-/// What becomes of a cut.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    Inner,
-    /// A leaf of several blocks.
-    SoftLeaf,
-    /// A leaf of one block.
-    Leaf,
-}
 
 /// A cut, in the order of the Morton codes.
 #[derive(Clone)]
@@ -32,15 +24,22 @@ pub struct Cut {
     /// A leaf was found to be no dearer than a split.
     pub is_soft: bool,
     /// How it is split, where it is split down to leaves.
-    pub swept: Option<Rc<Swept>>,
+    pub split_down: Option<Rc<SplitDown>>,
 }
 
 impl Cut {
     /// The whole scene.
     pub fn whole(members: Vec<Member>, max_references: f32, most: usize) -> Self {
         let clip = Aabb::new(Vec3A::NEG_INFINITY, Vec3A::INFINITY);
-        let mut cut =
-            Self { members, clip, capacity: 0, depth: 0, is_near_leaves: false, is_soft: false, swept: None };
+        let mut cut = Self {
+            members,
+            clip,
+            capacity: 0,
+            depth: 0,
+            is_near_leaves: false,
+            is_soft: false,
+            split_down: None,
+        };
         cut.capacity = ((cut.count() as f32 * max_references) as u32).min(most as u32).max(cut.count());
         cut
     }
@@ -68,18 +67,11 @@ impl Cut {
     }
 }
 
-/// The initial cut: of the nodes larger than `threshold` (half area) the largest is opened, and of equal ones the
-/// first, while there are fewer than `max_len`. A lone root is opened whatever its size.
-pub fn initial(root: Rc<Tree>, threshold: f32, max_len: usize) -> Vec<Member> {
-    // In depth-first order.
-    let mut cut = vec![Member::of(&root)];
-    while cut.len() < max_len {
-        let is_lone = cut.len() == 1;
-        let area = |i: usize| cut[i].bounds.half_area();
-        let openable = (0..cut.len()).filter(|&i| !cut[i].is_leaf() && (area(i) > threshold || is_lone));
-        let Some(next) = openable.reduce(|a, b| if area(b) > area(a) { b } else { a }) else { break };
-        let Content::Node(children) = &cut[next].tree.clone().content else { unreachable!("an inner node") };
-        cut.splice(next..=next, children.iter().map(Member::of));
-    }
-    cut
+/// The initial cut, by half areas.
+pub fn initial(root: &Rc<Tree>, threshold: f32, max_len: usize) -> Vec<Member> {
+    let area = |member: &Member| member.bounds.half_area();
+    by_definition(Member::of(root), threshold, max_len, area, |member| match &member.tree.content {
+        Content::Node(children) => Some(children.each_ref().map(Member::of)),
+        Content::Leaf(_) => None,
+    })
 }

@@ -2,7 +2,7 @@
 
 use super::auxiliary::{Reference, Tree};
 use super::wide::Wide;
-use crate::builders::clusters::ploc::PlocConfig;
+use crate::builders::clusters::ploc::config::PlocConfig;
 use crate::builders::lbvh::morton::MortonEncoder;
 use crate::geometry::{Aabb, Mesh};
 use std::rc::Rc;

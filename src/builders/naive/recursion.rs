@@ -2,12 +2,13 @@
 
 use super::auxiliary::Content;
 use super::cheapest::Binary;
-use super::cut::{Cut, Kind};
+use super::cut::Cut;
 use super::member::Member;
 use super::splits::{self, Plane};
 use super::subtree;
 use super::wide::Wide;
-use crate::builders::phr::{Extensions, PhrConfig};
+use crate::builders::binary::kind::Kind;
+use crate::builders::phr::config::{Extensions, PhrConfig};
 use crate::builders::split::cost::Weight;
 use crate::builders::wide::optimal::CollapseCosts;
 use crate::bvh::limits::CUT_DEPTH;
@@ -54,8 +55,8 @@ impl Naive<'_> {
 
     /// The binary tree over a cut; `None` if clipping left nothing of it.
     fn binary(&self, cut: &Cut, costs: &CollapseCosts) -> Option<Binary> {
-        if let Some(swept) = &cut.swept {
-            return Some(Binary::swept_pair(swept, costs, self.width));
+        if let Some(split_down) = &cut.split_down {
+            return Some(Binary::pair_split_down(split_down, costs, self.width));
         }
         if cut.kind() != Kind::Inner {
             let Wide::Leaf(bounds, prims) = leaf(cut)? else { unreachable!("a leaf") };
@@ -64,7 +65,7 @@ impl Naive<'_> {
         if self.is_small(cut) {
             let references = cut.references();
             return (!references.is_empty())
-                .then(|| Binary::swept(&subtree::sweep(references), costs, self.width));
+                .then(|| Binary::split_down(&subtree::sweep(references), costs, self.width));
         }
         let mut sides: Vec<Binary> =
             self.split(cut).iter().filter_map(|side| self.binary(side, costs)).collect();
@@ -101,11 +102,11 @@ impl Naive<'_> {
     /// Splits a cut in two (paper 3.2, Figure 3): find the split, reorder, refine both sides. One of them may be
     /// clipped away, and an inner cut may be found to be a leaf.
     fn split(&self, part: &Cut) -> Vec<Cut> {
-        if part.swept.is_none() && self.is_small(part) {
-            return self.sweep(part);
+        if part.split_down.is_none() && self.is_small(part) {
+            return self.split_down(part);
         }
-        if let Some(swept) = &part.swept {
-            return swept.sides.iter().map(|side| self.swept(part, side)).collect();
+        if let Some(split_down) = &part.split_down {
+            return split_down.sides.iter().map(|side| self.side_split_down(part, side)).collect();
         }
         let cut = self.open_for_split(part.clone());
         match cut.kind() {
@@ -156,7 +157,7 @@ impl Naive<'_> {
                     depth,
                     is_near_leaves,
                     is_soft: false,
-                    swept: None,
+                    split_down: None,
                 });
             }
         }
@@ -164,20 +165,20 @@ impl Naive<'_> {
     }
 
     /// Splits a cut of few references, none of which is to be split spatially, down to its leaves.
-    fn sweep(&self, cut: &Cut) -> Vec<Cut> {
+    fn split_down(&self, cut: &Cut) -> Vec<Cut> {
         let references = cut.references();
         if references.is_empty() {
             return vec![];
         }
-        let whole = self.swept(cut, &subtree::sweep(references));
+        let whole = self.side_split_down(cut, &subtree::sweep(references));
         if whole.kind() == Kind::Inner { self.split(&whole) } else { vec![whole] }
     }
 
     /// One side of a split of such a cut.
-    fn swept(&self, like: &Cut, side: &subtree::Side) -> Cut {
+    fn side_split_down(&self, like: &Cut, side: &subtree::Side) -> Cut {
         let subtree::Side { members, below } = side.clone();
-        let mut cut = Cut { members, swept: below, is_soft: false, clip: like.clip, ..*like };
-        if let Some(below) = &cut.swept {
+        let mut cut = Cut { members, split_down: below, is_soft: false, clip: like.clip, ..*like };
+        if let Some(below) = &cut.split_down {
             let sides = below.sides.each_ref().map(|side| side.members.clone());
             cut.is_soft = self.leaf_is_cheaper(&cut, &sides);
         }

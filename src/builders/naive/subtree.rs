@@ -10,7 +10,7 @@ use glam::Vec3A;
 use std::rc::Rc;
 
 /// A split and those below it.
-pub struct Swept {
+pub struct SplitDown {
     pub sides: [Side; 2],
 }
 
@@ -19,7 +19,7 @@ pub struct Swept {
 pub struct Side {
     pub members: Vec<Member>,
     /// `None` for a block or less.
-    pub below: Option<Rc<Swept>>,
+    pub below: Option<Rc<SplitDown>>,
 }
 
 /// The tree over single references.
@@ -52,7 +52,7 @@ fn side(all: &[Member], order: [Vec<usize>; 3], depth: u32) -> Side {
         let of_side = |order: &Vec<usize>| order.iter().copied().filter(|&i| on_left[i] == is_left).collect();
         side(all, order.each_ref().map(of_side), depth + 1)
     };
-    Side { members, below: Some(Rc::new(Swept { sides: [below(true), below(false)] })) }
+    Side { members, below: Some(Rc::new(SplitDown { sides: [below(true), below(false)] })) }
 }
 
 /// Axis and number of references on the left of the split of least cost.

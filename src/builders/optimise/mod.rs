@@ -7,7 +7,7 @@
 
 mod candidates;
 mod collapsed;
-mod config;
+pub(crate) mod config;
 pub(crate) mod optimised_phr;
 mod optimiser;
 mod record;
@@ -15,6 +15,3 @@ mod reinsertion;
 #[cfg(test)]
 mod tests;
 mod tree;
-
-pub use config::OptimiseConfig;
-pub use optimised_phr::{OptimisedPhr, OptimisedPhrConfig};

@@ -1,11 +1,12 @@
 //! The builder `phr-best`: a tree of PHR, optimised before it is widened.
 
-use super::OptimiseConfig;
+use super::config::OptimiseConfig;
 use super::optimiser::Optimiser;
-use crate::builders::api::builder::{Build, Builder, Stopwatch};
+use crate::builders::api::builder::{Build, Builder};
 use crate::builders::api::config_error::ConfigError;
+use crate::builders::phr::config::PhrConfig;
 use crate::builders::phr::memory::CutMemory;
-use crate::builders::phr::{PhrConfig, begin};
+use crate::builders::phr::pipeline::begin;
 use crate::builders::prims::geometry::Geometry;
 use crate::bvh::limits::BLOCK;
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
@@ -73,18 +74,10 @@ impl<const N: usize, G: Geometry> Builder<N, G> for OptimisedPhr<N, G::Block> {
         let CutMemory { auxiliary, recursion: memory } = &mut self.memory;
         let extensions = &self.phr.extensions;
         let all = (geometry, geometry.prims());
-        let mut phases = extensions.auxiliary_tree.build(auxiliary, all, &extensions.auxiliary, self.isa);
-        let mut watch = Stopwatch::start();
-        let (recursion, cut) = begin(auxiliary, geometry, &self.phr, self.isa);
-        let has_root = self.optimiser.record(&recursion, cut, geometry, memory);
-        watch.lap("cuts and nodes");
-        let tree = if has_root {
-            self.optimiser.improve(geometry, &self.config.optimise, &mut watch)
-        } else {
-            WideBvh::default()
-        };
-        phases.extend(watch.phases);
-        self.memory.finish(tree, phases)
+        let mut watch = extensions.auxiliary_tree.build(auxiliary, all, &extensions.auxiliary, self.isa);
+        let begun = begin(auxiliary, geometry, &self.phr, self.isa);
+        let tree = self.optimiser.build(begun, geometry, memory, &self.config.optimise, &mut watch);
+        self.memory.finish(tree, watch)
     }
 
     fn recycle(&mut self, tree: WideBvh<N, G::Block>) {

@@ -6,7 +6,6 @@ use super::record::RecordedChunk;
 use super::reinsertion::Reinsertion;
 use super::tree::{ROOT, Tree};
 use crate::builders::api::builder::Stopwatch;
-use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::phr::cut::OwnedCut;
 use crate::builders::phr::memory::CutScratch;
 use crate::builders::phr::policy::CutPolicy;
@@ -45,25 +44,21 @@ impl<const N: usize, B> Optimiser<N, B> {
         self.memory.recycle(tree);
     }
 
-    /// Records the binary tree of the splits of `recursion` over `geometry` below `root`; returns whether there is one.
-    pub fn record<P: CutPolicy, G: Geometry<Block = B>>(
+    /// The optimised wide tree over `geometry`, of the splits of a recursion below its initial cut.
+    pub fn build<P: CutPolicy, G: Geometry<Block = B>>(
         &mut self,
-        recursion: &CutRecursion<'_, P, G>,
-        root: Option<(OwnedCut, Subtrees)>,
+        (recursion, cut): (CutRecursion<'_, P, G>, Option<OwnedCut>),
         geometry: &G,
-        memory: &Memory<CutScratch, N, B>,
-    ) -> bool {
-        root.is_some_and(|root| self.tree.record(recursion, root, geometry, memory, &self.chunks))
-    }
-
-    /// The optimised wide tree over `geometry`.
-    pub fn improve<G: Geometry<Block = B>>(
-        &mut self,
-        geometry: &G,
+        of_cuts: &Memory<CutScratch, N, B>,
         config: &OptimiseConfig,
         watch: &mut Stopwatch,
     ) -> WideBvh<N, B> {
-        let Self { tree, reinsertion, choices, memory, .. } = self;
+        let Self { tree, chunks, reinsertion, choices, memory } = self;
+        let is_empty = !cut.is_some_and(|cut| tree.record(&recursion, cut, geometry, of_cuts, chunks));
+        watch.lap("cuts and nodes");
+        if is_empty {
+            return WideBvh::default();
+        }
         let wanted = (tree.pairs.len() as f32 * config.share) as usize;
         reinsertion.run(tree, config.rounds, wanted);
         watch.lap("reinsertion");

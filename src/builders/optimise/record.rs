@@ -3,7 +3,6 @@
 
 use super::tree::{LinkedNode, Pair, Tree};
 use crate::builders::binary::kind::Kind;
-use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::phr::cut::{Cut, OwnedCut};
 use crate::builders::phr::memory::CutScratch;
 use crate::builders::phr::policy::CutPolicy;
@@ -47,7 +46,7 @@ impl Tree {
     pub fn record<P: CutPolicy, G: Geometry, const N: usize>(
         &mut self,
         recursion: &CutRecursion<'_, P, G>,
-        root: (OwnedCut, Subtrees),
+        root: OwnedCut,
         geometry: &G,
         memory: &Memory<CutScratch, N, G::Block>,
         pool: &Pool<RecordedChunk>,

@@ -53,6 +53,7 @@ pub struct Extensions {
     /// area.
     pub cut_share: Option<f32>,
     /// Large parts of the scene are opened by their own area too.
+    // The name in JSON is that of committed results.
     #[cfg_attr(feature = "serde", serde(rename = "own_threshold"))]
     pub local_threshold: Option<LocalThreshold>,
     /// A spatial split is taken if it costs less than the best object split, as in the paper, or if its cost times the

@@ -2,6 +2,7 @@
 
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::Node;
+use crate::builders::binary::subtrees::Subtrees;
 use crate::geometry::Aabb;
 use crate::memory::huge_pages;
 use glam::Vec3A;
@@ -45,13 +46,16 @@ pub(crate) enum CutLevel {
     Subtrees,
     /// Single references, near the leaves: splits count blocks.
     References,
-    /// One subtree that has been split down to its leaves ([`super::swept`]).
-    Swept,
+    /// One subtree that has been split down to its leaves ([`super::split_down`]).
+    SplitDown,
 }
 
 /// A cut with nodes of its own.
 pub(crate) struct OwnedCut {
+    /// Its nodes.
     pub nodes: Vec<Node>,
+    /// What is below its node, where it has been split down to its leaves.
+    pub subtrees: Subtrees,
     cut: Cut,
 }
 
@@ -116,7 +120,7 @@ impl Cut {
         nodes.into_iter().for_each(|node| cut.push(node));
         let mut cut = cut.finish(&Self::EMPTY);
         cut.capacity = ((cut.count as f32 * max_references) as u32).min(most as u32).max(cut.count);
-        OwnedCut { nodes: owned, cut }
+        OwnedCut { nodes: owned, subtrees: Subtrees::default(), cut }
     }
 
     /// The indices of its nodes in the arena.
@@ -143,17 +147,17 @@ impl Cut {
 
     /// Copies the cut out of the arena.
     pub fn export(&self, arena: &[Node]) -> OwnedCut {
-        OwnedCut { nodes: arena[self.range()].to_vec(), cut: *self }
+        OwnedCut { nodes: arena[self.range()].to_vec(), subtrees: Subtrees::default(), cut: *self }
     }
 }
 
 impl OwnedCut {
-    /// Copies the cut to the end of `arena`.
-    pub fn import(self, arena: &mut Vec<Node>) -> Cut {
+    /// Copies the cut to the end of `arena`; returns it with what is below.
+    pub fn import(self, arena: &mut Vec<Node>) -> (Cut, Subtrees) {
         let first = arena.len() as u32;
         huge_pages::make_room(arena, self.nodes.len(), "cuts");
         arena.extend(self.nodes);
-        Cut { first, ..self.cut }
+        (Cut { first, ..self.cut }, self.subtrees)
     }
 }
 

@@ -1,9 +1,10 @@
-//! Paper 4.1: the initial cut. Nodes larger than a threshold are opened, the largest first, until none is left or
+//! Paper 4.1: the initial cut. From the root on, the largest node is opened, until none is larger than a threshold or
 //! the cut is long enough.
 //!
-//! The paper keeps a priority queue. But a node is no larger than its parent, so that opening the largest first
-//! opens all nodes above some area. That area is halved until too many nodes would be opened; then the last one
-//! that may be is selected among them. No queue is needed, and much of a cut is opened at a time, in parallel.
+//! `by_definition` is that rule; the tests' oracle follows it. The paper keeps a priority queue. But a node is no
+//! larger than its parent, so that opening the largest first opens all nodes above some area. [`initial_cut`] halves
+//! that area until too many nodes would be opened; then the last one that may be is selected among them. No queue is
+//! needed, and much of a cut is opened at a time, in parallel.
 
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
@@ -11,12 +12,32 @@ use crate::memory::huge_pages;
 use crate::parallel;
 use rayon::prelude::*;
 
+/// The initial cut below `root` in the order of the tree: nodes of an area of more than `threshold` are opened, the
+/// largest first and of equal ones the first, while there are fewer than `max_len`. A lone root is opened whatever its
+/// size. `open` gives the children of an inner node.
+#[cfg(test)]
+pub(crate) fn by_definition<T>(
+    root: T,
+    threshold: f32,
+    max_len: usize,
+    area: impl Fn(&T) -> f32,
+    open: impl Fn(&T) -> Option<[T; 2]>,
+) -> Vec<T> {
+    let mut cut = vec![root];
+    while cut.len() < max_len {
+        let inner = (0..cut.len()).filter(|&i| open(&cut[i]).is_some());
+        let largest = inner.reduce(|a, b| if area(&cut[b]) > area(&cut[a]) { b } else { a });
+        let Some(i) = largest.filter(|&i| area(&cut[i]) > threshold || cut.len() == 1) else { break };
+        let children = open(&cut[i]).expect("it is an inner node");
+        cut.splice(i..=i, children);
+    }
+    cut
+}
+
 /// Nodes opened by one task.
 const CHUNK: usize = 1 << 10;
 
-/// The initial cut below `root` in the order of the tree: nodes of a half area of more than `threshold` are opened, the
-/// largest first and of equal ones the first, while there are fewer than `max_len`. A lone root is opened whatever its
-/// size.
+/// The same of a tree by half areas, as `by_definition` has it.
 pub(crate) fn initial_cut(tree: &BinaryTree, root: Node, threshold: f32, max_len: usize) -> Vec<Node> {
     let mut cut = vec![root];
     // Each node that is opened adds one.

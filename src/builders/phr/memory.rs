@@ -1,12 +1,12 @@
 //! The memory of builders over cuts, kept from build to build, and what they count.
 
 use super::cut::Side;
-use crate::builders::api::builder::{Build, Counts, Phase};
+use crate::builders::api::builder::{Build, Counts, Stopwatch};
 use crate::builders::binary::node::Node;
 use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::lbvh::auxiliary::Auxiliary;
-use crate::builders::split::object::ObjectSweep;
-use crate::builders::split::spatial::SpatialSweep;
+use crate::builders::split::object::strategy::ObjectSweep;
+use crate::builders::split::spatial::strategy::SpatialSweep;
 use crate::builders::split::subtree_sweep::SubtreeSweep;
 use crate::builders::wide::memory::{Memory, Scratch};
 use crate::builders::wide::optimal::Choices;
@@ -64,7 +64,7 @@ impl<const N: usize, B> Default for CutMemory<N, B> {
 
 impl<const N: usize, B> CutMemory<N, B> {
     /// Puts a build together.
-    pub fn finish(&mut self, tree: WideBvh<N, B>, phases: Vec<Phase>) -> Build<N, B> {
+    pub fn finish(&mut self, tree: WideBvh<N, B>, Stopwatch { phases, .. }: Stopwatch) -> Build<N, B> {
         let mut counts = Counts::default();
         self.recursion.workers.for_each(|worker| {
             let of_thread = std::mem::take(&mut worker.scratch.counts);

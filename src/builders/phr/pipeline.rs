@@ -8,19 +8,16 @@
 //! 6. splits become wide nodes (4.5), in parallel (4.6): [`crate::builders::wide::build`].
 
 use super::config::{Extensions, PhrConfig};
-use super::cut::{Cut, OwnedCut};
-use super::initial_cut::initial_cut;
+use super::cut::OwnedCut;
 use super::memory::CutMemory;
 use super::recursion::CutRecursion;
 use super::refine::Threshold;
-use crate::builders::api::builder::{Build, Builder, Phase, Stopwatch};
+use crate::builders::api::builder::{Build, Builder, Stopwatch};
 use crate::builders::api::config_error::ConfigError;
-use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::build;
 use crate::builders::wide::refit::RefitError;
-use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::geometry::Mesh;
 use crate::simd::Isa;
@@ -64,8 +61,8 @@ impl<const N: usize> Phr<N> {
     ///
     /// [`AuxiliaryConfig::presplit`]: crate::builders::AuxiliaryConfig::presplit
     pub fn refit(&mut self, mesh: &Mesh) -> Result<Build<N>, RefitError> {
-        let phases = self.memory.auxiliary.refit(mesh, &self.config.extensions.auxiliary)?;
-        Ok(build_from_cuts(&mut self.memory, mesh, &self.config, self.isa, phases))
+        let watch = self.memory.auxiliary.refit(mesh, &self.config.extensions.auxiliary)?;
+        Ok(build_from_cuts(&mut self.memory, mesh, &self.config, self.isa, watch))
     }
 }
 
@@ -81,14 +78,12 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Phr<N, G::Block> {
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let Self { config, memory, isa, .. } = self;
-        let Extensions { auxiliary_tree, auxiliary: of_auxiliary, .. } = &config.extensions;
-        let (auxiliary, mut watch) = (&mut memory.auxiliary, Stopwatch::start());
-        // Presplit, sort, and build the auxiliary tree.
-        auxiliary.presplit(geometry, geometry.prims(), of_auxiliary, &mut watch);
-        auxiliary.sort(geometry, geometry.prims(), of_auxiliary, &mut watch);
-        auxiliary_tree.grow(auxiliary, geometry, of_auxiliary, *isa, &mut watch);
+        let Extensions { auxiliary_tree, auxiliary, .. } = &config.extensions;
+        // Presplit, sort, auxiliary tree.
+        let all = (geometry, geometry.prims());
+        let watch = auxiliary_tree.build(&mut memory.auxiliary, all, auxiliary, *isa);
         // Initial cut, recursion, wide nodes.
-        build_from_cuts(memory, geometry, config, *isa, watch.phases)
+        build_from_cuts(memory, geometry, config, *isa, watch)
     }
 
     fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
@@ -96,22 +91,20 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Phr<N, G::Block> {
     }
 }
 
-/// Builds from cuts of the auxiliary BVH in `memory`, which took `phases`.
+/// Builds from cuts of the auxiliary BVH in `memory`.
 pub(crate) fn build_from_cuts<const N: usize, G: Geometry>(
     memory: &mut CutMemory<N, G::Block>,
     geometry: &G,
     config: &PhrConfig,
     isa: Isa,
-    mut phases: Vec<Phase>,
+    mut watch: Stopwatch,
 ) -> Build<N, G::Block> {
-    let mut watch = Stopwatch::start();
     // Initial cut.
     let (recursion, cut) = begin(&memory.auxiliary, geometry, config, isa);
     // Recursion: wide nodes are made on the way back.
     let tree = build::build(&recursion, cut, geometry, &mut memory.recursion);
     watch.lap("cuts and nodes");
-    phases.extend(watch.phases);
-    memory.finish(tree, phases)
+    memory.finish(tree, watch)
 }
 
 /// The recursion over a scene, refined by the thresholds of equation 2, and the initial cut that it begins with.
@@ -120,15 +113,10 @@ pub(crate) fn begin<'a, G: Geometry>(
     geometry: &'a G,
     config: &'a PhrConfig,
     isa: Isa,
-) -> (CutRecursion<'a, Threshold, G>, Option<(OwnedCut, Subtrees)>) {
+) -> (CutRecursion<'a, Threshold, G>, Option<OwnedCut>) {
     let threshold = Threshold::new(auxiliary.scale.scene, config);
-    let (area, len) = config.initial_cut_limits(geometry.len(), &threshold);
-    let cut = auxiliary.tree.root.map(|root| {
-        let nodes = initial_cut(&auxiliary.tree, root, area, len);
-        let most = geometry.len() * MAX_REFERENCES_PER_TRIANGLE;
-        (Cut::whole(nodes, config.max_references, most), Subtrees::default())
-    });
-    (CutRecursion::new(auxiliary, geometry, config, threshold, isa), cut)
+    let limits = config.initial_cut_limits(geometry.len(), &threshold);
+    CutRecursion::new(auxiliary, geometry, config, threshold, isa).begin(limits)
 }
 
 impl PhrConfig {

@@ -3,16 +3,17 @@
 use super::clip::{RefOrder, is_whole};
 use super::config::PhrConfig;
 use super::cut::{Cut, CutLevel, OwnedCut};
+use super::initial_cut::initial_cut;
 use super::memory::CutScratch;
 use super::policy::CutPolicy;
 use crate::builders::binary::kind::Kind;
-use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::lbvh::prefetch;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::top_down::{BinarySplits, TopDown};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
+use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
 use crate::geometry::{Aabb, Mesh};
 use crate::simd::Isa;
 use arrayvec::ArrayVec;
@@ -53,6 +54,17 @@ impl<'a, P: CutPolicy, G: Geometry> CutRecursion<'a, P, G> {
         }
     }
 
+    /// The recursion with the initial cut that it begins with (paper 4.1), if there is anything: nodes of a half area
+    /// of more than `threshold` are opened, up to a length of the cut.
+    pub fn begin(self, (threshold, len): (f32, usize)) -> (Self, Option<OwnedCut>) {
+        let cut = self.tree.root.map(|root| {
+            let nodes = initial_cut(self.tree, root, threshold, len);
+            let most = self.order.refs.geometry.len() * MAX_REFERENCES_PER_TRIANGLE;
+            Cut::whole(nodes, self.config.max_references, most)
+        });
+        (self, cut)
+    }
+
     /// Whether spatial splits are tried in a cut. If not, they are not in any below it.
     #[inline]
     pub fn splits_in_space(&self, cut: &Cut) -> bool {
@@ -71,7 +83,7 @@ impl<P: CutPolicy, G: Geometry> BinarySplits for CutRecursion<'_, P, G> {
 
     fn split(&self, cut: &Cut, scratch: &mut CutScratch) -> [Option<Cut>; 2] {
         // Shortcuts: splits that are found in one go, or known already.
-        if let Some(sides) = self.split_swept(cut, scratch) {
+        if let Some(sides) = self.split_down_sides(cut, scratch) {
             return sides;
         }
         if let Some(node) = self.single_node(cut, &scratch.arena) {
@@ -82,31 +94,30 @@ impl<P: CutPolicy, G: Geometry> BinarySplits for CutRecursion<'_, P, G> {
 }
 
 impl<P: CutPolicy, G: Geometry> TopDown for CutRecursion<'_, P, G> {
-    type Task = (OwnedCut, Subtrees);
+    type Task = OwnedCut;
     type Part = Cut;
     type Scratch = CutScratch;
     type Block = G::Block;
 
-    fn import(&self, (cut, from): Self::Task, scratch: &mut CutScratch) -> Cut {
-        let cut = cut.import(&mut scratch.arena);
-        if cut.level == CutLevel::Swept {
+    fn import(&self, owned: OwnedCut, scratch: &mut CutScratch) -> Cut {
+        let (cut, from) = owned.import(&mut scratch.arena);
+        if cut.level == CutLevel::SplitDown {
             let node = &mut scratch.arena[cut.range().start];
             *node = scratch.subtrees.copy(node, &from);
         }
         cut
     }
 
-    fn export(&self, cut: &Cut, scratch: &CutScratch) -> Self::Task {
+    fn export(&self, cut: &Cut, scratch: &CutScratch) -> OwnedCut {
         let mut owned = cut.export(&scratch.arena);
-        let mut subtrees = Subtrees::default();
-        if cut.level == CutLevel::Swept {
-            owned.nodes[0] = subtrees.copy(&owned.nodes[0], &scratch.subtrees);
+        if cut.level == CutLevel::SplitDown {
+            owned.nodes[0] = owned.subtrees.copy(&owned.nodes[0], &scratch.subtrees);
         }
-        (owned, subtrees)
+        owned
     }
 
     fn prefetch(&self, cut: &Cut, scratch: &CutScratch) {
-        if cut.level != CutLevel::Swept {
+        if cut.level != CutLevel::SplitDown {
             let leaf = self.config.extensions.auxiliary.max_leaf();
             for node in &scratch.arena[cut.range()] {
                 prefetch::subtree(self.tree, self.order.keys, &self.order.refs, node, leaf);
@@ -139,7 +150,7 @@ impl<P: CutPolicy, G: Geometry> TopDown for CutRecursion<'_, P, G> {
         if let Some(costs) = &self.config.extensions.collapse {
             return Some(self.collapse(cut, costs, treelet, scratch));
         }
-        if let Some(subtree) = self.emit_swept(cut, treelet, scratch) {
+        if let Some(subtree) = self.emit_split_down(cut, treelet, scratch) {
             return Some(subtree);
         }
         let node = self.single_node(cut, &scratch.arena)?;
@@ -159,7 +170,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
     ) -> Aabb {
         let mut bounds = Aabb::EMPTY;
         for node in &scratch.arena[cut.range()] {
-            if cut.level == CutLevel::Swept {
+            if cut.level == CutLevel::SplitDown {
                 bounds = node.bounds();
                 prims.extend(scratch.subtrees.prims_below(node));
             } else if is_whole(node, &cut.clip) {

@@ -4,7 +4,6 @@ use super::clip::{is_whole, open};
 use super::config::{LocalThreshold, PhrConfig};
 use super::cut::{CutBuilder, Side};
 use super::policy::CutPolicy;
-use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
 use crate::geometry::Aabb;
 
@@ -32,10 +31,7 @@ impl Threshold {
     fn of(&self, depth: u32, side: &Side) -> f32 {
         let threshold = self.at(depth);
         match self.local {
-            Some(local) if side.count >= local.references => {
-                let bounds: Aabb = side.nodes.iter().map(Node::bounds).collect();
-                threshold.min(bounds.half_area() * local.area)
-            }
+            Some(local) if side.count >= local.references => threshold.min(side.measure().0 * local.area),
             _ => threshold,
         }
     }

@@ -11,10 +11,10 @@ use crate::builders::binary::node::Node;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::split::by_triangles;
 use crate::builders::split::cost::Weight;
-use crate::builders::split::object::ObjectSweep;
 use crate::builders::split::object::split::ObjectSplit;
-use crate::builders::split::spatial::SpatialSweep;
+use crate::builders::split::object::strategy::ObjectSweep;
 use crate::builders::split::spatial::split::SpatialSplit;
+use crate::builders::split::spatial::strategy::SpatialSweep;
 use crate::bvh::limits::CUT_DEPTH;
 use crate::geometry::Aabb;
 
@@ -132,9 +132,9 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
             let find = |limit| by_triangles::spatial(nodes, cut.bounds, limit);
             return (object, self.find_spatial(cut, nodes, &object, whole, find));
         }
-        let (object, hint) = object_sweep.find(self.isa, nodes, cut.bounds, weight);
+        let (object, bins) = object_sweep.find(self.isa, nodes, cut.bounds, weight);
         let whole = cut.area * weight.of(nodes.len());
-        let find = |limit| spatial_sweep.find(self.isa, limit, (nodes, cut.bounds), weight, hint);
+        let find = |limit| spatial_sweep.find(self.isa, limit, (nodes, cut.bounds), weight, bins);
         (object, self.find_spatial(cut, nodes, &object, whole, find))
     }
 

@@ -13,22 +13,16 @@ use crate::builders::api::builder::{BoxBuilder, Builder};
 /// let builder = phr::builders::by_name::<12>("phr-speed");
 /// ```
 pub fn by_name<const N: usize>(name: &str) -> Option<Box<dyn Builder<N>>> {
-    match config(name) {
-        Some((name, config)) => make::over_triangles(name, config).ok(),
-        #[cfg(feature = "serde")]
-        None => Recipe::parse(name).ok().map(|recipe| recipe.builder()),
-        #[cfg(not(feature = "serde"))]
-        None => None,
-    }
+    let found = config(name).and_then(|(name, config)| make::over_triangles(name, config).ok());
+    #[cfg(feature = "serde")]
+    let found = found.or_else(|| Recipe::parse(name).ok().map(|recipe| recipe.builder()));
+    found
 }
 
 /// The same over boxes of anything, under the name that it has without changes.
 pub fn over_boxes<const N: usize>(name: &str) -> Option<Box<BoxBuilder<N>>> {
-    match config(name) {
-        Some((name, config)) => make::over_boxes(name, config).ok(),
-        #[cfg(feature = "serde")]
-        None => Recipe::parse(name).ok().map(|recipe| recipe.builder_over_boxes()),
-        #[cfg(not(feature = "serde"))]
-        None => None,
-    }
+    let found = config(name).and_then(|(name, config)| make::over_boxes(name, config).ok());
+    #[cfg(feature = "serde")]
+    let found = found.or_else(|| Recipe::parse(name).ok().map(|recipe| recipe.builder_over_boxes()));
+    found
 }

@@ -3,12 +3,12 @@
 use super::Config;
 use crate::builders::api::builder::{BoxBuilder, Builder};
 use crate::builders::api::config_error::ConfigError;
-use crate::builders::clusters::aac::Aac;
-use crate::builders::clusters::ploc::Ploc;
-use crate::builders::hunt::Hunt;
-use crate::builders::lbvh::direct::Lbvh;
-use crate::builders::optimise::OptimisedPhr;
-use crate::builders::phr::Phr;
+use crate::builders::clusters::aac::pipeline::Aac;
+use crate::builders::clusters::ploc::pipeline::Ploc;
+use crate::builders::hunt::pipeline::Hunt;
+use crate::builders::lbvh::direct::pipeline::Lbvh;
+use crate::builders::optimise::optimised_phr::OptimisedPhr;
+use crate::builders::phr::pipeline::Phr;
 use crate::bvh::{IdBlock, TriangleBlock};
 
 /// The builder of a configuration, of leaves of blocks that are made of items.

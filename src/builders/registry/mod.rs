@@ -6,12 +6,15 @@ mod make;
 #[cfg(feature = "serde")]
 pub mod recipe;
 
-use crate::builders::clusters::aac::AacConfig;
-use crate::builders::clusters::ploc::PlocConfig;
-use crate::builders::hunt::HuntConfig;
+use crate::builders::clusters::aac::config::AacConfig;
+use crate::builders::clusters::ploc::config::PlocConfig;
+use crate::builders::hunt::pipeline::HuntConfig;
 use crate::builders::lbvh::config::AuxiliaryConfig;
-use crate::builders::optimise::{OptimiseConfig, OptimisedPhrConfig};
-use crate::builders::phr::{AuxiliaryTree, BinnedSahConfig, Extensions, LocalThreshold, PhrConfig};
+use crate::builders::optimise::config::OptimiseConfig;
+use crate::builders::optimise::optimised_phr::OptimisedPhrConfig;
+use crate::builders::phr::config::{Extensions, LocalThreshold, PhrConfig};
+use crate::builders::phr::extensions::auxiliary_tree::AuxiliaryTree;
+use crate::builders::phr::extensions::binned::config::BinnedSahConfig;
 use crate::builders::prims::presplit::PresplitConfig;
 use crate::builders::wide::optimal::CollapseCosts;
 
@@ -27,26 +30,27 @@ pub(crate) enum Config {
     OptimisedPhr(OptimisedPhrConfig),
 }
 
-/// The tree of [`PhrConfig::QUALITY`] from larger cuts of single triangles, optimised as a whole.
-const BEST: OptimisedPhrConfig = OptimisedPhrConfig {
-    phr: PhrConfig {
-        alpha: 0.55,
-        delta: 8.0,
-        max_cut: 1 << 16,
-        extensions: Extensions {
-            auxiliary: AuxiliaryConfig { clusters: None, ..QUALITY.auxiliary },
-            local_threshold: Some(LocalThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
-            collapse: None,
-            ..QUALITY
+impl OptimisedPhrConfig {
+    /// That of `phr-best`: the tree of [`PhrConfig::QUALITY`] from larger cuts of single triangles, optimised as a
+    /// whole.
+    pub const DEFAULT: Self = Self {
+        phr: PhrConfig {
+            alpha: 0.55,
+            delta: 8.0,
+            max_cut: 1 << 16,
+            extensions: Extensions {
+                auxiliary: AuxiliaryConfig { clusters: None, ..QUALITY.auxiliary },
+                local_threshold: Some(LocalThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
+                collapse: None,
+                ..QUALITY
+            },
+            ..PhrConfig::QUALITY
         },
-        ..PhrConfig::QUALITY
-    },
-    optimise: OptimiseConfig::DEFAULT,
-};
+        optimise: OptimiseConfig::DEFAULT,
+    };
+}
 
-#[cfg(test)]
-const TURBO: Extensions = PhrConfig::TURBO.extensions;
-const SPEED: Extensions = PhrConfig::SPEED.extensions;
+const SPEED: AuxiliaryConfig = PhrConfig::SPEED.extensions.auxiliary;
 const QUALITY: Extensions = PhrConfig::QUALITY.extensions;
 const NONE: Extensions = Extensions::NONE;
 
@@ -81,10 +85,10 @@ const REGISTRY: &[(&str, Config)] = &[
     ("phr-turbo", Config::Phr(PhrConfig::TURBO)),
     ("phr-speed", Config::Phr(PhrConfig::SPEED)),
     ("phr-quality", Config::Phr(PhrConfig::QUALITY)),
-    ("phr-best", Config::OptimisedPhr(BEST)),
+    ("phr-best", Config::OptimisedPhr(OptimisedPhrConfig::DEFAULT)),
     ("phr-fast-bucket", fast(auxiliary(AuxiliaryConfig { bucket_sort: true, ..PAPER }))),
     ("phr-fast-coarse", fast(COARSE)),
-    ("phr-fast-clusters", fast(auxiliary(AuxiliaryConfig { clusters: SPEED.auxiliary.clusters, ..PAPER }))),
+    ("phr-fast-clusters", fast(auxiliary(AuxiliaryConfig { clusters: SPEED.clusters, ..PAPER }))),
     ("phr-fast-subtrees", fast(Extensions { subtree_sweep: Some(32), ..NONE })),
     ("phr-hq-coarse", hq(COARSE)),
     (
@@ -115,7 +119,15 @@ const REGISTRY: &[(&str, Config)] = &[
 /// Builders of a table.
 const IN_TABLES: usize = 11;
 
-const ALL: [&str; REGISTRY.len()] = names(REGISTRY);
+const ALL: [&str; REGISTRY.len()] = {
+    let mut names = [""; REGISTRY.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = REGISTRY[i].0;
+        i += 1;
+    }
+    names
+};
 
 /// Names of the builders of a table, in its order.
 pub const NAMES: &[&str] = ALL.split_at(IN_TABLES).0;
@@ -124,115 +136,71 @@ pub const NAMES: &[&str] = ALL.split_at(IN_TABLES).0;
 /// are run on request.
 pub const ABLATION: &[&str] = ALL.split_at(IN_TABLES).1;
 
-/// A preset without one field of its extensions, or of those of its auxiliary BVH, each a builder
-/// `PRESET-no-FIELD`.
-macro_rules! without {
-    ($preset:literal, $config:expr; $($extension:ident)*; $($of_auxiliary:ident)*) => {
-        &[
-            $((
-                concat!($preset, "-no-", stringify!($extension)),
-                Extensions { $extension: NONE.$extension, ..$config.extensions },
-            ),)*
-            $((
-                concat!($preset, "-no-", stringify!($of_auxiliary)),
-                Extensions {
-                    auxiliary: AuxiliaryConfig { $of_auxiliary: PAPER.$of_auxiliary, ..$config.extensions.auxiliary },
-                    ..$config.extensions
-                },
-            ),)*
-        ]
-    };
+/// Takes an extension out of a preset, or puts one in.
+type Change = fn(&mut Extensions);
+
+/// What is changed of presets, by the end of the name of the changed one.
+const CHANGES: [(&str, Change); 13] = [
+    ("-no-cut_share", |preset| preset.cut_share = None),
+    ("-no-local_threshold", |preset| preset.local_threshold = None),
+    ("-no-spatial_bias", |preset| preset.spatial_bias = None),
+    ("-no-clip_triangles", |preset| preset.clip_triangles = false),
+    ("-no-subtree_sweep", |preset| preset.subtree_sweep = None),
+    ("-no-collapse", |preset| preset.collapse = None),
+    ("-no-auxiliary_leaf", |preset| preset.auxiliary.auxiliary_leaf = None),
+    ("-no-clusters", |preset| preset.auxiliary.clusters = None),
+    ("-no-calibration", |preset| preset.auxiliary.calibration = None),
+    ("-no-presplit", |preset| preset.auxiliary.presplit = None),
+    ("-aux-ploc", |preset| preset.auxiliary_tree = AuxiliaryTree::Ploc(PlocConfig::DEFAULT)),
+    ("-aux-aac", |preset| preset.auxiliary_tree = AuxiliaryTree::Aac(AacConfig::FAST)),
+    ("-aux-sah", |preset| preset.auxiliary_tree = AuxiliaryTree::BinnedSah(BinnedSahConfig::DEFAULT)),
+];
+
+/// Names of presets with some of [`CHANGES`].
+macro_rules! names {
+    ($($preset:literal: $($change:ident)*;)*) => { &[$($(concat!($preset, stringify!($change)),)*)*] };
 }
-
-const TURBO_WITHOUT: &[(&str, Extensions)] = without!("phr-turbo", PhrConfig::TURBO;
-    cut_share local_threshold; auxiliary_leaf calibration);
-const SPEED_WITHOUT: &[(&str, Extensions)] = without!("phr-speed", PhrConfig::SPEED;
-    cut_share local_threshold spatial_bias subtree_sweep collapse;
-    auxiliary_leaf clusters calibration presplit);
-const QUALITY_WITHOUT: &[(&str, Extensions)] = without!("phr-quality", PhrConfig::QUALITY;
-    cut_share local_threshold spatial_bias clip_triangles subtree_sweep collapse;
-    clusters calibration presplit);
-
-/// A configuration over another auxiliary tree than an LBVH, each a builder `PRESET-aux-TREE`.
-macro_rules! over {
-    ($($name:literal, $config:expr;)*) => {
-        &[
-            $(
-                (concat!($name, "-aux-ploc"), over($config, AuxiliaryTree::Ploc(PlocConfig::DEFAULT))),
-                (concat!($name, "-aux-aac"), over($config, AuxiliaryTree::Aac(AacConfig::FAST))),
-                (concat!($name, "-aux-sah"), over($config, AuxiliaryTree::BinnedSah(BinnedSahConfig::DEFAULT))),
-            )*
-        ]
-    };
-}
-
-const fn over(config: PhrConfig, auxiliary_tree: AuxiliaryTree) -> PhrConfig {
-    PhrConfig { extensions: Extensions { auxiliary_tree, ..config.extensions }, ..config }
-}
-
-const AUXILIARY_TREES: &[(&str, PhrConfig)] = over!(
-    "phr-fast", PhrConfig::FAST;
-    "phr-hq", PhrConfig::HQ;
-    "phr-speed", PhrConfig::SPEED;
-    "phr-quality", PhrConfig::QUALITY;
-);
-
-/// Names of PHR over other auxiliary trees (paper 5.5): `phr-hq-aux-ploc`, `-aux-aac`, `-aux-sah`. They are run on
-/// request.
-pub const OVER: &[&str] = &names::<_, 12>(AUXILIARY_TREES);
 
 /// Names of our presets without one extension each: what the rest of the preset does not make up for. They are run on
 /// request.
-pub const WITHOUT: [&[&str]; 3] =
-    [&names::<_, 4>(TURBO_WITHOUT), &names::<_, 9>(SPEED_WITHOUT), &names::<_, 9>(QUALITY_WITHOUT)];
+pub const WITHOUT: [&[&str]; 3] = [
+    names!("phr-turbo-no-": cut_share local_threshold auxiliary_leaf calibration;),
+    names!("phr-speed-no-":
+        cut_share local_threshold spatial_bias subtree_sweep collapse
+        auxiliary_leaf clusters calibration presplit;),
+    names!("phr-quality-no-":
+        cut_share local_threshold spatial_bias clip_triangles subtree_sweep collapse
+        clusters calibration presplit;),
+];
+
+/// Names of PHR over other auxiliary trees (paper 5.5): `phr-hq-aux-ploc`, `-aux-aac`, `-aux-sah`. They are run on
+/// request.
+pub const OVER: &[&str] = names! {
+    "phr-fast-aux-": ploc aac sah;
+    "phr-hq-aux-": ploc aac sah;
+    "phr-speed-aux-": ploc aac sah;
+    "phr-quality-aux-": ploc aac sah;
+};
 
 /// Names of the builders that are run on request alone: [`ABLATION`], [`WITHOUT`] and [`OVER`].
 pub fn on_request() -> impl Iterator<Item = &'static str> {
     ABLATION.iter().chain(WITHOUT.into_iter().flatten()).chain(OVER).copied()
 }
 
-const fn names<T: Copy, const N: usize>(of: &[(&'static str, T)]) -> [&'static str; N] {
-    let mut names = [""; N];
-    let mut i = 0;
-    while i < N {
-        names[i] = of[i].0;
-        i += 1;
-    }
-    names
-}
-
-/// A configuration over another auxiliary tree.
-fn over_tree(name: &str) -> Option<(&'static str, Config)> {
-    let &(name, config) = AUXILIARY_TREES.iter().find(|(known, _)| *known == name)?;
-    Some((name, Config::Phr(config)))
-}
-
-/// A preset without one extension.
-fn without(name: &str) -> Option<(&'static str, Config)> {
-    let presets = [
-        (TURBO_WITHOUT, PhrConfig::TURBO),
-        (SPEED_WITHOUT, PhrConfig::SPEED),
-        (QUALITY_WITHOUT, PhrConfig::QUALITY),
-    ];
-    presets.iter().find_map(|&(without, preset)| {
-        let &(name, extensions) = without.iter().find(|(known, _)| *known == name)?;
-        Some((name, Config::Phr(PhrConfig { extensions, ..preset })))
-    })
-}
-
-impl OptimisedPhrConfig {
-    /// The configuration of `phr-best`.
-    pub const DEFAULT: Self = BEST;
-}
-
 /// The configuration of the builder called `name`, one of [`NAMES`], [`ABLATION`], [`WITHOUT`] and [`OVER`].
 pub(crate) fn config(name: &str) -> Option<(&'static str, Config)> {
-    REGISTRY
-        .iter()
-        .find(|(known, _)| *known == name)
-        .copied()
-        .or_else(|| without(name))
-        .or_else(|| over_tree(name))
+    let whole = REGISTRY.iter().find(|(known, _)| *known == name).copied();
+    whole.or_else(|| changed(name))
+}
+
+/// A preset with one change.
+fn changed(name: &str) -> Option<(&'static str, Config)> {
+    let name = *WITHOUT.into_iter().flatten().chain(OVER).find(|known| **known == name)?;
+    CHANGES.iter().find_map(|(end, change)| {
+        let Config::Phr(mut preset) = config(name.strip_suffix(end)?)?.1 else { return None };
+        change(&mut preset.extensions);
+        Some((name, Config::Phr(preset)))
+    })
 }
 
 /// The configuration of a builder over cuts.
@@ -264,8 +232,9 @@ mod tests {
         for name in NAMES.iter().copied().chain(on_request()) {
             assert_eq!(by_name::<4>(name).map(|builder| builder.name().to_owned()), Some(name.to_owned()));
         }
-        for (without, whole) in [(TURBO_WITHOUT, TURBO), (SPEED_WITHOUT, SPEED), (QUALITY_WITHOUT, QUALITY)] {
-            assert!(without.iter().all(|(_, extensions)| *extensions != whole));
+        for name in WITHOUT.into_iter().flatten().chain(OVER) {
+            let preset = name.split_once("-no-").or_else(|| name.split_once("-aux-")).unwrap().0;
+            assert_ne!(cuts_of(name), cuts_of(preset), "{name}");
         }
         assert_eq!((NAMES.len(), ABLATION.len()), (11, 15));
         assert!(by_name::<4>("phr").is_none());

@@ -2,20 +2,20 @@
 //! 2007): the alternative to equations 1 and 3 that the paper compares with in 4.2. An experiment, in plain code:
 //! what it says is the quality of trees, not the time of builds.
 
-use super::cost::GAIN;
+use super::cost::{CountedBox, GAIN, Weight};
 use super::object::split::ObjectSplit;
 use super::spatial::split::SpatialSplit;
 use crate::builders::binary::node::Node;
 use crate::geometry::Aabb;
 
-/// Triangles below nodes, as a weight.
-fn triangles<'a>(nodes: impl IntoIterator<Item = &'a Node>) -> f32 {
-    nodes.into_iter().map(|node| u64::from(node.count())).sum::<u64>() as f32
+/// A node, which counts as many as it has triangles.
+fn counted(node: &Node) -> CountedBox {
+    CountedBox { bounds: node.bounds(), count: node.count() }
 }
 
 /// What no split costs: the half area of all nodes times their triangles.
 pub(crate) fn whole(area: f32, nodes: &[Node]) -> f32 {
-    area * triangles(nodes)
+    area * nodes.iter().map(|node| u64::from(node.count())).sum::<u64>() as f32
 }
 
 /// The object split of least cost, as [`super::object::full_sweep`] finds it for nodes.
@@ -24,14 +24,12 @@ pub(crate) fn object(nodes: &[Node], area: f32) -> ObjectSplit {
     for axis in 0..3 {
         let mut order: Vec<usize> = (0..nodes.len()).collect();
         order.sort_by(|&a, &b| nodes[a].center2(axis).total_cmp(&nodes[b].center2(axis)));
-        let right = suffixes(order.iter().map(|&i| &nodes[i]));
-        let (mut left, mut on_left) = (Aabb::EMPTY, 0);
+        let right = unions_from(order.iter().map(|&i| &nodes[i]));
+        let mut left = CountedBox::EMPTY;
         for i in 1..nodes.len() {
             let last = order[i - 1];
-            left = left.union(nodes[last].bounds());
-            on_left += u64::from(nodes[last].count());
-            let (right, on_right) = right[i];
-            let cost = left.half_area() * on_left as f32 + right.half_area() * on_right as f32;
+            left = left.union(counted(&nodes[last]));
+            let cost = left.cost(0, Weight::Nodes) + right[i].cost(0, Weight::Nodes);
             if cost < best.cost {
                 best = ObjectSplit { cost, axis, left: i, last };
             }
@@ -57,24 +55,23 @@ pub(crate) fn spatial(nodes: &[Node], bounds: Aabb, limit: f32) -> SpatialSplit 
         });
         let mut by_upper: Vec<&Node> = nodes.iter().collect();
         by_upper.sort_by(|a, b| a.upper(axis).total_cmp(&b.upper(axis)));
-        let right = suffixes(by_upper.iter().copied());
-        let (mut left, mut on_left, mut begun, mut ended) = (Aabb::EMPTY, 0, 0, 0);
+        let right = unions_from(by_upper.iter().copied());
+        let (mut left, mut begun, mut ended) = (CountedBox::EMPTY, 0, 0);
         for plane in planes {
             let split = SpatialSplit { cost: 0.0, axis, plane };
             while begun < nodes.len() && split.on_left(by_lower[begun].bounds()) {
-                left = left.union(by_lower[begun].bounds());
-                on_left += u64::from(by_lower[begun].count());
+                left = left.union(counted(by_lower[begun]));
                 begun += 1;
             }
             while ended < nodes.len() && !split.on_right(by_upper[ended].bounds()) {
                 ended += 1;
             }
-            let (right, on_right) = right[ended];
-            if on_left == 0 || on_right == 0 {
+            let right = right[ended];
+            if left.count == 0 || right.count == 0 {
                 continue;
             }
-            let cost = split.left_of(left).half_area() * on_left as f32
-                + split.right_of(right).half_area() * on_right as f32;
+            let cost = split.left_of(left.bounds).half_area() * left.count as f32
+                + split.right_of(right.bounds).half_area() * right.count as f32;
             if cost < best.cost {
                 best = SpatialSplit { cost, ..split };
             }
@@ -83,13 +80,13 @@ pub(crate) fn spatial(nodes: &[Node], bounds: Aabb, limit: f32) -> SpatialSplit 
     if best.cost < limit { best } else { SpatialSplit::NONE }
 }
 
-/// The union and the triangles of all nodes from each on.
-fn suffixes<'a>(nodes: impl DoubleEndedIterator<Item = &'a Node>) -> Vec<(Aabb, u64)> {
-    let mut all = vec![(Aabb::EMPTY, 0)];
-    for node in nodes.rev() {
-        let (bounds, count) = all[all.len() - 1];
-        all.push((bounds.union(node.bounds()), count + u64::from(node.count())));
-    }
+/// All nodes from each on.
+fn unions_from<'a>(nodes: impl DoubleEndedIterator<Item = &'a Node>) -> Vec<CountedBox> {
+    let mut all = vec![CountedBox::EMPTY];
+    all.extend(nodes.rev().scan(CountedBox::EMPTY, |all, node| {
+        *all = all.union(counted(node));
+        Some(*all)
+    }));
     all.reverse();
     all
 }
@@ -97,10 +94,8 @@ fn suffixes<'a>(nodes: impl DoubleEndedIterator<Item = &'a Node>) -> Vec<(Aabb, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builders::split::cost::Weight;
-    use crate::builders::split::object::ObjectSweep;
-    use crate::builders::split::object::PlaneHint;
-    use crate::builders::split::spatial::SpatialSweep;
+    use crate::builders::split::object::strategy::ObjectSweep;
+    use crate::builders::split::spatial::strategy::SpatialSweep;
     use crate::builders::testing::for_each_cut;
     use crate::simd::Isa;
 
@@ -115,8 +110,7 @@ mod tests {
                 assert_eq!(object(nodes, bounds.half_area()), expected);
             }
             let limit = Weight::Nodes.limit(bounds.half_area(), nodes.len());
-            let hint = PlaneHint::Anywhere;
-            let expected = planes.find(Isa::Scalar, limit, (nodes, bounds), Weight::Nodes, hint);
+            let expected = planes.find(Isa::Scalar, limit, (nodes, bounds), Weight::Nodes, None);
             assert_eq!(spatial(nodes, bounds, limit), expected);
         });
     }

@@ -4,6 +4,7 @@
 use crate::bvh::limits::BLOCK;
 use crate::geometry::Aabb;
 use crate::simd::vector::Lanes;
+use glam::Vec3A;
 
 /// How the nodes of a side are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,6 +101,13 @@ impl CountedBox {
         }
         [before, after]
     }
+}
+
+/// Takes places within `extent` to steps along each axis: the last place is in the last step, a flat side has one step.
+#[inline(always)]
+pub(crate) fn step_scale(extent: Vec3A, steps: usize) -> Vec3A {
+    let scale = Vec3A::splat(steps as f32 * 0.999) / extent;
+    Vec3A::select(scale.cmplt(Vec3A::splat(f32::MAX)), scale, Vec3A::ZERO)
 }
 
 /// Most bins along an axis.

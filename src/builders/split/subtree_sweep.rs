@@ -7,7 +7,7 @@
 //! A cut of leaves alone, where nothing is left to refine, is split so too, to the same tree that splitting cut
 //! after cut makes.
 
-use super::cost::Weight;
+use super::cost::{Weight, step_scale};
 use super::three_axes::{AxisCosts, order, sweep_axes};
 use crate::builders::binary::node::Node;
 use crate::builders::binary::subtrees::Subtrees;
@@ -176,8 +176,7 @@ impl SubtreeSweep {
     fn order_by_steps(&mut self) {
         let boxes = &self.boxes[..self.len];
         let centers = boxes.iter().fold(Aabb::EMPTY, |all, b| all.grow(b.center2()));
-        let scale = Vec3A::splat(STEPS as f32 * 0.999) / centers.extent();
-        let scale = Vec3A::select(scale.cmplt(Vec3A::splat(f32::MAX)), scale, Vec3A::ZERO);
+        let scale = step_scale(centers.extent(), STEPS);
         let mut begin = [[0u8; STEPS]; 3];
         let mut steps = [[0u8; 3]; MOST];
         for (b, steps) in boxes.iter().zip(&mut steps) {

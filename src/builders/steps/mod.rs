@@ -10,7 +10,7 @@ use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::lbvh::config::AuxiliaryConfig;
 use crate::builders::lbvh::key::reference;
-use crate::builders::phr::PhrConfig;
+use crate::builders::phr::config::PhrConfig;
 use crate::builders::phr::cut::{CutBuilder, SPACE, Side};
 use crate::builders::phr::initial_cut::initial_cut;
 use crate::builders::phr::policy::CutPolicy;
@@ -18,10 +18,11 @@ use crate::builders::phr::refine::Threshold;
 use crate::builders::split::cost::Weight;
 use crate::builders::split::object::bins::Bins;
 use crate::builders::split::object::full_sweep::FullSweep;
+use crate::builders::split::object::lanes;
 use crate::builders::split::object::ranks::{self, RankSweep};
 use crate::builders::split::object::split::ObjectSplit;
-use crate::builders::split::object::{ObjectSweep, PlaneHint, lanes};
-use crate::builders::split::spatial::SpatialSweep;
+use crate::builders::split::object::strategy::ObjectSweep;
+use crate::builders::split::spatial::strategy::SpatialSweep;
 use crate::builders::split::subtree_sweep::SubtreeSweep;
 use crate::builders::wide::treelet::WideTreelet;
 use crate::bvh::limits::BLOCK;
@@ -61,7 +62,7 @@ impl<'a> Steps<'a> {
     /// Of a mesh of more than four triangles; leaves of the auxiliary BVH hold at most `leaf` triangles.
     pub fn new(mesh: &'a Mesh, leaf: u32) -> Self {
         let mut auxiliary = Auxiliary::default();
-        auxiliary.build(mesh, &AuxiliaryConfig { auxiliary_leaf: Some(leaf), ..AuxiliaryConfig::PAPER });
+        auxiliary.build(mesh, &of_leaves(leaf));
         let children = auxiliary.tree.pairs.chunks_exact(2).map(|pairs| {
             let link = |node: &Node| (node.bounds(), Link::inner(node.pair().unwrap_or_default()));
             [link(&pairs[0][0]), link(&pairs[0][1]), link(&pairs[1][0]), link(&pairs[1][1])]
@@ -91,8 +92,7 @@ impl<'a> Steps<'a> {
     /// Builds the auxiliary BVH again; the durations of its phases, "codes", "sort" and "auxiliary tree" among
     /// them.
     pub fn auxiliary(&mut self, leaf: u32) -> Vec<Phase> {
-        self.auxiliary
-            .build(self.mesh, &AuxiliaryConfig { auxiliary_leaf: Some(leaf), ..AuxiliaryConfig::PAPER })
+        self.auxiliary.build(self.mesh, &of_leaves(leaf)).phases
     }
 
     /// Of "codes", "sort" (each key moved but once) or "auxiliary tree"; `None` of others.
@@ -201,6 +201,11 @@ impl<'a> Steps<'a> {
     }
 }
 
+/// The auxiliary BVH with leaves of at most `leaf` triangles.
+fn of_leaves(leaf: u32) -> AuxiliaryConfig {
+    AuxiliaryConfig { auxiliary_leaf: Some(leaf), ..AuxiliaryConfig::PAPER }
+}
+
 /// How the object split of a cut is found. All find the same one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
@@ -282,9 +287,7 @@ impl Cuts {
     pub fn spatial_splits(&self, bounded: bool) -> usize {
         let mut sweep = SpatialSweep::default();
         let limits = self.limits.iter().map(|&limit| if bounded { limit } else { f32::INFINITY });
-        let split = |(cut, limit)| {
-            sweep.find(Isa::best(), limit, cut, Weight::Nodes, PlaneHint::Anywhere).cost < limit
-        };
+        let split = |(cut, limit)| sweep.find(Isa::best(), limit, cut, Weight::Nodes, None).cost < limit;
         self.each().zip(limits).map(split).filter(|&found| found).count()
     }
 }

@@ -5,7 +5,7 @@
 use super::split_boxes::SplitBoxes;
 use crate::builders::api::config_error::ConfigError;
 use crate::builders::lbvh::auxiliary::Auxiliary;
-use crate::builders::phr::Extensions;
+use crate::builders::phr::config::Extensions;
 use crate::builders::phr::cut::OwnedCut;
 use crate::builders::phr::policy::{CutPolicy, SeenSplit};
 use crate::builders::phr::recursion::CutRecursion;
@@ -13,7 +13,7 @@ use crate::builders::phr::watched::Watched;
 use crate::builders::registry::CutConfig;
 use crate::builders::wide::build::build;
 use crate::builders::wide::memory::Memory;
-use crate::builders::{binary::subtrees::Subtrees, hunt, phr};
+use crate::builders::{hunt::pipeline as hunt, phr::pipeline as phr};
 use crate::bvh::Bvh4;
 use crate::geometry::Mesh;
 use crate::simd::Isa;
@@ -58,7 +58,7 @@ fn watched(
 }
 
 fn tree<'a, P: CutPolicy>(
-    (recursion, cut): (CutRecursion<'a, P>, Option<(OwnedCut, Subtrees)>),
+    (recursion, cut): (CutRecursion<'a, P>, Option<OwnedCut>),
     auxiliary: &'a Auxiliary,
     mesh: &'a Mesh,
     watcher: &(dyn Fn(&SeenSplit<'_>) + Sync),

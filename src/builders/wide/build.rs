@@ -30,10 +30,7 @@ pub(crate) fn build<T: TopDown<Block = G::Block>, G: Geometry, const N: usize>(
         let children: ArrayVec<(Aabb, Link), N> = parts.iter().copied().flatten().collect();
         treelet::append_node(&children, &mut nodes)
     });
-    match root {
-        None => WideBvh::default(),
-        Some((bounds, root)) => WideBvh { root, bounds, nodes, blocks },
-    }
+    root.map_or_else(WideBvh::default, |(bounds, root)| WideBvh { root, bounds, nodes, blocks })
 }
 
 /// Appends the subtree of a part to `treelet`, depth first.

@@ -91,24 +91,22 @@ fn refill(block: &mut TriangleBlock, mesh: &Mesh) -> Aabb {
 /// The box of a node, written by the one task that comes to it.
 #[derive(Default)]
 struct NodeBox {
-    corners: [[AtomicU32; 3]; 2],
+    corners: [AtomicU32; 6],
     is_reached: AtomicBool,
 }
 
 impl NodeBox {
     fn set(&self, bounds: Aabb) {
-        for (places, corner) in self.corners.iter().zip([bounds.min, bounds.max]) {
-            places.iter().zip(corner.to_array()).for_each(|(place, x)| place.store(x.to_bits(), Relaxed));
-        }
+        let corners = [bounds.min.to_array(), bounds.max.to_array()];
+        self.corners
+            .iter()
+            .zip(corners.as_flattened())
+            .for_each(|(place, x)| place.store(x.to_bits(), Relaxed));
     }
 
     fn get(&self) -> Aabb {
-        let [min, max] = [0, 1].map(|corner: usize| {
-            Vec3A::from_array(
-                [0, 1, 2].map(|axis: usize| f32::from_bits(self.corners[corner][axis].load(Relaxed))),
-            )
-        });
-        Aabb::new(min, max)
+        let [a, b, c, d, e, f] = self.corners.each_ref().map(|place| f32::from_bits(place.load(Relaxed)));
+        Aabb::new(Vec3A::new(a, b, c), Vec3A::new(d, e, f))
     }
 }
 

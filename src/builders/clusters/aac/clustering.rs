@@ -7,6 +7,7 @@ use crate::builders::lbvh::partition::partition;
 use crate::builders::lbvh::prefetch;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
+use crate::memory::huge_pages;
 use crate::parallel;
 
 /// Runs shorter than this are clustered by one thread, from triangles that fit its cache.
@@ -15,14 +16,15 @@ const SERIAL: usize = 1 << 12;
 /// The root of the clusters of all `keys`, whose pairs go to `pairs`; `None` without keys.
 pub(crate) fn cluster<G: Geometry>(
     config: &AacConfig,
-    refs: PrimRefs<'_, G>,
+    refs: &PrimRefs<'_, G>,
     keys: &mut [MortonKey],
-    pairs: &mut [[Node; 2]],
+    pairs: &mut Vec<[Node; 2]>,
 ) -> Option<Node> {
+    huge_pages::resize(pairs, keys.len().saturating_sub(1), [Node::ZERO; 2], "pairs of clusters");
     let mut forest = Forest::default();
     if !keys.is_empty() {
         let of_few = std::array::from_fn(|n| config.clusters(n));
-        AacClustering { config, of_few, refs }.build(keys, 0, 0, pairs, &mut forest);
+        AacClustering { config, of_few, refs: *refs }.build(keys, (0, 0), false, pairs, &mut forest);
         combine(&mut forest, 0, 1, 0, pairs);
     }
     forest.clusters.pop()
@@ -45,46 +47,21 @@ struct AacClustering<'a, G> {
 }
 
 impl<G: Geometry> AacClustering<'_, G> {
-    /// Appends the clusters of a run of sorted keys that begins at `first`, whose pairs are `pairs`.
+    /// Appends the clusters of a run of sorted keys that begins at `first`, whose pairs are `pairs`; `is_fetched` if
+    /// its triangles are in the cache.
     fn build(
         &self,
         keys: &mut [MortonKey],
-        first: usize,
-        depth: u32,
+        (first, mut depth): (usize, u32),
+        is_fetched: bool,
         pairs: &mut [[Node; 2]],
         forest: &mut Forest,
     ) {
-        let len = keys.len();
-        if len < SERIAL {
-            prefetch::primitives(self.refs.geometry, keys);
-            self.build_serial(keys, first, depth, pairs, forest);
-            return;
-        }
-        let begin = forest.clusters.len();
-        let (mut below, mut other) = (depth, Forest::default());
-        let split = partition(keys, &self.refs, &mut below);
-        let ([left, right], [left_pairs, right_pairs]) = halves(keys, pairs, split);
-        parallel::join(
-            || self.build(left, first, below, left_pairs, forest),
-            || self.build(right, first + split, below, right_pairs, &mut other),
-        );
-        forest.clusters.append(&mut other.clusters);
-        forest.free.append(&mut other.free);
-        forest.free.push(first + split - 1);
-        combine(forest, begin, self.config.clusters(len), first, pairs);
-    }
-
-    /// As [`Self::build`], by one thread.
-    fn build_serial(
-        &self,
-        keys: &mut [MortonKey],
-        first: usize,
-        depth: u32,
-        pairs: &mut [[Node; 2]],
-        forest: &mut Forest,
-    ) {
-        let len = keys.len();
+        let (len, is_serial) = (keys.len(), keys.len() < SERIAL);
         let begin = (forest.clusters.len(), forest.free.len());
+        if is_serial && !is_fetched {
+            prefetch::primitives(self.refs.geometry, keys);
+        }
         if len <= self.config.delta {
             let bounds = |key: MortonKey| self.refs.bounds(reference(key));
             forest
@@ -92,11 +69,22 @@ impl<G: Geometry> AacClustering<'_, G> {
                 .extend(keys.iter().enumerate().map(|(i, &key)| Node::leaf(bounds(key), first + i, 1)));
             forest.free.extend(first..first + len - 1);
         } else {
-            let mut below = depth;
-            let split = partition(keys, &self.refs, &mut below);
+            let split = partition(keys, &self.refs, &mut depth);
             let ([left, right], [left_pairs, right_pairs]) = halves(keys, pairs, split);
-            self.build_serial(left, first, below, left_pairs, forest);
-            self.build_serial(right, first + split, below, right_pairs, forest);
+            let mut left =
+                |forest: &mut Forest| self.build(left, (first, depth), is_serial, left_pairs, forest);
+            let mut right = |forest: &mut Forest| {
+                self.build(right, (first + split, depth), is_serial, right_pairs, forest)
+            };
+            if is_serial {
+                left(forest);
+                right(forest);
+            } else {
+                let mut other = Forest::default();
+                parallel::join(|| left(forest), || right(&mut other));
+                forest.clusters.append(&mut other.clusters);
+                forest.free.append(&mut other.free);
+            }
             forest.free.push(first + split - 1);
         }
         debug_assert_eq!(forest.clusters.len() - begin.0, forest.free.len() - begin.1 + 1);

@@ -10,12 +10,8 @@
 //!
 //! [`nearest`] searches, in vectors; [`pass`] merges, by tasks; [`clustering`] repeats passes.
 
-mod clustering;
-mod config;
+pub(crate) mod clustering;
+pub(crate) mod config;
 mod nearest;
 mod pass;
-mod pipeline;
-
-pub(crate) use clustering::Clustering;
-pub use config::PlocConfig;
-pub use pipeline::Ploc;
+pub(crate) mod pipeline;

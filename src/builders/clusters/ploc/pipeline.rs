@@ -2,14 +2,10 @@
 
 use super::clustering::Clustering;
 use super::config::PlocConfig;
-use crate::builders::api::builder::{Build, Builder, Counts, Stopwatch};
+use crate::builders::api::builder::{Build, Builder};
 use crate::builders::api::config_error::ConfigError;
-use crate::builders::binary::tree::BinaryTree;
-use crate::builders::clusters::widen::ClusterTree;
-use crate::builders::lbvh::sort::MortonOrder;
+use crate::builders::clusters::memory::ClusterMemory;
 use crate::builders::prims::geometry::Geometry;
-use crate::builders::wide::build;
-use crate::builders::wide::memory::Memory;
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::simd::Isa;
 
@@ -17,10 +13,8 @@ use crate::simd::Isa;
 pub struct Ploc<const N: usize, B: LeafBlock = TriangleBlock> {
     config: PlocConfig,
     isa: Isa,
-    order: MortonOrder,
     clustering: Clustering,
-    tree: BinaryTree,
-    memory: Memory<Vec<u32>, N, B>,
+    memory: ClusterMemory<N, B>,
 }
 
 impl<const N: usize, B: LeafBlock> Ploc<N, B> {
@@ -35,14 +29,7 @@ impl<const N: usize, B: LeafBlock> Ploc<N, B> {
     /// A builder with the given instructions.
     pub(crate) fn with_isa(config: PlocConfig, isa: Isa) -> Result<Self, ConfigError> {
         config.check()?;
-        Ok(Self {
-            config,
-            isa,
-            order: MortonOrder::default(),
-            clustering: Clustering::default(),
-            tree: BinaryTree::default(),
-            memory: Memory::default(),
-        })
+        Ok(Self { config, isa, clustering: Clustering::default(), memory: ClusterMemory::default() })
     }
 }
 
@@ -57,19 +44,13 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Ploc<N, G::Block> {
     }
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
-        let mut watch = Stopwatch::start();
-        self.order.sort_all(geometry, self.memory.blocks(geometry.len()), &mut watch);
-        let (refs, keys) = (self.order.refs(geometry), &self.order.keys);
-        let Self { config, isa, clustering, tree, .. } = self;
-        tree.root = clustering.cluster((config.radius, *isa), &refs, keys, &mut tree.pairs);
-        watch.lap("clusters");
-        let clusters = ClusterTree { tree, keys, refs, has_rows: false };
-        let built = build::build(&clusters, clusters.root(), geometry, &mut self.memory);
-        watch.lap("nodes");
-        Build { tree: built, phases: watch.phases, counts: Counts::default() }
+        let Self { config, isa, clustering, memory } = self;
+        memory.build(geometry, false, |refs, keys, pairs| {
+            clustering.cluster((config.radius, *isa), refs, keys, pairs)
+        })
     }
 
     fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
-        self.memory.recycle(tree);
+        self.memory.wide.recycle(tree);
     }
 }

@@ -1,6 +1,4 @@
 //! The builder `lbvh`: the tree of 4.7 as a wide tree, without refinement.
 
-mod pipeline;
+pub(crate) mod pipeline;
 mod treelet;
-
-pub use pipeline::Lbvh;

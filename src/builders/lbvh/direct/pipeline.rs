@@ -80,14 +80,14 @@ impl<const N: usize, B: LeafBlock + Vectors, I: Copy + Default + Send> Lbvh<N, B
         let built = ordered_append::append(tasks.len(), &self.memory.treelets, &mut nodes, &mut blocks, make);
         let subtrees = treelet::moved(built);
         let treelets: Vec<TopNode> = subtrees.into_iter().map(TopNode::Treelet).collect();
-        let mut wide = WideTop { pairs: Vec::with_capacity(tasks.len()) };
-        let root = top.fold(&treelets, &mut |children| wide.parent([children[0], children[1]]));
-        let tree = wide.emit(root, &mut nodes);
+        let mut pairs = Vec::with_capacity(tasks.len());
+        let root = top.fold(&treelets, &mut |parts| TopNode::join([parts[0], parts[1]], &mut pairs));
+        let tree = root.emit(&pairs, &mut nodes);
         tree.map_or_else(WideBvh::default, |(bounds, root)| WideBvh { root, bounds, nodes, blocks })
     }
 }
 
-/// A node of the top tree.
+/// A node of the top tree on its way to wide nodes.
 #[derive(Clone, Copy)]
 enum TopNode {
     Treelet(Subtree),
@@ -102,36 +102,30 @@ impl TopNode {
             Self::Pair(bounds, _) => *bounds,
         }
     }
-}
 
-/// The top tree on its way to wide nodes.
-struct WideTop {
-    pairs: Vec<[TopNode; 2]>,
-}
-
-impl WideTop {
-    fn parent(&mut self, children: [TopNode; 2]) -> TopNode {
-        self.pairs.push(children);
-        TopNode::Pair(children[0].bounds().union(children[1].bounds()), self.pairs.len() - 1)
+    /// Appends the pair of two nodes; returns their parent.
+    fn join(children: [Self; 2], pairs: &mut Vec<[Self; 2]>) -> Self {
+        pairs.push(children);
+        Self::Pair(children[0].bounds().union(children[1].bounds()), pairs.len() - 1)
     }
 
-    /// Appends the wide nodes below `node`.
-    fn emit<const N: usize>(&self, node: TopNode, nodes: &mut Vec<WideNode<N>>) -> Subtree {
-        if let TopNode::Treelet(subtree) = node {
+    /// Appends the wide nodes below.
+    fn emit<const N: usize>(self, pairs: &[[Self; 2]], nodes: &mut Vec<WideNode<N>>) -> Subtree {
+        if let Self::Treelet(subtree) = self {
             return subtree;
         }
-        let priority = |node: &TopNode| {
-            let kind = if matches!(node, TopNode::Pair(..)) { Kind::Inner } else { Kind::Leaf };
+        let priority = |node: &Self| {
+            let kind = if matches!(node, Self::Pair(..)) { Kind::Inner } else { Kind::Leaf };
             Priority::new(kind, node.bounds().half_area())
         };
-        let mut children = ArrayVec::<TopNode, N>::from_iter([node]);
+        let mut children = ArrayVec::<Self, N>::from_iter([self]);
         open_largest(&mut children, priority, |children, next| {
-            let TopNode::Pair(_, pair) = children[next] else { return None };
-            replace(children, next, self.pairs[pair]);
+            let Self::Pair(_, pair) = children[next] else { return None };
+            replace(children, next, pairs[pair]);
             Some(())
         });
         let built: ArrayVec<(Aabb, Link), N> =
-            children.into_iter().filter_map(|child| self.emit(child, nodes)).collect();
+            children.into_iter().filter_map(|child| child.emit(pairs, nodes)).collect();
         treelet::append_node(&built, nodes)
     }
 }

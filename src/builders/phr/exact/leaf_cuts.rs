@@ -22,14 +22,14 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
             && !P::SEES
             && !(may_repeat && self.config.extensions.collapse.is_some())
             && cut.level == CutLevel::Subtrees
-            && !self.sweeps_small_cuts()
+            && !self.splits_down_small_cuts()
             && (FEWEST..=SUBTREE_MOST).contains(&(cut.len as usize))
             && cut.depth < CUT_DEPTH
             && is_inside(cut.bounds, &cut.clip)
     }
 
     /// Splits such a cut down to its leaves.
-    pub(in crate::builders::phr) fn sweep_leaf_cut(&self, cut: &Cut, scratch: &mut CutScratch) -> Node {
+    pub(in crate::builders::phr) fn split_down_leaf_cut(&self, cut: &Cut, scratch: &mut CutScratch) -> Node {
         let CutScratch { arena, subtree_sweep, subtrees, counts, .. } = scratch;
         subtree_sweep.clear();
         for node in &arena[cut.range()] {

@@ -97,7 +97,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         counts: &mut Counts,
     ) -> Option<Subtree> {
         let max_leaf = self.config.leaf_size();
-        if self.sweeps_small_cuts() || self.config.extensions.auxiliary.max_leaf() > BLOCK {
+        if self.splits_down_small_cuts() || self.config.extensions.auxiliary.max_leaf() > BLOCK {
             return None;
         }
         let leaves = Leaves::of(&self.order.refs, max_leaf);

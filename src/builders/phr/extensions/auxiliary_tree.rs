@@ -2,18 +2,19 @@
 //! references, and are brought into the form of an LBVH, with leaves by its rules, so that cuts need not know which
 //! tree they are of.
 
-use crate::builders::api::builder::{Phase, Stopwatch};
+use crate::builders::api::builder::Stopwatch;
 use crate::builders::api::config_error::ConfigError;
-use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
-use crate::builders::clusters::aac::{self, AacConfig};
+use crate::builders::clusters::aac::clustering::cluster;
+use crate::builders::clusters::aac::config::AacConfig;
 use crate::builders::clusters::in_order::in_order;
-use crate::builders::clusters::ploc::{Clustering, PlocConfig};
+use crate::builders::clusters::ploc::clustering::Clustering;
+use crate::builders::clusters::ploc::config::PlocConfig;
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::lbvh::config::AuxiliaryConfig;
-use crate::builders::phr::extensions::binned::{BinnedSahConfig, binned_sah};
+use crate::builders::phr::extensions::binned::config::BinnedSahConfig;
+use crate::builders::phr::extensions::binned::tree::binned_sah;
 use crate::builders::prims::geometry::Geometry;
-use crate::memory::huge_pages;
 use crate::simd::Isa;
 use std::ops::Range;
 
@@ -48,54 +49,41 @@ impl AuxiliaryTree {
         }
     }
 
-    /// Builds the auxiliary tree of some primitives of a geometry.
+    /// Builds the auxiliary tree of some primitives of a geometry; the stopwatch goes on.
     pub(crate) fn build<G: Geometry>(
         &self,
         auxiliary: &mut Auxiliary,
         (geometry, prims): (&G, Range<u32>),
         config: &AuxiliaryConfig,
         isa: Isa,
-    ) -> Vec<Phase> {
+    ) -> Stopwatch {
         let mut watch = Stopwatch::start();
-        auxiliary.presplit(geometry, prims.clone(), config, &mut watch);
         auxiliary.sort(geometry, prims, config, &mut watch);
-        self.grow(auxiliary, geometry, config, isa, &mut watch);
-        watch.phases
-    }
-
-    /// Makes the auxiliary tree over sorted references. Memory of those that are no LBVH is not kept.
-    pub(crate) fn grow<G: Geometry>(
-        &self,
-        auxiliary: &mut Auxiliary,
-        geometry: &G,
-        config: &AuxiliaryConfig,
-        isa: Isa,
-        watch: &mut Stopwatch,
-    ) {
         if self.is_lbvh() {
-            return auxiliary.grow_lbvh(geometry, config, watch);
+            auxiliary.grow_lbvh(geometry, config, &mut watch);
+            return watch;
         }
-        auxiliary.grow(geometry, config, watch, |refs, keys, rule, tree| {
+        // Memory of trees that are no LBVH is not kept.
+        auxiliary.grow(geometry, config, &mut watch, |refs, keys, rule, tree| {
             let mut made = BinaryTree::default();
             let pairs = &mut made.pairs;
-            if !matches!(self, Self::Ploc(_)) {
-                huge_pages::resize(pairs, keys.len() - 1, [Node::ZERO; 2], "pairs of clusters");
-            }
             made.root = match self {
                 Self::Lbvh => None,
                 Self::Ploc(config) => Clustering::default().cluster((config.radius, isa), refs, keys, pairs),
-                Self::Aac(config) => aac::cluster(config, *refs, keys, pairs),
+                Self::Aac(config) => cluster(config, refs, keys, pairs),
                 Self::BinnedSah(config) => binned_sah(config, refs, keys, pairs),
             };
             *keys = in_order(&made, keys, rule, tree);
             tree.root.expect("there are references")
-        })
+        });
+        watch
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::builders::binary::node::Node;
     use crate::builders::lbvh::config::Clusters;
     use crate::builders::lbvh::key::reference;
     use crate::builders::prims::presplit::PresplitConfig;

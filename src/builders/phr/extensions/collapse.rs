@@ -37,7 +37,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
 
     /// The binary tree over a part; `None` if clipping left nothing of it.
     fn split_to_blocks(&self, part: &Cut, scratch: &mut CutScratch) -> Option<Node> {
-        if part.level == CutLevel::Swept {
+        if part.level == CutLevel::SplitDown {
             return Some(scratch.arena[part.range().start]);
         }
         if part.kind != Kind::Inner {
@@ -48,7 +48,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
             scratch.prims = prims;
             return leaf;
         }
-        if let Some(subtree) = self.sweep(part, scratch) {
+        if let Some(subtree) = self.split_down(part, scratch) {
             return subtree;
         }
         let arena = scratch.arena.len();

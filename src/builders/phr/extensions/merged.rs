@@ -3,7 +3,7 @@
 //! dynamic part is built; the two become the children of one root, and PHR refines cuts of the whole.
 
 use super::auxiliary_tree::AuxiliaryTree;
-use crate::builders::api::builder::{Build, Phase, Stopwatch};
+use crate::builders::api::builder::{Build, Phase};
 use crate::builders::api::config_error::ConfigError;
 use crate::builders::binary::node::Node;
 use crate::builders::lbvh::area_scale::AreaScale;
@@ -80,9 +80,9 @@ impl<const N: usize> MergedPhr<N> {
         }
         let auxiliary = &mut self.memory.auxiliary;
         let config = &self.config.extensions.auxiliary;
-        let phases = tree.build(auxiliary, (mesh, 0..triangles as u32), config, self.isa);
+        let watch = tree.build(auxiliary, (mesh, 0..triangles as u32), config, self.isa);
         self.kept = Kept { triangles, pairs: auxiliary.tree.pairs.len(), root: auxiliary.tree.root };
-        Ok(phases)
+        Ok(watch.phases)
     }
 
     /// Builds the tree over `mesh`, the triangles of which after those of the static part have moved, are others,
@@ -96,12 +96,10 @@ impl<const N: usize> MergedPhr<N> {
         }
         let Extensions { auxiliary_tree, auxiliary, .. } = &self.config.extensions;
         let moving = self.kept.triangles as u32..mesh.len() as u32;
-        let mut phases = auxiliary_tree.build(&mut self.dynamic, (mesh, moving), auxiliary, self.isa);
-        let mut watch = Stopwatch::start();
+        let mut watch = auxiliary_tree.build(&mut self.dynamic, (mesh, moving), auxiliary, self.isa);
         self.merge(mesh);
         watch.lap("merge");
-        phases.extend(watch.phases);
-        Ok(build_from_cuts(&mut self.memory, mesh, &self.config, self.isa, phases))
+        Ok(build_from_cuts(&mut self.memory, mesh, &self.config, self.isa, watch))
     }
 
     /// Gives back a tree that is no longer needed, so that the next one is built in its memory.

@@ -1,6 +1,5 @@
 //! Configurations that go beyond the paper.
 
-use super::auxiliary_tree::AuxiliaryTree;
 use crate::builders::lbvh::config::{AuxiliaryConfig, Clusters};
 use crate::builders::phr::config::{Extensions, LocalThreshold, PhrConfig};
 use crate::builders::prims::presplit::PresplitConfig;
@@ -36,21 +35,19 @@ impl PhrConfig {
         spatial_threshold: 1e-2,
         extensions: Extensions {
             auxiliary: AuxiliaryConfig {
-                bucket_sort: false,
                 presplit: Some(PresplitConfig::NEEDLES),
                 auxiliary_leaf: Some(4),
                 clusters: Some(Clusters { most: 32, area: 1e-3 }),
                 calibration: Some(1e3),
+                ..AuxiliaryConfig::PAPER
             },
-            auxiliary_tree: AuxiliaryTree::Lbvh,
             // With `max_cut` 2048: always 2048 nodes.
             cut_share: Some(1.0 / 256.0),
             local_threshold: Some(LocalThreshold { references: 1 << 15, area: 1.0 / 256.0 }),
             spatial_bias: Some(1.07),
-            clip_triangles: false,
-            triangle_counts: false,
             subtree_sweep: Some(32),
             collapse: Some(CollapseCosts::EMBREE),
+            ..Extensions::NONE
         },
         ..Self::FAST
     };

@@ -17,12 +17,12 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
 
     /// Whether any cut of more than a block is.
     #[inline]
-    pub(in crate::builders::phr) fn sweeps_small_cuts(&self) -> bool {
+    pub(in crate::builders::phr) fn splits_down_small_cuts(&self) -> bool {
         self.config.extensions.subtree_sweep.is_some_and(|most| most > BLOCK)
     }
 
     /// Splits a small cut down to its leaves; `None` if clipping left nothing of it.
-    pub(in crate::builders::phr) fn sweep_small_cut(
+    pub(in crate::builders::phr) fn split_down_small_cut(
         &self,
         cut: &Cut,
         scratch: &mut CutScratch,

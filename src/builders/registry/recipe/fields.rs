@@ -1,6 +1,6 @@
 //! The fields of a configuration by name, as its JSON has them: `delta`, `presplit.filled`, `optimise.costs.leaf`.
 
-use crate::builders::phr::PhrConfig;
+use crate::builders::phr::config::PhrConfig;
 use crate::builders::registry::Config;
 use serde_json::Value;
 

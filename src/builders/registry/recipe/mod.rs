@@ -7,13 +7,12 @@
 #![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
-mod error;
+pub mod error;
 mod fields;
 
-pub use error::RecipeError;
-
+use self::error::RecipeError;
 use crate::builders::api::builder::{BoxBuilder, Build, Builder};
-use crate::builders::phr::PhrConfig;
+use crate::builders::phr::config::PhrConfig;
 use crate::builders::registry::{self, Config, make};
 use crate::bvh::WideBvh;
 use crate::geometry::Mesh;

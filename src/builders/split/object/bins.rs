@@ -4,10 +4,9 @@
 use super::full_sweep::FullSweep;
 use super::split::ObjectSplit;
 use crate::builders::binary::node::Node;
-use crate::builders::split::cost::{BINS, CountedBox, Weight, bins_for};
+use crate::builders::split::cost::{BINS, CountedBox, Weight, bins_for, step_scale};
 use crate::geometry::Aabb;
 use crate::geometry::ordered::ordered_bits;
-use glam::Vec3A;
 
 /// The nodes of a cut in bins, by centroid.
 pub(crate) struct Bins {
@@ -105,10 +104,7 @@ impl Bins {
     fn fill(&mut self, nodes: &[Node], bins: usize) {
         let centers: Aabb = nodes.iter().fold(Aabb::EMPTY, |all, node| all.grow(node.bounds().center2()));
         self.centers = centers;
-        let extent = centers.extent();
-        // A flat side has one bin. The factor keeps the last node within the last bin.
-        let scale = Vec3A::splat(bins as f32 * 0.999) / extent;
-        let scale = Vec3A::select(scale.cmplt(Vec3A::splat(f32::MAX)), scale, Vec3A::ZERO);
+        let scale = step_scale(centers.extent(), bins);
         self.bins.iter_mut().for_each(|of_axis| of_axis[..bins].fill(CountedBox::EMPTY));
         self.bin_of.clear();
         self.bin_of.extend(nodes.iter().map(|node| {

@@ -7,6 +7,4 @@ pub(crate) mod full_sweep;
 pub(crate) mod lanes;
 pub(crate) mod ranks;
 pub(crate) mod split;
-mod strategy;
-
-pub(crate) use strategy::{ObjectSweep, PlaneHint};
+pub(crate) mod strategy;

@@ -21,29 +21,9 @@ pub(crate) struct ObjectSweep {
     bins: Bins,
 }
 
-/// Where spatial splits of a cut may be cheap, as far as the search for its object split has told.
-#[derive(Clone, Copy)]
-pub(crate) enum PlaneHint<'a> {
-    /// Anywhere.
-    Anywhere,
-    /// Where these bins of the cut's nodes allow it.
-    Bins(&'a Bins),
-}
-
-impl PlaneHint<'_> {
-    /// Bounds of the planes normal to `axis`, the second exclusive, at which a spatial split may cost less than
-    /// `limit`; `None` if no plane can.
-    pub fn planes_below(self, axis: usize, limit: f32, weight: Weight) -> Option<[f32; 2]> {
-        match self {
-            Self::Anywhere => Some([f32::NEG_INFINITY, f32::INFINITY]),
-            Self::Bins(bins) => bins.planes_below(axis, limit, weight),
-        }
-    }
-}
-
 impl ObjectSweep {
-    /// The object split of `nodes` (two or more, with union `bounds`), as [`FullSweep::best`] defines it, and what was
-    /// learnt about spatial splits.
+    /// The object split of `nodes` (two or more, with union `bounds`), as [`FullSweep::best`] defines it, and the bins
+    /// that were made of them: they tell where spatial splits may be cheap ([`Bins::planes_below`]).
     #[inline]
     pub fn find(
         &mut self,
@@ -51,11 +31,11 @@ impl ObjectSweep {
         nodes: &[Node],
         bounds: Aabb,
         weight: Weight,
-    ) -> (ObjectSplit, PlaneHint<'_>) {
+    ) -> (ObjectSplit, Option<&Bins>) {
         let n = nodes.len();
         let limit = weight.limit(bounds.half_area(), n);
         if let [a, b] = nodes {
-            return (ObjectSplit::of_two(a, b, limit), PlaneHint::Anywhere);
+            return (ObjectSplit::of_two(a, b, limit), None);
         }
         let split = match isa {
             Isa::Avx512(token) if n <= lanes::MOST => lanes::avx512(token, nodes, limit, weight),
@@ -63,10 +43,10 @@ impl ObjectSweep {
             Isa::Avx512(token) if n <= ranks::MOST => self.ranks.best(token, nodes, limit, weight),
             Isa::Avx2(token) if n <= ranks::MOST_AVX2 => self.ranks.best(token, nodes, limit, weight),
             _ if n >= LONG => {
-                return (self.bins.best(&mut self.full, nodes, limit, weight), PlaneHint::Bins(&self.bins));
+                return (self.bins.best(&mut self.full, nodes, limit, weight), Some(&self.bins));
             }
             _ => self.full.best(nodes, limit, weight),
         };
-        (split, PlaneHint::Anywhere)
+        (split, None)
     }
 }

@@ -4,7 +4,7 @@
 use super::plane_sweep::{PlaneSweep, SpatialCut};
 use super::split::SpatialSplit;
 use crate::builders::binary::node::Node;
-use crate::builders::split::cost::{BINS, CountedBox, bins_for};
+use crate::builders::split::cost::{BINS, CountedBox, bins_for, step_scale};
 use crate::geometry::Aabb;
 use glam::Vec3A;
 
@@ -84,9 +84,7 @@ impl SpatialBins {
         for of_axis in &mut self.bins {
             of_axis[..self.used].fill(Bin::EMPTY);
         }
-        let scale = Vec3A::splat(self.used as f32 * 0.999) / bounds.extent();
-        // A flat side has one bin.
-        let scale = Vec3A::select(scale.cmplt(Vec3A::splat(f32::MAX)), scale, Vec3A::ZERO);
+        let scale = step_scale(bounds.extent(), self.used);
         // Boxes lie within the bounds; bins are monotone in the coordinate, whatever is rounded.
         let bin_of = |point: Vec3A| {
             let place = ((point - bounds.min) * scale - 0.5).max(Vec3A::ZERO) + ROUND;

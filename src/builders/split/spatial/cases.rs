@@ -7,7 +7,6 @@ use super::strategy::SpatialSweep;
 use crate::builders::binary::node::Node;
 use crate::builders::naive::splits;
 use crate::builders::split::cost::Weight;
-use crate::builders::split::object::PlaneHint;
 use crate::builders::split::object::bins::Bins;
 use crate::builders::split::object::full_sweep::FullSweep;
 use crate::builders::testing::for_each_cut;
@@ -43,7 +42,7 @@ fn every_way_finds_the_split_of_the_definition() {
                 for share in [0.5, 0.999, 1.0, 1.001, 2.0] {
                     let limit = expected.cost * share;
                     let best = if expected.cost < limit { expected } else { SpatialSplit::NONE };
-                    for hint in [PlaneHint::Anywhere, PlaneHint::Bins(&bins)] {
+                    for hint in [None, Some(&bins)] {
                         let split = sweep.find(isa, limit, (nodes, bounds), weight, hint);
                         assert_eq!(split, best, "{isa}, {n} nodes, share {share}");
                     }
@@ -58,13 +57,7 @@ fn one_box_has_no_plane() {
     let node = Node::leaf(Aabb::new(glam::Vec3A::ZERO, glam::Vec3A::ONE), 0, 1);
     let limit = f32::INFINITY;
     for isa in Isa::available() {
-        let split = SpatialSweep::default().find(
-            isa,
-            limit,
-            (&[node], node.bounds()),
-            Weight::Nodes,
-            PlaneHint::Anywhere,
-        );
+        let split = SpatialSweep::default().find(isa, limit, (&[node], node.bounds()), Weight::Nodes, None);
         assert_eq!(split, SpatialSplit::NONE);
     }
 }

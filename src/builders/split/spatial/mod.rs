@@ -6,6 +6,4 @@ mod cases;
 pub(crate) mod lanes;
 pub(crate) mod plane_sweep;
 pub(crate) mod split;
-mod strategy;
-
-pub(crate) use strategy::SpatialSweep;
+pub(crate) mod strategy;

@@ -6,7 +6,7 @@ use super::plane_sweep::{PlaneSweep, SpatialCut};
 use super::split::SpatialSplit;
 use crate::builders::binary::node::Node;
 use crate::builders::split::cost::Weight;
-use crate::builders::split::object::PlaneHint;
+use crate::builders::split::object::bins::Bins;
 use crate::geometry::Aabb;
 use crate::simd::Isa;
 use crate::simd::vector::Lanes;
@@ -24,21 +24,21 @@ pub(crate) struct SpatialSweep {
 
 impl SpatialSweep {
     /// The spatial split of `nodes`, whose union is `bounds`, of least cost, if that is below `limit`, as
-    /// [`PlaneSweep::improve`] defines it.
+    /// [`PlaneSweep::improve`] defines it. Object bins of the nodes, where there are any, spare a look at some planes.
     pub fn find(
         &mut self,
         isa: Isa,
         limit: f32,
         (nodes, bounds): (&[Node], Aabb),
         weight: Weight,
-        hint: PlaneHint<'_>,
+        of_object: Option<&Bins>,
     ) -> SpatialSplit {
         let boxes = SpatialCut { nodes, bounds, weight };
         let mut best = SpatialSplit { cost: limit, ..SpatialSplit::NONE };
         match isa {
-            Isa::Avx512(token) => self.by_lanes(token, boxes, hint, &mut best),
+            Isa::Avx512(token) => self.by_lanes(token, boxes, of_object, &mut best),
             Isa::Avx2(token) if nodes.len() <= lanes::MOST_AVX2 => {
-                self.by_lanes(token, boxes, hint, &mut best);
+                self.by_lanes(token, boxes, of_object, &mut best);
             }
             _ if nodes.len() <= SHORT => self.planes.improve(boxes, &mut best),
             _ => self.bins.improve(&mut self.planes, boxes, &mut best),
@@ -50,13 +50,16 @@ impl SpatialSweep {
         &mut self,
         v: L,
         boxes: SpatialCut<'_>,
-        hint: PlaneHint<'_>,
+        of_object: Option<&Bins>,
         best: &mut SpatialSplit,
     ) {
         let bounds = boxes.bounds;
         for axis in 0..3 {
-            let Some([from, to]) = hint.planes_below(axis, best.cost, boxes.weight) else { continue };
-            let range = [from.max(bounds.min[axis]), to.min(bounds.max[axis])];
+            let mut range = [bounds.min[axis], bounds.max[axis]];
+            if let Some(bins) = of_object {
+                let Some([from, to]) = bins.planes_below(axis, best.cost, boxes.weight) else { continue };
+                range = [from.max(range[0]), to.min(range[1])];
+            }
             if let Some(range) = lanes::search(v, axis, range, boxes, &mut self.lanes, best) {
                 self.planes.improve_between(axis, boxes, range, best);
             }

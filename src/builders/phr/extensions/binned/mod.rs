@@ -2,8 +2,5 @@
 //! each axis, and the planes between bins are compared by the surface area heuristic.
 
 mod bins;
-mod config;
-mod tree;
-
-pub use config::BinnedSahConfig;
-pub(crate) use tree::binned_sah;
+pub(crate) mod config;
+pub(crate) mod tree;

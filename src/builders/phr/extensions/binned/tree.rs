@@ -19,14 +19,15 @@ type Item = (MortonKey, Aabb);
 /// Smaller subtrees are built by one thread.
 const SERIAL: usize = 1 << 12;
 
-/// The root of the tree over `keys`, whose pairs go to `pairs`, one less: those below a node in a row that ends
-/// with its own. Keys are put into the order of the leaves. `None` without keys.
+/// The root of the tree over `keys`, whose pairs go to `pairs`: those below a node in a row that ends with its own.
+/// Keys are put into the order of the leaves. `None` without keys.
 pub(crate) fn binned_sah<G: Geometry>(
     config: &BinnedSahConfig,
     refs: &PrimRefs<'_, G>,
     keys: &mut [MortonKey],
-    pairs: &mut [[Node; 2]],
+    pairs: &mut Vec<[Node; 2]>,
 ) -> Option<Node> {
+    huge_pages::resize(pairs, keys.len().saturating_sub(1), [Node::ZERO; 2], "pairs of nodes");
     let mut items: Vec<Item> = Vec::new();
     huge_pages::reserve(&mut items, keys.len(), "references with their boxes");
     let of_keys = keys.par_iter().with_min_len(GRAIN);

@@ -15,39 +15,39 @@ use crate::builders::wide::treelet::{Subtree, WideTreelet};
 impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
     /// The subtree of a cut that is split down to its leaves in one go, nothing if clipping left nothing; `None`
     /// for other cuts.
-    pub(super) fn sweep(&self, cut: &Cut, scratch: &mut CutScratch) -> Option<Option<Node>> {
-        if self.splits_in_space(cut) || cut.level == CutLevel::Swept {
+    pub(super) fn split_down(&self, cut: &Cut, scratch: &mut CutScratch) -> Option<Option<Node>> {
+        if self.splits_in_space(cut) || cut.level == CutLevel::SplitDown {
             None
         } else if self.is_small(cut) {
-            Some(self.sweep_small_cut(cut, scratch))
+            Some(self.split_down_small_cut(cut, scratch))
         } else if self.is_of_leaves(cut) {
-            Some(Some(self.sweep_leaf_cut(cut, scratch)))
+            Some(Some(self.split_down_leaf_cut(cut, scratch)))
         } else {
             None
         }
     }
 
     /// The sides of a cut that is, or has been, split down to its leaves in one go; `None` for other cuts.
-    pub(super) fn split_swept(&self, cut: &Cut, scratch: &mut CutScratch) -> Option<[Option<Cut>; 2]> {
-        if cut.level == CutLevel::Swept {
-            return Some(self.swept_children(cut, scratch.arena[cut.range().start], scratch));
+    pub(super) fn split_down_sides(&self, cut: &Cut, scratch: &mut CutScratch) -> Option<[Option<Cut>; 2]> {
+        if cut.level == CutLevel::SplitDown {
+            return Some(self.parts_below(cut, scratch.arena[cut.range().start], scratch));
         }
-        let Some(node) = self.sweep(cut, scratch)? else { return Some([None, None]) };
+        let Some(node) = self.split_down(cut, scratch)? else { return Some([None, None]) };
         let CutScratch { arena, subtrees, .. } = scratch;
         Some(match self.kind_of(&node, subtrees) {
-            Kind::Inner => self.swept_children(cut, node, scratch),
-            Kind::SoftLeaf | Kind::Leaf => [Some(self.swept_cut(cut, node, subtrees, arena)), None],
+            Kind::Inner => self.parts_below(cut, node, scratch),
+            Kind::SoftLeaf | Kind::Leaf => [Some(self.part_below(cut, node, subtrees, arena)), None],
         })
     }
 
     /// Appends the wide nodes of such a cut; `None` for others.
-    pub(super) fn emit_swept<const N: usize>(
+    pub(super) fn emit_split_down<const N: usize>(
         &self,
         cut: &Cut,
         treelet: &mut WideTreelet<N, G::Block>,
         scratch: &mut CutScratch,
     ) -> Option<Subtree> {
-        if cut.level == CutLevel::Swept {
+        if cut.level == CutLevel::SplitDown {
             let node = scratch.arena[cut.range().start];
             return Some(self.emit_subtree(&node, cut.kind, &scratch.subtrees, treelet));
         }
@@ -55,7 +55,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
             return None;
         }
         let checkpoint = scratch.subtrees.checkpoint();
-        let subtree = self.sweep(cut, scratch)?.and_then(|node| {
+        let subtree = self.split_down(cut, scratch)?.and_then(|node| {
             let subtrees = &scratch.subtrees;
             self.emit_subtree(&node, self.kind_of(&node, subtrees), subtrees, treelet)
         });
@@ -81,13 +81,13 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
     }
 
     /// The subtree of `node` as a part of the recursion.
-    fn swept_cut(&self, like: &Cut, node: Node, subtrees: &Subtrees, arena: &mut Vec<Node>) -> Cut {
+    fn part_below(&self, like: &Cut, node: Node, subtrees: &Subtrees, arena: &mut Vec<Node>) -> Cut {
         arena.push(node);
-        like.of_last(arena, CutLevel::Swept, self.kind_of(&node, subtrees))
+        like.of_last(arena, CutLevel::SplitDown, self.kind_of(&node, subtrees))
     }
 
-    fn swept_children(&self, cut: &Cut, node: Node, scratch: &mut CutScratch) -> [Option<Cut>; 2] {
+    fn parts_below(&self, cut: &Cut, node: Node, scratch: &mut CutScratch) -> [Option<Cut>; 2] {
         let CutScratch { arena, subtrees, .. } = scratch;
-        subtrees.children(&node).map(|child| Some(self.swept_cut(cut, child, subtrees, arena)))
+        subtrees.children(&node).map(|child| Some(self.part_below(cut, child, subtrees, arena)))
     }
 }
