@@ -48,8 +48,9 @@
 #                   byte: some minutes (the tests have a short version)
 # make fuzz         changed and made-up scene files, cameras, saved trees, configurations, rays and results, a minute each, under
 #                   AddressSanitizer (nightly toolchain and cargo-fuzz); SECONDS_EACH=600 for ten minutes each
-# make sanitize     the tests of our kernels and of the library's queries under AddressSanitizer and under valgrind, and
-#                   the portable kernel's under Miri where the nightly toolchain has it
+# make sanitize     the library's tests under AddressSanitizer and, where the nightly toolchain has rust-src, under
+#                   ThreadSanitizer; those of our kernels and of the library's queries under valgrind, and the portable
+#                   kernel's under Miri where the nightly toolchain has it: half an hour
 # make test-platforms
 #                   the library and the benchmark checked for aarch64 Linux and macOS, everything under the oldest compiler,
 #                   and the library's tests under qemu on aarch64 and on x86-64 with less than this machine has; the parts
@@ -104,6 +105,8 @@ GROWTH = $(foreach size,1 2 4 8 16 32,scalable-$(size)M)
 PACKAGES = libembree-dev libclang-dev
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 KERNEL_TESTS = --test library -- trace_agreement trace_batches trace_kernel trace_watertight query:: primitives:: instances::
+# The library's tests, but for those that take minutes without a sanitizer.
+LIBRARY_TESTS = --test library -- $(addprefix --skip ,tree_hashes configurations_are_refused huge_scenes)
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
@@ -175,7 +178,7 @@ bench-advice: packages
 			./target/release/phr advise $$scene --threads 2 --model target/without.json --out results/advice/$$name \
 			|| exit 1; \
 	done
-	./target/release/phr advise --judge results/advice --advice results/advice
+	./target/release/phr advise --judge results/advice --advice results/advice --pool $(REFERENCE)
 
 bench-tune: packages
 	$(CARGO) build --release --bin phr
@@ -264,13 +267,18 @@ fuzz:
 	sh .ci/fuzz
 
 faults: packages
-	PHR_KILLS=50 $(CARGO) test -p phr --test harness faults:: -- --nocapture
+	PHR_KILLS=50 $(CARGO) test -p phr --test harness -- faults:: cut_files:: --nocapture
 
-# Rust's stable compiler has the sanitizer, but not the switch for it.
+# Rust's stable compiler has AddressSanitizer, but not the switch for it. ThreadSanitizer has to see the locks of the
+# standard library, which is therefore compiled with it; four threads on fewer processors are interrupted anywhere.
 sanitize: PACKAGES = valgrind
 sanitize: packages
 	RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address $(CARGO) test -p phr --no-default-features --target $(HOST) \
-		--target-dir target/sanitized $(KERNEL_TESTS)
+		--target-dir target/sanitized $(LIBRARY_TESTS)
+	if [ -d "$$(rustc +nightly --print sysroot)/lib/rustlib/src" ]; then \
+		RAYON_NUM_THREADS=4 RUSTFLAGS=-Zsanitizer=thread $(CARGO) +nightly test -Zbuild-std -p phr --no-default-features \
+			--target $(HOST) --target-dir target/thread-sanitized $(LIBRARY_TESTS); \
+	else echo "ThreadSanitizer left out: rustup component add rust-src --toolchain nightly"; fi
 	CARGO_TARGET_$(shell echo $(HOST) | tr a-z- A-Z_)_RUNNER="valgrind --quiet --error-exitcode=1" \
 		$(CARGO) test -p phr --no-default-features --target $(HOST) --target-dir target/valgrind $(KERNEL_TESTS)
 	if $(CARGO) +nightly miri --version; then \
