@@ -65,6 +65,35 @@ fn needles(n: usize) -> Mesh {
     }))
 }
 
+/// Points, lines, and a triangle so long that the areas of its parts are rounding errors.
+fn thinnest() -> Mesh {
+    let vertices = vec![
+        [8.391509e-39, 4.5889914e-13, 6.081131e-13],
+        [-2.4327466e8, 4.588982e-13, 7.7087496e17],
+        [-1.344849e8, 4.3802e-41, 2.9668664e-21],
+        [3.143859e-38, 6.081131e-13, 11.639981],
+    ];
+    let triangles = [
+        [2, 2, 3],
+        [3, 2, 1],
+        [3, 2, 3],
+        [3, 3, 3],
+        [3, 0, 2],
+        [3, 0, 0],
+        [0, 3, 3],
+        [3, 3, 3],
+        [3, 3, 3],
+        [0, 1, 1],
+        [1, 1, 1],
+        [3, 3, 3],
+        [0, 1, 3],
+        [3, 3, 3],
+        [0, 1, 2],
+        [2, 3, 0],
+    ];
+    Mesh::new(vertices, triangles.to_vec()).unwrap().0
+}
+
 fn awkward() -> Vec<(&'static str, Mesh)> {
     let unit = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let at = |x: f32, s: f32| unit.map(|[a, b, c]| [x + s * a, s * b, s * c]);
@@ -98,6 +127,7 @@ fn awkward() -> Vec<(&'static str, Mesh)> {
             soup((0..3000).map(|i| if i == 0 { at(0.0, 1e18) } else { at(i as f32 * 1e-3, 1e-4) })),
         ),
         ("geometric series", soup((0..250).map(|i| at(2.0f32.powi(i - 190), 2.0f32.powi(i - 195))))),
+        ("a needle thinner than its corners are exact", thinnest()),
         ("random", random_soup(30_000, 3.0)),
     ]
 }
