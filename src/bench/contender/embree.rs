@@ -230,7 +230,8 @@ fn is_same(read: f64, printed: f64) -> bool {
     (read - printed).abs() <= 5e-5 * printed.abs()
 }
 
-/// A tree built instead costs up to 1.3 times as much, where the scene's has rotations.
+/// A tree built instead may cost more, where the scene's has rotations: 4-wide by Morton codes 1.01 to 1.17 times as
+/// much in the meshes tried.
 fn is_near(built: f64, printed: f64) -> bool {
     (built - printed).abs() <= 0.5 * printed.abs()
 }
