@@ -10,7 +10,7 @@ pub type Named<'a> = (&'a str, &'a [Row]);
 
 /// Number of scenes in which each tree is on the front: among the trees of its width and among those of both
 /// widths, all under the fairest kernel; and among those of both widths, each engine's under its own kernel.
-/// Columns for each of `runs`.
+/// Columns for each of `runs`, a dash for a tree that it lacks.
 pub fn fronts(runs: &[Named<'_>]) -> String {
     let header = runs.iter().flat_map(|(name, _)| {
         ["same width", "both widths", "own kernels"].map(|column| format!("{name}: {column}"))
@@ -24,6 +24,9 @@ pub fn fronts(runs: &[Named<'_>]) -> String {
     }
     for &tree in &all {
         let cells = runs.iter().flat_map(|(_, rows)| {
+            if !trees(*rows).contains(&tree) {
+                return ["-", "-", "-"].map(str::to_owned);
+            }
             let best = Under::best(rows);
             let is_rival: [(&Under, bool); 3] = [(&best, true), (&best, false), (&Under::Own, false)];
             is_rival.map(|(under, same_width)| {
@@ -65,14 +68,14 @@ mod tests {
             Row::by_hand("embree-sah", 8, NATIVE, 11.0, 6.0),
             Row::by_hand("phr-hq", 4, PHR, 9.0, 7.0),
         ];
-        let text = fronts(&[("open", &rows)]);
+        let text = fronts(&[("open", &rows), ("withheld", &rows[..2])]);
         let cells = |name: &str| {
             let line = text.lines().find(|line| line.starts_with(&format!("| {name} "))).unwrap();
             line.split('|').map(str::trim).filter(|cell| !cell.is_empty()).collect::<Vec<_>>()
         };
-        assert!(text.contains("Numbers of scenes, of 1 open."), "{text}");
-        assert_eq!(cells("embree-sah"), ["embree-sah", "0", "0", "0"]);
-        assert_eq!(cells("embree-sah / 8")[1..], ["1", "1", "1"]);
-        assert_eq!(cells("phr-hq"), ["phr-hq", "1", "1", "1"]);
+        assert!(text.contains("Numbers of scenes, of 1 open and 1 withheld."), "{text}");
+        assert_eq!(cells("embree-sah"), ["embree-sah", "0", "0", "0", "1", "0", "0"]);
+        assert_eq!(cells("embree-sah / 8")[1..], ["1", "1", "1", "1", "1", "1"]);
+        assert_eq!(cells("phr-hq"), ["phr-hq", "1", "1", "1", "-", "-", "-"]);
     }
 }
