@@ -99,6 +99,7 @@ mod tests {
     use super::*;
     use crate::embree::test_meshes::{rays, soup};
     use crate::embree::{Config, Device, EmbreeBuilder, Width};
+    use crate::simd::Isa;
 
     #[test]
     fn packets_and_streams_hit_what_single_rays_hit() {
@@ -125,7 +126,8 @@ mod tests {
                     batches.extend(stream.map(|stream| Box::new(stream) as Box<dyn Tracer>));
                 }
             }
-            assert!(batches.len() >= 4);
+            // Packets of 8 with AVX at least, each with the flag for coherent rays and without.
+            assert!(batches.len() >= 2 || matches!(Isa::best(), Isa::Scalar));
             for batch in batches {
                 let (mut hits, mut occluded) = (vec![Hit::MISS; rays.len()], vec![true; rays.len()]);
                 batch.closest(&rays, &mut hits);
