@@ -1,4 +1,5 @@
-//! Segments in extended precision (`double_double`): how far a point or a ray is from one, and at what angle.
+//! Segments in extended precision (`double_double`): how far a point or a ray is from one or from its line, and at what
+//! angle.
 
 use super::double_double::{self as extended, Vector};
 
@@ -58,6 +59,22 @@ impl Segment {
             .map(|t| (t, self.distance(extended::along(org, t.into(), dir))))
             .fold((interval[0], f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
     }
+
+    /// Parameter at which the line of a ray is nearest to the line through the segment, and how far it is there; beside
+    /// the start where both have one direction, or the segment is a point.
+    pub fn line_nearest(&self, org: Vector, dir: Vector) -> (f64, f64) {
+        let to_start = extended::difference(self.start, org);
+        let across = extended::cross(dir, self.along);
+        let of_lines =
+            extended::dot(extended::cross(to_start, self.along), across) / extended::dot(across, across);
+        if of_lines.value().is_finite() {
+            let apart = extended::dot(to_start, across).value() / extended::rounded(across).length();
+            return (of_lines.value(), apart.abs());
+        }
+        let t = extended::dot(to_start, dir) / extended::dot(dir, dir);
+        let apart = extended::difference(extended::along(org, t, dir), self.start);
+        (t.value(), extended::rounded(apart).length())
+    }
 }
 
 #[cfg(test)]
@@ -104,5 +121,18 @@ mod tests {
         assert_eq!(nearest([8.0, 2.0, 0.0], [-1.0, -1.0, 0.0], EVER), (3.0, 2f64.sqrt()));
         assert_eq!(nearest([-5.0, 3.0, 0.0], [1.0, 0.0, 0.0], EVER).1, 3.0);
         assert_eq!(nearest([6.0, 0.0, 0.0], [1.0, 0.0, 0.0], EVER), (0.0, 2.0));
+    }
+
+    #[test]
+    fn lines_have_no_ends() {
+        let nearest = |org, dir| segment().line_nearest(vector(org), vector(dir));
+        for x in [-900.0, 3.0, 7.0] {
+            assert_eq!(nearest([x, 2.0, 10.0], [0.0, 0.0, -2.0]), (5.0, 2.0));
+            assert_eq!(nearest([x, 2.0, 10.0], [0.0, 0.0, 2.0]), (-5.0, 2.0), "behind the origin");
+            assert_eq!(nearest([x, 3.0, 4.0], [0.5, 0.0, 0.0]).1, 5.0, "along");
+        }
+        assert_eq!(nearest([8.0, 2.0, 0.0], [-1.0, -1.0, 0.0]), (2.0, 0.0));
+        let point = Segment::new(vector([1.0; 3]), vector([1.0; 3]));
+        assert_eq!(point.line_nearest(vector([1.0, 4.0, 3.0]), vector([0.0, 0.0, -1.0])), (2.0, 3.0));
     }
 }

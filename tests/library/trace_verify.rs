@@ -179,6 +179,44 @@ fn a_triangle_of_no_area_may_be_hit_or_missed_near_its_segment() {
     }
 }
 
+/// Corners in a line, exactly or but for the rounding of edges, and a ray that meets the line beyond its ends: there
+/// kernels compare rounding errors, and hit. Another triangle widens the box, or the ray would not come that far.
+#[test]
+fn beyond_the_ends_of_a_needle_a_kernel_may_hit() {
+    let [a, b] = [4097.0 / 4096.0, 5003.0 / 4096.0];
+    let fused = [[0.0; 3], [-a, -a, 0.0], [b, b, 0.0]];
+    let rounded = [[0.0, 2f32.powi(-23), 2f32.powi(-22)], [4.0; 3], [-2.0; 3]];
+    let far = mesh(vec![[100.0; 3], [101.0, 100.0, 100.0], [100.0, 101.0, 100.0]], vec![[0, 1, 2]]);
+    for (corners, passing, t, needs_fused) in [
+        (fused, ray([4.0, 4.0, 2.0], [0.0, 0.0, -1.0]), 2.0, true),
+        (rounded, ray([64.0, 72.0, 56.0], [0.0, -1.0, 1.0]), 8.0, false),
+    ] {
+        let needle = joined(&mesh(corners.to_vec(), vec![[0, 1, 2]]), &far);
+        let hit = Hit { t, u: 0.0, v: 0.0, prim: 0 };
+        let verdict = compare_closest(&needle, &[passing], &[Hit::MISS], &[hit]);
+        assert_eq!((verdict.near_misses, verdict.is_ok()), (1, true), "{verdict}");
+        let aside = Ray { org: passing.org + Vec3::X, ..passing };
+        let verdict = compare_closest(&needle, &[aside], &[Hit::MISS], &[hit]);
+        assert_eq!(verdict.mismatched, 1, "{verdict}");
+
+        let tree = median_tree::<4>(&needle, 4);
+        let brute = BruteForce(&needle);
+        let reference = closest(&brute, &[passing]);
+        assert_eq!(reference, [Hit::MISS]);
+        for isa in Isa::available() {
+            let tracer = BvhTracer::with_isa(&tree, isa);
+            let hits = closest(&tracer, &[passing]);
+            assert!(hits[0].is_hit() || needs_fused, "{isa}");
+            let verdict = compare_closest(&needle, &[passing], &reference, &hits);
+            assert_eq!(verdict.near_misses, usize::from(hits[0].is_hit()), "{isa}: {verdict}");
+            assert!(verdict.is_ok(), "{isa}: {verdict}");
+            let (occluded, shadows) = (any(&brute, &[passing]), any(&tracer, &[passing]));
+            let verdict = compare_any(&needle, &[passing], &occluded, &shadows, witness(&[&brute, &tracer]));
+            assert!(verdict.is_ok(), "{isa}: {verdict}");
+        }
+    }
+}
+
 /// The distance of a hit without area may be anything, but what lies certainly before it is not to be missed.
 #[test]
 fn a_hit_without_area_excuses_no_lost_one_before_it() {
