@@ -84,11 +84,7 @@ impl Plan {
         for name in &request.scenes {
             scenes.push(PlannedScene::find(name)?);
         }
-        for (i, scene) in scenes.iter().enumerate() {
-            if scenes.iter().take(i).any(|other| other.name == scene.name) {
-                return Err(PlanError::SameName(scene.name.clone()));
-            }
-        }
+        PlannedScene::check_names(&scenes)?;
         let mut cells = request.builders.cells(request.settings.build_only)?;
         cells.retain(|cell| request.width.is_none_or(|width| cell.width == width));
         let mut plan = Self {

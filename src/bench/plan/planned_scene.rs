@@ -56,6 +56,19 @@ impl PlannedScene {
         names.iter().map(|name| Self::find(name)).collect()
     }
 
+    /// Refuses scenes of which tables could not tell two apart.
+    ///
+    /// # Errors
+    /// The name that two have.
+    pub fn check_names(scenes: &[Self]) -> Result<(), PlanError> {
+        for (i, scene) in scenes.iter().enumerate() {
+            if scenes.iter().take(i).any(|other| other.name == scene.name) {
+                return Err(PlanError::SameName(scene.name.clone()));
+            }
+        }
+        Ok(())
+    }
+
     /// The scene called `name` on a command line: a file if there is one, else a generator's.
     ///
     /// # Errors

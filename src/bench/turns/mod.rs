@@ -22,8 +22,10 @@ const LEAST_SESSIONS: usize = 5;
 pub struct Turns<'a> {
     /// The programs: that before, and that after.
     pub programs: [&'a Path; 2],
-    /// Scenes by the names that a command line takes.
+    /// Scenes as a command line takes them.
     pub scenes: &'a [String],
+    /// The name of each in tables and messages.
+    pub names: &'a [String],
     /// What both build.
     pub cells: &'a [Cell],
     /// Threads of the builds.
@@ -66,9 +68,9 @@ impl Turns<'_> {
         let mut samples = vec![vec![OfScene::default(); self.scenes.len()]; self.cells.len()];
         let mut sessions = 0;
         let is_precise = loop {
-            for (index, scene) in self.scenes.iter().enumerate() {
-                told(&format!("{scene}, session {}", sessions + 1), start.elapsed());
-                let of_cells = self.session(scene, sessions)?;
+            for (index, (scene, name)) in self.scenes.iter().zip(self.names).enumerate() {
+                told(&format!("{name}, session {}", sessions + 1), start.elapsed());
+                let of_cells = self.session(scene, name, sessions)?;
                 for (of_cell, (log, ms)) in samples.iter_mut().zip(of_cells) {
                     of_cell[index].logs.push(log);
                     of_cell[index].ms = ms;
@@ -91,13 +93,13 @@ impl Turns<'_> {
     }
 
     /// One session in `scene`: for each cell the median of its rounds.
-    fn session(&self, scene: &str, session: usize) -> Result<Vec<(Log, [f64; 2])>, ChildError> {
+    fn session(&self, scene: &str, name: &str, session: usize) -> Result<Vec<(Log, [f64; 2])>, ChildError> {
         let start = |side: usize| Child::start(self.programs[side], scene, self.threads);
         let mut children = [start(0)?, start(1)?];
         if children[0].sha() != children[1].sha() {
             return Err(ChildError::OtherScene {
                 program: PathBuf::from(self.programs[1]),
-                scene: scene.into(),
+                scene: name.into(),
             });
         }
         let mut rounds: Vec<[Vec<f64>; 3]> = vec![Default::default(); self.cells.len()];

@@ -1,6 +1,7 @@
 //! `phr compare`: two runs, figure by figure, or two programs by turns.
 
 use crate::bench::contender;
+use crate::bench::planned_scene::PlannedScene;
 use crate::bench::run::Progress;
 use crate::bench::turns::Turns;
 use crate::cli::failure::Failure;
@@ -77,6 +78,9 @@ fn results(arguments: &Arguments, a: &Path, b: &Path) -> Result<(), Failure> {
 
 fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
     let threshold = arguments.threshold.unwrap_or(0.02);
+    let scenes = PlannedScene::find_all(&arguments.places)?;
+    PlannedScene::check_names(&scenes)?;
+    let names: Vec<String> = scenes.into_iter().map(|scene| scene.name).collect();
     let ours = contender::cells(true)
         .into_iter()
         .filter(|cell| crate::builders::NAMES.contains(&cell.builder.as_str()) && cell.width == 4);
@@ -86,6 +90,7 @@ fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
     let turns = Turns {
         programs: [before, &this],
         scenes: &arguments.places,
+        names: &names,
         cells: &cells,
         threads: arguments.threads.unwrap_or_else(all_threads),
         precision: 0.5 * threshold,
@@ -100,7 +105,7 @@ fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
         shown = spent.as_secs();
     });
     bar.finish();
-    let judged = ByTurns::of(&measured?, &cells, &arguments.places, threshold);
+    let judged = ByTurns::of(&measured?, &cells, &names, threshold);
     say(&judged.document())?;
     verdict(judged.count(Verdict::Slower), judged.count(Verdict::Inconclusive), &judged.summary())
 }

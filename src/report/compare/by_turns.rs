@@ -17,7 +17,7 @@ pub struct ByTurns {
 }
 
 impl ByTurns {
-    /// Judges what was measured of `cells` in `scenes`; changes up to `threshold` count as none.
+    /// Judges what was measured of `cells` in `scenes`, by their names; changes up to `threshold` count as none.
     pub fn of(measured: &Measured, cells: &[Cell], scenes: &[String], threshold: f64) -> Self {
         let mut grid = Grid::new(["builder", "scene", "A ms", "B ms", "B / A", "95 % interval", "verdict"]);
         let mut verdicts = Vec::new();

@@ -186,8 +186,11 @@ fn an_unknown_instruction_set_is_refused() {
 fn two_programs_are_measured_by_turns() {
     let (_place, folder) = workplace();
     let this = env!("CARGO_BIN_EXE_phr");
+    std::fs::create_dir(folder.join("scenes")).unwrap();
+    let scene = "scenes/sheet.ply";
+    std::fs::copy(folder.join("sheet.ply"), folder.join(scene)).unwrap();
     let compare = |program: &str, more: &[&str]| {
-        let arguments = ["compare", "--against", program, "sheet.ply", "--builder", "lbvh", "--seconds", "1"];
+        let arguments = ["compare", "--against", program, scene, "--builder", "lbvh", "--seconds", "1"];
         phr(&folder, &[&arguments[..], more].concat())
     };
     let output = compare(this, &["--threads", "1"]);
@@ -196,9 +199,16 @@ fn two_programs_are_measured_by_turns() {
     assert!(matches!(output.status.code(), Some(0 | 1 | 3)), "{}", text(&output.stderr));
     assert_eq!(table.lines().filter(|line| line.starts_with("| lbvh / 4 ")).count(), 2, "{table}");
     assert!(table.contains("1 builders: ") && table.contains(" sessions of fresh processes"), "{table}");
-    for (program, more) in
-        [("/bin/true", &[][..]), ("/no/such/program", &[]), (this, &["--builder", "nobody"])]
-    {
+    assert!(table.contains("| lbvh / 4 | sheet |") && !table.contains(scene), "{table}");
+    let refused: [(&str, &[&str]); 5] = [
+        ("/bin/true", &[]),
+        ("/no/such/program", &[]),
+        (this, &["--builder", "nobody"]),
+        (this, &["no.ply"]),
+        // Both are called sheet.
+        (this, &["sheet.ply"]),
+    ];
+    for (program, more) in refused {
         let output = compare(program, more);
         assert_eq!((output.status.code(), text(&output.stderr).lines().count()), (Some(2), 1), "{program}");
     }
