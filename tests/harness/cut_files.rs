@@ -1,8 +1,8 @@
 //! Results files that were cut, at a row's end too: refused in one line that names the file and what to do. Those of a
-//! run are cut in `faults.rs`.
+//! run are cut in `faults.rs`, with their environment; here they have none.
 use phr::bench::files::{last_line, read_csv_file};
 use phr::bench::kernels::{leaks, row as kernels};
-use phr::bench::{phases, scaling::row as scaling};
+use phr::bench::{phases, rounds, row, scaling::row as scaling};
 use phr::experiments::cut_size::{CUT_SIZES, CutSizeRow};
 use phr::experiments::split::{BoxRow, SPLITS};
 use phr::experiments::{animation, heatmap};
@@ -18,7 +18,9 @@ fn shown<T: Debug, E: Display>(read: Result<T, E>) -> Result<String, String> {
 }
 
 /// A committed file of each kind, and who reads it.
-const KINDS: [(&str, Read); 10] = [
+const KINDS: [(&str, Read); 12] = [
+    ("reference/rows.csv", |folder| shown(row::read(folder))),
+    ("reference/rounds.csv", |folder| shown(rounds::read(&folder.join(rounds::ROUNDS), None))),
     ("kernel/kernels.csv", |folder| shown(kernels::read(folder))),
     ("leaks/leaks.csv", |folder| shown(leaks::read(folder))),
     ("scaling/scaling.csv", |folder| shown(scaling::read(folder))),

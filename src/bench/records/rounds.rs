@@ -2,7 +2,7 @@
 //! interleaved, so that two builders' times of one round are a pair: ratios are taken within it, and intervals drawn
 //! from whole rounds. Small enough to be committed, as `samples.json` is not.
 
-use super::files::{MEASURE, RecordsError, TELL, read_lines, write_whole};
+use super::files::{MEASURE, RecordsError, check_count, read_lines, without_last_line, write_csv};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -66,24 +66,21 @@ struct Line {
 const FIGURES: [&str; 3] = ["build", "trace", "frame"];
 
 /// Writes the file in `folder`, whole or not at all; where no row has rounds, an older file is removed. Returns the
-/// lines below its header.
+/// lines between its header and the last, which tells their number.
 ///
 /// # Errors
 /// An unwritable place.
 pub fn write(folder: &Path, rows: &[(RowKey, &RowRounds)]) -> Result<usize, RecordsError> {
     let path = folder.join(ROUNDS);
-    let malformed = |source| RecordsError::Malformed { path: path.clone(), source, remedy: TELL };
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut lines = 0;
+    let mut lines = Vec::new();
     for (key, times) in rows {
         for (figure, of_figure) in FIGURES.into_iter().zip([&times.build, &times.trace, &times.frame]) {
             if !of_figure.is_empty() {
-                writer.serialize(Line::of(key.clone(), figure, of_figure)).map_err(malformed)?;
-                lines += 1;
+                lines.push(Line::of(key.clone(), figure, of_figure));
             }
         }
     }
-    if lines == 0 {
+    if lines.is_empty() {
         return match std::fs::remove_file(&path) {
             Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
                 Err(RecordsError::Io { path, source, remedy: "give another folder with --out" })
@@ -91,25 +88,26 @@ pub fn write(folder: &Path, rows: &[(RowKey, &RowRounds)]) -> Result<usize, Reco
             _ => Ok(0),
         };
     }
-    let bytes = writer.into_inner().map_err(|error| malformed(error.into_error().into()))?;
-    write_whole(&path, &bytes)?;
-    Ok(lines)
+    write_csv(&path, &lines)?;
+    Ok(lines.len())
 }
 
-/// Reads the file at `path`, and how many lines it has below its header; nothing where there is none, as beside rows of
-/// older programs.
+/// Reads the file at `path`; nothing where there is none, as beside rows of older programs. `written` is the number of
+/// its lines, where the environment of the run tells it.
 ///
 /// # Errors
-/// A file of another content.
-pub fn read(path: &Path) -> Result<(Vec<(RowKey, RowRounds)>, usize), RecordsError> {
+/// A file of another content or with another number of lines, or one whose number nothing tells.
+pub fn read(path: &Path, written: Option<usize>) -> Result<Vec<(RowKey, RowRounds)>, RecordsError> {
     let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source, remedy: MEASURE };
     if !path.exists() {
-        return Ok((Vec::new(), 0));
+        // No file has no lines.
+        return check_count(path, 0, Some(0), written).map(|()| Vec::new());
     }
     let bytes = read_lines(path, MEASURE)?;
+    let (above, told) = without_last_line(&bytes);
     let mut rows: Vec<(RowKey, RowRounds)> = Vec::new();
     let mut lines = 0;
-    for line in csv::Reader::from_reader(&bytes[..]).deserialize() {
+    for line in csv::Reader::from_reader(above).deserialize() {
         let line: Line = line.map_err(malformed)?;
         lines += 1;
         let unusable = || {
@@ -134,7 +132,8 @@ pub fn read(path: &Path) -> Result<(Vec<(RowKey, RowRounds)>, usize), RecordsErr
             *place(of_row) = times;
         }
     }
-    Ok((rows, lines))
+    check_count(path, lines, told, written)?;
+    Ok(rows)
 }
 
 impl Line {
@@ -184,11 +183,12 @@ mod tests {
         let traces = RowRounds { build, trace: vec![(0, 1.5)], frame: vec![(2, 0.125)] };
         let rows = [(key("a, b", "none"), builds), (key("a, b", "phr"), traces)];
         let borrowed: Vec<_> = rows.iter().map(|(key, times)| (key.clone(), times)).collect();
-        write(folder.path(), &borrowed).unwrap();
-        assert_eq!(read(&folder.path().join(ROUNDS)).unwrap(), (rows.into(), 4));
+        assert_eq!(write(folder.path(), &borrowed).unwrap(), 4);
+        assert_eq!(read(&folder.path().join(ROUNDS), None).unwrap(), rows);
         write(folder.path(), &[]).unwrap();
         assert!(!folder.path().join(ROUNDS).exists(), "an older file is not mistaken for this run's");
-        assert_eq!(read(&folder.path().join(ROUNDS)).unwrap(), (vec![], 0));
+        assert!(read(&folder.path().join(ROUNDS), None).unwrap().is_empty());
+        assert!(read(&folder.path().join(ROUNDS), Some(4)).is_err(), "a file is missing");
     }
 
     #[test]
@@ -202,7 +202,7 @@ mod tests {
             "r,s,b,4,2,warm,none,build,0,-1",
         ] {
             std::fs::write(&path, format!("{header}{line}\n")).unwrap();
-            let error = read(&path).unwrap_err().to_string();
+            let error = read(&path, None).unwrap_err().to_string();
             assert!(error.contains("s b/4") && error.contains(ROUNDS), "{error}");
         }
     }

@@ -64,6 +64,30 @@ fn comparisons_name_what_they_cannot_compare() {
     assert!(text.contains("failed in B: yard phr-hq/4 phr: ray 7 differs\n"), "{text}");
 }
 
+/// Rows that came without their environment, as from elsewhere.
+#[test]
+fn a_lone_csv_is_to_tell_how_many_rows_it_has() {
+    let folder = written(&rows());
+    let path = folder.path().join(ROWS);
+    let text = std::fs::read_to_string(&path).unwrap();
+    let line = format!("# rows: {}", rows().len());
+    let without = text.strip_suffix(&format!("{line}\n")).unwrap();
+    std::fs::write(&path, without).unwrap();
+    let verbs = [&["table", "rows.csv"][..], &["table", "."], &["compare", "rows.csv", "rows.csv"]];
+    for arguments in verbs {
+        let (code, output) = phr(arguments, folder.path());
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((code, error.lines().count()), (2, 1), "{arguments:?}: {error}");
+        let remedy = format!("add the line `{line}`");
+        assert!(error.contains("rows.csv: no last line") && error.contains(&remedy), "{error}");
+    }
+    std::fs::write(&path, format!("{without}{line}\n")).unwrap();
+    for arguments in verbs {
+        let (code, output) = phr(arguments, folder.path());
+        assert_eq!(code, 0, "{arguments:?}: {output:?}");
+    }
+}
+
 #[test]
 fn bad_input_is_one_line_and_code_2() {
     let folder = written(&rows());

@@ -1,7 +1,8 @@
 //! CSV files that are read back. Their last line, `# rows: 12`, tells how many rows stand above it: else a file that
-//! was cut at a row's end would look whole. `rows.csv` and `rounds.csv` have their numbers in `environment.json`.
+//! was cut at a row's end would look whole. `rows.csv` and `rounds.csv` of older programs have none; their numbers
+//! stand in `environment.json`.
 
-use super::{MOST, RecordsError, TELL, read_lines, write_whole};
+use super::{MEASURE, MOST, RecordsError, TELL, read_lines, write_whole};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -24,6 +25,27 @@ pub fn without_last_line(bytes: &[u8]) -> (&[u8], Option<usize>) {
         Some((above, Some(rows)))
     };
     split().unwrap_or((bytes, None))
+}
+
+/// Refuses a file of a run with other than the number of rows that its last line tells (`told`), or its environment
+/// (`written`), and one of which neither tells any.
+///
+/// # Errors
+/// [`RecordsError::Cut`], [`RecordsError::Uncounted`].
+pub fn check_count(
+    path: &Path,
+    found: usize,
+    told: Option<usize>,
+    written: Option<usize>,
+) -> Result<(), RecordsError> {
+    let path = path.to_owned();
+    if told.is_none() && written.is_none() {
+        return Err(RecordsError::Uncounted { path, found });
+    }
+    match told.into_iter().chain(written).find(|count| *count != found) {
+        Some(written) => Err(RecordsError::Cut { path, found, written, remedy: MEASURE }),
+        None => Ok(()),
+    }
 }
 
 /// Writes `rows` as CSV to the file `path`, whole or not at all.

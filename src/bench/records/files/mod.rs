@@ -2,13 +2,14 @@
 
 mod csv_rows;
 
-pub use csv_rows::{last_line, read_csv, read_csv_file, without_last_line, write_csv};
+pub use csv_rows::{check_count, last_line, read_csv, read_csv_file, without_last_line, write_csv};
 
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What was written when a run ended, kept in `environment.json`.
+/// What was written when a run ended, kept in `environment.json`: only there in runs of older programs, whose files
+/// have no last line that tells it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Written {
     /// Rows of `rows.csv`.
@@ -101,6 +102,18 @@ pub enum RecordsError {
         found: usize,
         /// The remedy.
         remedy: &'static str,
+    },
+    /// Neither the last line nor the environment tells the number of rows.
+    #[error(
+        "{}: no last line `# rows: N` nor an environment.json beside it that has the number as `written`, so it may \
+         be cut; fetch both again; if its {found} rows are all, add the line `# rows: {found}`",
+        path.display()
+    )]
+    Uncounted {
+        /// The file.
+        path: PathBuf,
+        /// Rows in it.
+        found: usize,
     },
     /// `rounds.csv` tells of a row that is not there.
     #[error("{}: no row of {row}, of which rounds.csv tells; fetch the folder again", path.display())]

@@ -2,7 +2,8 @@
 
 use super::{ROWS, Row, SCHEMA};
 use crate::bench::environment::{self, ENVIRONMENT, State};
-use crate::bench::files::{MEASURE, MOST, RecordsError, TELL, Written, read_json, read_lines, write_whole};
+use crate::bench::files::{MEASURE, MOST, RecordsError, Written};
+use crate::bench::files::{check_count, read_json, read_lines, without_last_line, write_csv};
 use crate::bench::rounds::{self, ROUNDS, RowKey, RowRounds};
 use std::collections::HashMap;
 use std::path::Path;
@@ -10,13 +11,15 @@ use std::path::Path;
 /// Reads `rows.csv`, or that file in the results folder `path`, with the `rounds.csv` beside it.
 ///
 /// # Errors
-/// Missing, malformed, cut or empty files, those of another [`SCHEMA`], and figures that cannot be.
+/// Missing, malformed, cut or empty files, those that tell nowhere how many rows they have, those of another
+/// [`SCHEMA`], and figures that cannot be.
 pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
     let path = if path.is_dir() { path.join(ROWS) } else { path.to_owned() };
     let remedy = MEASURE;
     let bytes = read_lines(&path, remedy)?;
+    let (lines, told) = without_last_line(&bytes);
     let mut rows = Vec::new();
-    for row in csv::Reader::from_reader(&bytes[..]).deserialize() {
+    for row in csv::Reader::from_reader(lines).deserialize() {
         let row: Row =
             row.map_err(|source| RecordsError::Malformed { path: path.clone(), source, remedy })?;
         if row.schema != SCHEMA {
@@ -30,13 +33,29 @@ pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
         }
         rows.push(row);
     }
-    let (times, lines) = rounds::read(&path.with_file_name(ROUNDS))?;
+    if rows.is_empty() {
+        return Err(RecordsError::Empty { path, remedy });
+    }
+    // An environment tells of the files of its run, not of another CSV beside them.
+    let is_of_run = path.file_name().is_some_and(|name| name == ROWS);
+    let rounds_file = path.with_file_name(ROUNDS);
+    let environment = if is_of_run || rounds_file.exists() { Ended::beside(&path)? } else { None };
+    let written = environment.as_ref().and_then(|environment| environment.written);
+    check_count(&path, rows.len(), told, written.filter(|_| is_of_run).map(|written| written.rows))?;
+    let times = rounds::read(&rounds_file, written.map(|written| written.rounds))?;
     let mut by_round: HashMap<RowKey, RowRounds> = times.into_iter().collect();
     for row in rows.iter_mut().filter(|row| row.is_total()) {
         row.by_round = by_round.remove(&row.key()).unwrap_or_default();
     }
-    check_whole(&path, Written { rows: rows.len(), rounds: lines }, by_round.keys().next())?;
-    if rows.is_empty() { Err(RecordsError::Empty { path, remedy }) } else { Ok(rows) }
+    // Of a run under way, rounds may be newer than rows.
+    let is_running = is_of_run && environment.is_some_and(|environment| environment.state == State::Running);
+    match by_round.keys().next().filter(|_| !is_running) {
+        Some(key) => {
+            let row = format!("{} {}/{}", key.scene, key.builder, key.width);
+            Err(RecordsError::RowMissing { path, row })
+        }
+        None => Ok(rows),
+    }
 }
 
 /// How a run ended, of an environment of any age.
@@ -55,35 +74,8 @@ impl Ended {
     }
 }
 
-/// Refuses files with fewer lines than were written, and rounds of a row that is not there. Of a run under way neither
-/// is known; an older one tells of its rounds only.
-fn check_whole(path: &Path, found: Written, left_over: Option<&RowKey>) -> Result<(), RecordsError> {
-    let is_results = path.file_name().is_some_and(|name| name == ROWS);
-    let environment = if is_results { Ended::beside(path)? } else { None };
-    if environment.as_ref().is_some_and(|environment| environment.state == State::Running) {
-        return Ok(());
-    }
-    let cut = |file: &'static str, found: usize, written: usize| {
-        Err(RecordsError::Cut { path: path.with_file_name(file), found, written, remedy: MEASURE })
-    };
-    if let Some(written) = environment.and_then(|environment| environment.written) {
-        if found.rows != written.rows {
-            return cut(ROWS, found.rows, written.rows);
-        }
-        if found.rounds != written.rounds {
-            return cut(ROUNDS, found.rounds, written.rounds);
-        }
-    }
-    match left_over {
-        Some(key) => {
-            let row = format!("{} {}/{}", key.scene, key.builder, key.width);
-            Err(RecordsError::RowMissing { path: path.to_owned(), row })
-        }
-        None => Ok(()),
-    }
-}
-
-/// Writes `rows` to the folder: `rows.csv`, and `rounds.csv` where the times of rounds are known.
+/// Writes `rows` to the folder: `rows.csv`, and `rounds.csv` where the times of rounds are known. The last line of each
+/// tells how many it has.
 ///
 /// # Errors
 /// An unwritable place.
@@ -100,11 +92,5 @@ pub fn write_all(folder: &Path, rows: &[Row]) -> Result<Written, RecordsError> {
 /// # Errors
 /// An unwritable place.
 pub fn write(path: &Path, rows: &[Row]) -> Result<(), RecordsError> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let malformed = |source| RecordsError::Malformed { path: path.to_owned(), source, remedy: TELL };
-    for row in rows {
-        writer.serialize(row).map_err(malformed)?;
-    }
-    let bytes = writer.into_inner().map_err(|error| malformed(error.into_error().into()))?;
-    write_whole(path, &bytes)
+    write_csv(path, rows)
 }

@@ -1,5 +1,7 @@
 use super::*;
-use crate::bench::files::RecordsError;
+use crate::bench::environment::ENVIRONMENT;
+use crate::bench::files::{RecordsError, last_line};
+use crate::bench::rounds::ROUNDS;
 use std::path::Path;
 
 impl Row {
@@ -91,36 +93,80 @@ fn figures_that_cannot_be_are_refused() {
     }
 }
 
-#[test]
-fn a_file_cut_anywhere_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(ROWS);
-    let error = "an error\nin two lines".to_owned();
+/// Three rows with the times of two rounds each.
+fn with_rounds() -> [Row; 3] {
     let rounds = |scene: &str| Row {
         scene: scene.into(),
         by_round: RowRounds { build: vec![(0, 10.25), (1, 11.75)], ..RowRounds::default() },
         ..row()
     };
-    let rows = [rounds("a"), rounds("b"), Row { error, ..rounds("c") }];
+    [rounds("a"), rounds("b"), Row { error: "an error\nin two lines".into(), ..rounds("c") }]
+}
+
+#[test]
+fn a_file_cut_anywhere_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = with_rounds();
     write_all(folder.path(), &rows).unwrap();
-    for file in [ROWS, crate::bench::rounds::ROUNDS] {
+    for file in [ROWS, ROUNDS] {
         let whole = std::fs::read(folder.path().join(file)).unwrap();
         for end in 0..whole.len() {
             std::fs::write(folder.path().join(file), &whole[..end]).unwrap();
-            match read(&path) {
-                // Without an environment, rounds that are missing altogether are those of an older program.
-                Ok(found) => {
-                    assert!(file != ROWS && (end == 0 || whole[end - 1] == b'\n'), "{file} up to {end}");
-                    assert!(
-                        found
-                            .iter()
-                            .all(|row| row.by_round.build.is_empty() || row.by_round.build.len() == 2)
-                    );
-                }
-                Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
-            }
+            let error = read(folder.path()).unwrap_err().to_string();
+            assert!(error.contains(file) && !error.contains('\n'), "{file} up to {end}: {error}");
         }
         std::fs::write(folder.path().join(file), whole).unwrap();
     }
-    assert_eq!(read(&path).unwrap(), rows);
+    assert_eq!(read(folder.path()).unwrap(), rows);
+}
+
+/// As older programs wrote them, and what came from elsewhere without its environment.
+#[test]
+fn without_a_last_line_the_environment_tells_the_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |file: &str| folder.path().join(file);
+    let rows = with_rounds();
+    write_all(folder.path(), &rows).unwrap();
+    for file in [ROWS, ROUNDS] {
+        let text = std::fs::read_to_string(place(file)).unwrap();
+        std::fs::write(place(file), text.strip_suffix(&last_line(3)).unwrap()).unwrap();
+    }
+    let told = |file: &str| read(&place(file)).unwrap_err().to_string();
+    let unknown = |file: &str, told: &str| {
+        let what = format!("{file}: no last line `# rows: N` nor an environment.json");
+        let remedy = "; if its 3 rows are all, add the line `# rows: 3`";
+        assert!(told.contains(&what) && told.contains(remedy), "{told}");
+    };
+    unknown(ROWS, &told(ROWS));
+    let environment = |text: &str| std::fs::write(place(ENVIRONMENT), text).unwrap();
+    for state in ["complete", "running"] {
+        environment(&format!("{{\"state\": \"{state}\"}}"));
+        unknown(ROWS, &told(ROWS));
+    }
+    let written = |rows: usize, rounds: usize| {
+        environment(&format!(
+            "{{\"state\": \"complete\", \"written\": {{\"rows\": {rows}, \"rounds\": {rounds}}}}}"
+        ));
+    };
+    written(3, 3);
+    assert_eq!(read(folder.path()).unwrap(), rows);
+    std::fs::copy(place(ROWS), place("other.csv")).unwrap();
+    unknown("other.csv", &told("other.csv"));
+    written(4, 3);
+    assert!(told(ROWS).contains("rows.csv: 3 rows, where 4 were written"), "{}", told(ROWS));
+    written(3, 2);
+    assert!(told(ROWS).contains("rounds.csv: 3 rows, where 2 were written"), "{}", told(ROWS));
+
+    // The line that the error tells to add.
+    std::fs::remove_file(place(ENVIRONMENT)).unwrap();
+    let add = |file: &str| {
+        let text = std::fs::read_to_string(place(file)).unwrap();
+        std::fs::write(place(file), text + &last_line(3)).unwrap();
+    };
+    add(ROWS);
+    unknown(ROUNDS, &told(ROWS));
+    add(ROUNDS);
+    assert_eq!(read(folder.path()).unwrap(), rows);
+    written(4, 3);
+    assert!(told(ROWS).contains("where 4 were written"), "both are to agree");
 }
