@@ -8,6 +8,7 @@ mod browser;
 #[path = "../harness/by_hand.rs"]
 mod by_hand;
 mod keyboard;
+mod large;
 mod run;
 
 use browser::{Browser, ENTER};
@@ -20,7 +21,6 @@ use phr::report::verdict::field::Field;
 use phr::report::verdict::totals::{budgets, totals};
 use phr::report::verdict::{rays_in_words, verdict};
 use serde_json::Value;
-use std::path::Path;
 
 fn rows_of(browser: &Browser) -> Vec<Vec<String>> {
     let cells = browser.script(
@@ -266,27 +266,4 @@ fn a_tooltip_has_the_figures_of_the_rows() {
         format!("{build} ms, {speed} million rays/s"),
     ];
     assert_eq!(told, wanted);
-}
-
-#[test]
-fn a_large_run_is_shown_page_by_page() {
-    let Some(browser) = Browser::start() else { return };
-    let folder = run::folder(&run::large(500));
-    let page = run::report(folder.path());
-    assert!(is_smaller(&page, 16 << 20));
-    browser.open(&page);
-    assert_eq!(browser.console(), Vec::<String>::new());
-    browser.click("#place option[value='all']");
-    assert_eq!(
-        (rows_of(&browser).len(), browser.texts("#count").concat()),
-        (100, "100 of 10 000 rows".into())
-    );
-    browser.click("#more");
-    assert_eq!(rows_of(&browser).len(), 200);
-    browser.keys("#filter", "scene-499");
-    assert_eq!((rows_of(&browser).len(), browser.texts("#count").concat()), (20, "20 rows".into()));
-}
-
-fn is_smaller(file: &Path, bytes: u64) -> bool {
-    file.metadata().unwrap().len() < bytes
 }

@@ -79,10 +79,9 @@ pub fn small() -> Vec<Row> {
     rows
 }
 
-/// `scenes` scenes of twenty trees.
+/// `scenes` scenes of eight trees.
 pub fn large(scenes: usize) -> Vec<Row> {
-    let builders = ["lbvh", "embree-morton", "embree-sah", "embree-fast-spatial", "hunt-50", "aac"];
-    let builders = builders.into_iter().chain(["phr-fast", "phr-hq", "phr-turbo", "phr-best"]);
+    let builders = ["lbvh", "embree-sah", "phr-hq", "phr-best"].into_iter();
     let trees: Vec<(&str, u32)> = builders.flat_map(|builder| [(builder, 4), (builder, 8)]).collect();
     let of_scene = |scene: usize| {
         let trees = trees.clone().into_iter().enumerate();

@@ -10,7 +10,6 @@ for (const name of ["place", "width", "kernel", "regime"]) {
     const value = event.target.value;
     if (name === "place") chosen.every = value === "all";
     chosen[name] = Number(value === "all" ? 0 : value);
-    sorted.rows = PAGE;
     draw();
   });
 }

@@ -1,6 +1,9 @@
-// Table 1: a row for each tree of the chosen scene, or of every scene. Rows are made as they are asked for.
+// Table 1: a row for each tree of the chosen scene, or of every scene. Rows are made as they are asked for: all those of
+// hundreds of scenes at once would take seconds.
 const PAGE = 100;
-const sorted = { by: null, descending: false, rows: PAGE };
+const sorted = { by: null, descending: false };
+/** The table's rows in their order, the HTML of one, and how many of them are in the document. */
+const listed = { rows: [], html: null, shown: 0 };
 
 /** The columns: what a row has there, and how that is written. Columns without any figure are left out. */
 function columns() {
@@ -46,12 +49,12 @@ function drawTable() {
   const by = used.findIndex((column) => `${column.group} ${column.name}` === sorted.by);
   if (by >= 0) {
     // Rows without the figure come last either way.
-    const of = used[by].value;
+    for (const row of rows) row.key = used[by].value(row);
     const order = sorted.descending ? d3.descending : d3.ascending;
-    rows.sort((a, b) => (of(a) === null) - (of(b) === null) || order(of(a), of(b)));
+    rows.sort((a, b) => (a.key === null) - (b.key === null) || order(a.key, b.key));
   }
-  // A mean over fewer scenes is another mean.
-  const best = used.map((column) => (column.isRatio ? d3.min(rows.filter((row) => !fewer(row)), column.value) : null));
+  // A mean over fewer scenes is another mean; ratios of several scenes have no least.
+  const best = used.map((column) => (column.isRatio && !chosen.every ? d3.min(rows.filter((row) => !fewer(row)), column.value) : null));
   const groups = d3.rollups(used, (all) => all.length, (column) => column.group);
   const heads = used.map((column, index) => {
     const order = index === by ? (sorted.descending ? "descending" : "ascending") : "none";
@@ -71,13 +74,24 @@ function drawTable() {
   const table = find("table");
   table.tHead.innerHTML =
     `<tr>${groups.map(([group, count]) => `<th class="group" colspan="${count}" scope="colgroup">${group}</th>`).join("")}</tr><tr>${heads.join("")}</tr>`;
-  table.tBodies[0].innerHTML = rows.slice(0, sorted.rows).map((row) => `<tr>${used.map((column, index) => cell(row, column, index)).join("")}</tr>`).join("");
-  const left = rows.length - sorted.rows;
-  find("count").textContent = left > 0 ? `${sorted.rows} of ${grouped(rows.length)} rows` : `${grouped(rows.length)} ${rows.length === 1 ? "row" : "rows"}`;
-  find("more").hidden = left <= 0;
-  find("more").textContent = `Show ${Math.min(PAGE, left)} more`;
+  table.tBodies[0].replaceChildren();
+  Object.assign(listed, { rows, html: (row) => `<tr>${used.map((column, index) => cell(row, column, index)).join("")}</tr>`, shown: 0 });
+  show(PAGE);
   find("table-about").textContent =
     `relative: to ${data.base}; in brackets 95 % intervals, over scenes and rounds for means, over rounds for a scene. Builds: ${data.regimes[chosen.regime].about}. Traces, medians of all recorded rays: ${data.kernels[chosen.kernel].about}. memory: bytes at the peak of the build.${chosen.every ? "" : " The least of what is relative is bold."}`;
+}
+
+/** Shows the first `count` rows, or all; those that are there stay, since to lay them out anew takes longest. */
+function show(count) {
+  const { rows, html, shown } = listed;
+  const body = find("table").tBodies[0];
+  body.insertAdjacentHTML("beforeend", rows.slice(shown, count).map(html).join(""));
+  for (const row of [...body.rows].slice(count)) row.remove();
+  listed.shown = Math.min(count, rows.length);
+  const left = rows.length - listed.shown;
+  find("count").textContent = (left ? `${grouped(listed.shown)} of ` : "") + `${grouped(rows.length)} ${rows.length === 1 ? "row" : "rows"}`;
+  find("more").hidden = !left;
+  find("more").textContent = `Show ${Math.min(PAGE, left)} more`;
 }
 
 find("table").tHead.addEventListener("click", (event) => {
@@ -85,16 +99,16 @@ find("table").tHead.addEventListener("click", (event) => {
   if (by === undefined) return;
   sorted.descending = sorted.by === by && !sorted.descending;
   sorted.by = by;
-  sorted.rows = PAGE;
   drawTable();
   // The button was drawn anew: who pressed it by key stays on it.
   find("table").tHead.querySelector(`button[data-by="${by}"]`).focus();
 });
-find("filter").addEventListener("input", () => {
-  sorted.rows = PAGE;
-  drawTable();
-});
-find("more").addEventListener("click", () => {
-  sorted.rows += PAGE;
-  drawTable();
+find("filter").addEventListener("input", drawTable);
+find("more").addEventListener("click", () => show(listed.shown + PAGE));
+
+// Paper has no button for more.
+addEventListener("beforeprint", () => {
+  const onScreen = listed.shown;
+  show(Infinity);
+  addEventListener("afterprint", () => show(onScreen), { once: true });
 });
