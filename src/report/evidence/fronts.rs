@@ -74,7 +74,7 @@ mod tests {
             line.split('|').map(str::trim).filter(|cell| !cell.is_empty()).collect::<Vec<_>>()
         };
         assert!(text.contains("Numbers of scenes, of 1 open and 1 withheld."), "{text}");
-        assert_eq!(cells("embree-sah"), ["embree-sah", "0", "0", "0", "1", "0", "0"]);
+        assert_eq!(cells("embree-sah"), ["embree-sah", "0", "0", "0", "1", "1", "1"]);
         assert_eq!(cells("embree-sah / 8")[1..], ["1", "1", "1", "1", "1", "1"]);
         assert_eq!(cells("phr-hq"), ["phr-hq", "1", "1", "1", "-", "-", "-"]);
     }
