@@ -47,7 +47,7 @@ pub fn parts(path: &Path) -> Vec<PathBuf> {
 /// The rows of `paths` and of their subfolders, and whether all their runs were finished.
 ///
 /// # Errors
-/// Those of [`row::read`] and [`environment`].
+/// Those of [`row::read`] and [`environment()`].
 pub fn read_all(paths: &[PathBuf]) -> Result<(Vec<Row>, bool), RecordsError> {
     let (mut rows, mut are_complete) = (Vec::new(), true);
     for part in paths.iter().flat_map(|path| parts(path)) {

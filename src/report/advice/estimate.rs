@@ -7,8 +7,8 @@
 //!
 //! `x + c + g (y - x - c)`, of variance `g v/n + (1 - g)² / Σ 1 / (v/n + SPREAD²)`,
 //!
-//! the best linear one if trees scatter about `x + c` by [`SPREAD`]. `v` is the tree's own variance averaged with that
-//! of all trees of the scene, and this one with [`NOISE`]², which count as [`VISITS`] degrees of freedom each. Build
+//! the best linear one if trees scatter about `x + c` by `SPREAD`. `v` is the tree's own variance averaged with that
+//! of all trees of the scene, and this one with `NOISE`², which count as `VISITS` degrees of freedom each. Build
 //! times stay as measured, and trees whose nodes were not counted.
 //!
 //! The constants come from the rows of `results/reference` alone, to which a test holds them, not from any advice.

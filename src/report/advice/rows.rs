@@ -16,7 +16,7 @@ pub const ADVICE: &str = "advice.csv";
 /// One tree, figures with the ends of their 95 % intervals.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct AdviceRow {
-    /// [`SCHEMA`].
+    /// Of these columns: 2.
     pub schema: u32,
     /// The scene.
     pub scene: String,

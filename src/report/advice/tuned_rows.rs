@@ -21,7 +21,7 @@ const AGAIN: &str = "again";
 /// intervals are empty for one pair.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TuneRow {
-    /// [`SCHEMA`].
+    /// Of these columns: 1.
     pub schema: u32,
     /// The scene.
     pub scene: String,

@@ -12,7 +12,7 @@ use crate::report::targets::list::{Target, targets};
 const WITHIN: f64 = 1.05;
 
 /// Build time, trace time and SAH cost of every tree in both runs, relative to Embree SAH: geometric means, how
-/// much the withheld scenes are worse with its interval, whether that is within [`WITHIN`] for times of ours, and
+/// much the withheld scenes are worse with its interval, whether that is within 5 % for times of ours, and
 /// the worst scene of each run. Below, those of our trees with targets that the rows lack.
 pub fn holdout(open: &[Row], withheld: &[Row], under: &Under) -> String {
     let mut text = String::new();
