@@ -41,7 +41,7 @@
 #                   compiles the distribution's Embree from its source package, without assertions, into
 #                   target/embree-ndebug; then builds and traces the built-in scenes with either library by turns, the
 #                   program the same, into results/ndebug: half an hour on two cores
-# make test         everything that is checked before a change is taken: formatting, lints, the library
+# make test         everything that is checked before a change is taken: formatting, lints, documentation, the library
 #                   without any feature, the harness without Embree, all tests and the documentation's examples
 #
 # make faults       kills a run fifty times at random moments and resumes it, fills its disk, and cuts its results at every
@@ -255,13 +255,14 @@ test: packages
 	$(CARGO) clippy --workspace --all-targets -- -D warnings
 	$(CARGO) clippy -p phr --lib --no-default-features -- -D warnings
 	$(CARGO) clippy -p phr --lib --bins --no-default-features --features harness -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -p phr --lib --no-deps
 ifeq ($(NEXTEST),yes)
 	$(CARGO) nextest run --workspace --lib --tests
 	$(CARGO) test --workspace --doc
 else
 	$(CARGO) test --workspace
 endif
-	@echo "tested: format, lints, the library alone, the harness without Embree, all tests, the documentation's examples"
+	@echo "tested: format, lints, documentation, the library alone, the harness without Embree, all tests, the documentation's examples"
 
 fuzz:
 	sh .ci/fuzz
