@@ -9,7 +9,8 @@ use glam::Vec3A;
 
 /// Bytes of a header.
 pub(super) const BYTES: usize = 128;
-const MAGIC: [u8; 8] = *b"PHRTREE\0";
+/// How every saved tree begins.
+pub(super) const MAGIC: [u8; 8] = *b"PHRTREE\0";
 const VERSION: u32 = 2;
 /// Bytes of a builder's name.
 const NAME: usize = 32;
@@ -63,13 +64,10 @@ impl Header {
         bytes
     }
 
-    /// The header, or what is wrong with it.
+    /// The header after [`MAGIC`], or what is wrong with it.
     pub(super) fn of_bytes(bytes: &[u8; BYTES]) -> Result<Self, String> {
         let u32_at = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
         let u64_at = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
-        if bytes[..8] != MAGIC {
-            return Err("not a saved tree".into());
-        }
         if u32_at(8) != VERSION {
             return Err(format!("version {}, this program reads {VERSION}", u32_at(8)));
         }

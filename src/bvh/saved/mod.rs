@@ -48,7 +48,15 @@ pub enum SavedError {
         /// The system's message.
         source: std::io::Error,
     },
-    /// Not such a file, or one of a newer program.
+    /// No such file at all: a scene, perhaps.
+    #[error("{}: {what}; give a file that `phr build -o` wrote", path.display())]
+    NotATree {
+        /// The file.
+        path: PathBuf,
+        /// What it is not.
+        what: &'static str,
+    },
+    /// A damaged file, or one of another version.
     #[error("{}: {what}; save the tree again", path.display())]
     Unusable {
         /// The file.
@@ -87,6 +95,10 @@ pub enum SavedError {
 impl SavedError {
     fn unusable(path: &Path, what: impl Into<String>) -> Self {
         Self::Unusable { path: path.to_owned(), what: what.into() }
+    }
+
+    fn not_a_tree(path: &Path, what: &'static str) -> Self {
+        Self::NotATree { path: path.to_owned(), what }
     }
 
     fn io(path: &Path) -> impl Fn(std::io::Error) -> Self {

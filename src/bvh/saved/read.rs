@@ -2,7 +2,7 @@
 
 use super::CHUNK;
 use super::SavedError;
-use super::header::{BYTES, Header, checksum, step};
+use super::header::{BYTES, Header, MAGIC, checksum, step};
 use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
 use crate::bvh::record::Record;
 use crate::bvh::validate::Invalid;
@@ -30,11 +30,15 @@ fn open(path: &Path) -> Result<(File, Header), SavedError> {
     let io = SavedError::io(path);
     let metadata = std::fs::metadata(path).map_err(&io)?;
     if !metadata.is_file() {
-        return Err(SavedError::unusable(path, "not a regular file"));
+        return Err(SavedError::not_a_tree(path, "not a regular file"));
     }
     let mut file = File::open(path).map_err(&io)?;
     let mut bytes = [0; BYTES];
-    file.read_exact(&mut bytes).map_err(|_| SavedError::unusable(path, "shorter than a saved tree"))?;
+    let (magic, rest) = bytes.split_at_mut(MAGIC.len());
+    if file.read_exact(magic).is_err() || *magic != MAGIC {
+        return Err(SavedError::not_a_tree(path, "not a saved tree"));
+    }
+    file.read_exact(rest).map_err(|_| SavedError::unusable(path, "shorter than a saved tree"))?;
     let header = Header::of_bytes(&bytes).map_err(|what| SavedError::unusable(path, what))?;
     let node = match header.width {
         4 => 128,

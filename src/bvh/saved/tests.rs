@@ -54,7 +54,19 @@ fn other_meshes_and_widths_are_refused() {
     assert!(message.contains("the tree of another mesh (9 triangles") && message.contains(';'), "{message}");
     assert!(said(Bvh8::load(&mesh, &path).map(|_| ())).contains("a tree of 4 children per node, not 8"));
     assert!(said(header_of(&folder.path().join("none")).map(|_| ())).contains("none: No such file"));
-    assert!(said(header_of(folder.path()).map(|_| ())).contains("not a regular file"));
+    assert!(said(header_of(folder.path()).map(|_| ())).contains("not a regular file; give a file that"));
+    for content in ["", "o scene\n", "v 0 0 0\n".repeat(99).as_str()] {
+        std::fs::write(folder.path().join("x.obj"), content).unwrap();
+        let message = said(header_of(&folder.path().join("x.obj")).map(|_| ()));
+        assert!(
+            message.ends_with("x.obj: not a saved tree; give a file that `phr build -o` wrote"),
+            "{message}"
+        );
+    }
+    let whole = std::fs::read(&path).unwrap();
+    std::fs::write(folder.path().join("cut"), &whole[..100]).unwrap();
+    let message = said(header_of(&folder.path().join("cut")).map(|_| ()));
+    assert!(message.ends_with("cut: shorter than a saved tree; save the tree again"), "{message}");
     assert!(said(chain(&mesh).save(&mesh, "", &folder.path().join("no/x"))).contains("No such file"));
 }
 

@@ -77,6 +77,16 @@ impl<const N: usize> WideBvh<N> {
     /// # Errors
     /// The first violation found.
     pub fn validate(&self, mesh: &Mesh) -> Result<(), Invalid> {
+        self.validate_rounded(mesh, 0.0)
+    }
+
+    /// As [`WideBvh::validate`], but the boxes of a triangle's leaves may leave out as much of it as rounding its
+    /// corners by `ulps` units in the last place of their largest coordinate would: for trees of others, who clip
+    /// triangles without rounding outwards. Whether rays pass there is told by their hits.
+    ///
+    /// # Errors
+    /// The first violation found.
+    pub(crate) fn validate_rounded(&self, mesh: &Mesh, ulps: f32) -> Result<(), Invalid> {
         let mut walk = Walk {
             tree: self,
             mesh,
@@ -91,7 +101,7 @@ impl<const N: usize> WideBvh<N> {
                 return Err(Invalid::Unreached { what, index });
             }
         }
-        covered(mesh, walk.references)
+        covered(mesh, walk.references, ulps)
     }
 }
 
@@ -175,7 +185,7 @@ fn mark(seen: &mut [bool], what: &'static str, index: usize) -> Result<(), Inval
 }
 
 /// Every triangle is in some leaf and covered by the boxes of its leaves.
-fn covered(mesh: &Mesh, mut references: Vec<(u32, Aabb)>) -> Result<(), Invalid> {
+fn covered(mesh: &Mesh, mut references: Vec<(u32, Aabb)>, ulps: f32) -> Result<(), Invalid> {
     use rayon::slice::ParallelSliceMut;
     // A stable sort would take as much memory again.
     references.par_sort_unstable_by_key(|&(prim, _)| prim);
@@ -187,7 +197,8 @@ fn covered(mesh: &Mesh, mut references: Vec<(u32, Aabb)>) -> Result<(), Invalid>
         }
         expected += 1;
         let whole = mesh.bounds_of(prim);
-        if !group.iter().any(|(_, bounds)| bounds.contains(whole)) && !covers(group, mesh.corners(prim)) {
+        let is_within_one = group.iter().any(|(_, bounds)| bounds.contains(whole));
+        if !is_within_one && !covers(group, mesh.corners(prim), ulps) {
             return Err(Invalid::Uncovered(prim));
         }
     }
@@ -196,102 +207,27 @@ fn covered(mesh: &Mesh, mut references: Vec<(u32, Aabb)>) -> Result<(), Invalid>
 
 /// Whether the leaf boxes of one triangle cover it: by area, and at points spread over it (area alone could
 /// count one part twice and miss another).
-fn covers(group: &[(u32, Aabb)], corners: [Vec3A; 3]) -> bool {
+fn covers(group: &[(u32, Aabb)], corners: [Vec3A; 3], ulps: f32) -> bool {
     const STEPS: u32 = 9;
     let triangle = Polygon::triangle(corners);
-    let held: f64 = group.iter().map(|(_, bounds)| triangle.clipped(*bounds).area()).sum();
+    let ulp = f32::EPSILON * corners.iter().map(|c| c.abs().max_element()).fold(0.0, f32::max);
+    let grown = |bounds: &Aabb, by: f32| Aabb::new(bounds.min - by * ulp, bounds.max + by * ulp);
+    let held: f64 = group.iter().map(|(_, bounds)| triangle.clipped(grown(bounds, ulps)).area()).sum();
     // The area of the thinnest triangles is a difference of products far larger than itself, that of each part too.
     let longest = f64::from(Aabb::of_triangle(corners).extent().max_element());
     let rounding = 8.0 * f64::EPSILON * longest * longest * group.len() as f64;
     if held < triangle.area() * (1.0 - 1e-4) - rounding {
         return false;
     }
-    // Points are rounded, so boxes get a few units in the last place of their largest coordinate.
-    let slack = corners.iter().map(|c| c.abs().max_element()).fold(0.0, f32::max) * 4.0 * f32::EPSILON;
-    let grown = |bounds: &Aabb| Aabb::new(bounds.min - slack, bounds.max + slack);
     (0..=STEPS).all(|i| {
         (0..=STEPS - i).all(|j| {
             let (u, v) = (i as f32 / STEPS as f32, j as f32 / STEPS as f32);
             let point = corners[0] * (1.0 - u - v) + corners[1] * u + corners[2] * v;
-            group.iter().any(|(_, bounds)| grown(bounds).contains(Aabb::new(point, point)))
+            // Points are rounded as well.
+            group.iter().any(|(_, bounds)| grown(bounds, 4.0 + ulps).contains(Aabb::new(point, point)))
         })
     })
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::bvh::{Bvh4, WideNode};
-
-    /// Two triangles, each in a leaf of its own below one node.
-    fn whole() -> (Mesh, Bvh4) {
-        let vertices =
-            vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [5., 0., 0.], [6., 0., 0.], [5., 1., 0.]];
-        let (mesh, _) = Mesh::new(vertices, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
-        let mut node = WideNode::EMPTY;
-        let mut blocks = vec![TriangleBlock::EMPTY; 2];
-        for (prim, block) in (0..).zip(&mut blocks) {
-            block.set(0, mesh.corners(prim), prim);
-            node.set(prim as usize, mesh.bounds_of(prim), Link::leaf(prim as usize, 1));
-        }
-        let tree = Bvh4 { root: Link::inner(0), bounds: mesh.bounds(), nodes: vec![node], blocks };
-        (mesh, tree)
-    }
-
-    fn invalid(change: impl FnOnce(&mut Bvh4)) -> Invalid {
-        let (mesh, mut tree) = whole();
-        assert_eq!(tree.validate(&mesh), Ok(()));
-        change(&mut tree);
-        tree.validate(&mesh).unwrap_err()
-    }
-
-    #[test]
-    fn every_kind_of_damage_is_found() {
-        assert_eq!(invalid(|t| t.root = Link::inner(7)), Invalid::Link { what: "node", index: 7 });
-        assert_eq!(
-            invalid(|t| t.nodes[0].links[1] = Link::leaf(0, 1)),
-            Invalid::Link { what: "block", index: 0 }
-        );
-        assert_eq!(
-            invalid(|t| t.nodes[0].links[1] = Link::inner(0)),
-            Invalid::Link { what: "node", index: 0 }
-        );
-        assert_eq!(invalid(|t| t.nodes.push(WideNode::EMPTY)), Invalid::Unreached { what: "node", index: 1 });
-        assert_eq!(invalid(|t| t.blocks.push(t.blocks[0])), Invalid::Unreached { what: "block", index: 2 });
-        assert_eq!(invalid(|t| t.nodes[0].links.swap(1, 2)), Invalid::Slots(0));
-        assert_eq!(invalid(|t| t.nodes[0].upper[0][1] = 7.0), Invalid::Bounds { node: 0, slot: 1 });
-        assert_eq!(invalid(|t| t.nodes[0].upper[0][1] = f32::NAN), Invalid::Bounds { node: 0, slot: 1 });
-        assert_eq!(invalid(|t| t.blocks[1].v0[0][0] = 5.5), Invalid::Block(1));
-        assert_eq!(invalid(|t| t.blocks[1].prims[0] = 9), Invalid::Block(1));
-        assert_eq!(invalid(|t| t.blocks[1] = TriangleBlock::EMPTY), Invalid::Block(1));
-        assert_eq!(invalid(|t| t.nodes[0].upper[0][0] = 0.5), Invalid::Uncovered(0));
-    }
-
-    #[test]
-    fn lost_and_doubled_triangles_are_found() {
-        let (mesh, mut tree) = whole();
-        tree.nodes[0].links[1] = Link::EMPTY;
-        tree.nodes[0].lower.iter_mut().for_each(|plane| plane[1] = f32::INFINITY);
-        tree.blocks.pop();
-        assert_eq!(tree.validate(&mesh), Err(Invalid::Missing(1)));
-        let (mesh, mut tree) = whole();
-        tree.blocks[0].set(1, mesh.corners(0), 0);
-        assert_eq!(tree.validate(&mesh), Err(Invalid::Twice(0)));
-    }
-
-    #[test]
-    fn pieces_cover_a_triangle_only_together() {
-        let (mesh, mut tree) = whole();
-        // Triangle 0 in both leaves, cut at x = 0.3: whole; with a gap from 0.3 to 0.4: not.
-        tree.blocks[1].set(1, mesh.corners(0), 0);
-        tree.nodes[0].upper[0][0] = 0.3;
-        tree.nodes[0].lower[0][1] = 0.3;
-        assert_eq!(tree.validate(&mesh), Ok(()));
-        tree.nodes[0].lower[0][1] = 0.4;
-        assert_eq!(tree.validate(&mesh), Err(Invalid::Uncovered(0)));
-        // Twice the same half and nothing of the other.
-        tree.nodes[0].lower[0][1] = 0.3;
-        tree.nodes[0].set(0, mesh.bounds_of(1), Link::leaf(0, 1));
-        assert!(tree.validate(&mesh).is_err());
-    }
-}
+mod tests;
