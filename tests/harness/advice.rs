@@ -48,7 +48,10 @@ fn advice_by_measurement_has_every_tree_and_its_files() {
         assert!(figure("ns_per_ray") > 0.0 && figure("nodes_per_ray") > 1.0, "{row:?}");
         assert!(page.contains(&row["builder"]), "{page}");
     }
-    assert!(page.contains("For 2M rays: "), "{page}");
+    assert!(page.contains("For 2M rays: ") && page.contains("\nTraces: all trees "), "{page}");
+    assert_eq!(page.contains("\ndropped: "), rows.iter().any(|row| row["note"] == "dropped"), "{page}");
+    let named = rows.iter().filter(|row| !row["best_from_rays"].is_empty());
+    assert!(named.clone().count() > 0 && named.clone().all(|row| row["note"] != "dropped"), "{page}");
     assert!(rows.iter().any(|row| row["best_from_rays"] == "0.0"), "one is best without rays");
     for file in ["advice.svg", "advice.png"] {
         assert!(folder.path().join("out").join(file).metadata().unwrap().len() > 1000);

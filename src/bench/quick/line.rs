@@ -1,5 +1,5 @@
-//! The total time of a tree as a line over the number of rays: build + rays / speed; which line is least where, and the
-//! crossings between them.
+//! The total time of a tree as a line over the number of rays: build + rays / speed; which line is least where, the
+//! crossings between them, and which lines cannot be told apart from the least.
 
 use super::QuickVisit;
 use crate::bench::statistics::Ratio;
@@ -65,6 +65,28 @@ pub fn least_at(lines: &[TotalTime], rays: f64) -> Option<usize> {
     (0..lines.len()).min_by(|&a, &b| lines[a].at(rays).total_cmp(&lines[b].at(rays)))
 }
 
+/// Which of `lines` cannot be told apart from the least at so many rays: their intervals overlap. The least is one.
+pub fn not_told_apart(lines: &[TotalTime], rays: f64) -> Vec<bool> {
+    let Some(least) = least_at(lines, rays) else { return Vec::new() };
+    let high = lines[least].estimate_at(rays).high;
+    lines.iter().map(|line| line.estimate_at(rays).low <= high).collect()
+}
+
+/// Which of `lines` may be the least for some number of rays: those that are it somewhere, and those that cannot be
+/// told apart from it at one of `budgets`.
+pub fn competing(lines: &[TotalTime], budgets: &[f64]) -> Vec<bool> {
+    let mut found = vec![false; lines.len()];
+    for (winner, _) in winners(lines) {
+        found[winner] = true;
+    }
+    for &rays in budgets {
+        for (competes, is_near) in found.iter_mut().zip(not_told_apart(lines, rays)) {
+            *competes |= is_near;
+        }
+    }
+    found
+}
+
 /// Which line is least where: indices, each with the number of rays from which on it is, upwards from 0.
 pub fn winners(lines: &[TotalTime]) -> Vec<(usize, f64)> {
     let key = |i: usize| (lines[i].build_ms.value, lines[i].ns_per_ray.value);
@@ -113,6 +135,27 @@ mod tests {
             }
         }
         assert!(winners(&[]).is_empty());
+    }
+
+    #[test]
+    fn lines_compete_where_they_are_least_or_intervals_overlap() {
+        let line = |build_ms: f64, ns_per_ray: f64, error: f64| {
+            let figure =
+                |value: f64| Estimate { value, low: value / (1.0 + error), high: value * (1.0 + error) };
+            TotalTime { build_ms: figure(build_ms), ns_per_ray: figure(ns_per_ray) }
+        };
+        let lines = [
+            line(10.0, 200.0, 0.05),
+            line(100.0, 100.0, 0.05),
+            // Slower than the second everywhere, but one knows little of it.
+            line(110.0, 115.0, 0.3),
+            line(130.0, 150.0, 0.05),
+            // The least below ten thousand rays alone, which no one asked for.
+            line(9.0, 300.0, 0.05),
+        ];
+        assert_eq!(not_told_apart(&lines, 1e8), [false, true, true, false, false]);
+        assert_eq!(competing(&lines, &[1e6, 1e8]), [true, true, true, false, true]);
+        assert!(not_told_apart(&[], 1e8).is_empty() && competing(&[], &[1e8]).is_empty());
     }
 
     #[test]

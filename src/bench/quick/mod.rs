@@ -1,6 +1,6 @@
 //! Quick measurements, for decisions and not for records: a few fresh builds and one pass over a few recorded rays
 //! a visit, every answer verified at first. [`line`](mod@line) is what they tell of a tree, [`survey`] measures all
-//! trees of a scene within a time and drops those without a prospect, [`tune`] searches parameters.
+//! trees of a scene within a time and drops those that surely win nowhere, [`tune`] searches parameters.
 
 pub mod line;
 pub mod survey;

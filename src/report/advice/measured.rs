@@ -4,8 +4,10 @@ use super::model::Model;
 use super::model::facts::SceneFacts;
 use super::{Advice, Known, rays_in_words};
 use crate::bench::cell::{Cell, Kernel};
-use crate::bench::quick::quickly;
-use crate::bench::quick::survey::{BUDGETS, Candidate, survey};
+use crate::bench::cpu_time::CpuClock;
+use crate::bench::quick::line::TotalTime;
+use crate::bench::quick::survey::{BUDGETS, Candidate, Contest, Surveyed, Visitor, survey};
+use crate::bench::quick::{Quick, QuickVisit, quickly};
 use crate::scene::Scene;
 use std::time::{Duration, Instant};
 
@@ -27,6 +29,38 @@ pub struct Measurement {
     pub limit: Duration,
 }
 
+/// The total times by which trees compete: those of the advice.
+pub(super) fn lines(found: &[Surveyed]) -> Vec<Option<TotalTime>> {
+    Known::of_survey(found).into_iter().map(|known| known.line).collect()
+}
+
+/// Real visits, told to `progress` beforehand.
+struct Timed<'a, 'b> {
+    quick: &'a mut Quick<'b>,
+    start: Instant,
+    progress: &'a mut dyn FnMut(&str),
+}
+
+impl Visitor for Timed<'_, '_> {
+    fn visit(
+        &mut self,
+        round: usize,
+        cell: &Cell,
+        counts: bool,
+    ) -> Result<(QuickVisit, Option<f64>), String> {
+        (self.progress)(&format!("round {}: {}/{}", round + 1, cell.builder, cell.width));
+        if counts {
+            self.quick.visit_and_count(cell)
+        } else {
+            self.quick.visit(cell).map(|visit| (visit, None))
+        }
+    }
+
+    fn elapsed(&self) -> Duration {
+        self.start.elapsed()
+    }
+}
+
 impl Measurement {
     /// Measures `scene`, the trees that `model` takes for the best first; tells `progress` what is done.
     ///
@@ -41,13 +75,19 @@ impl Measurement {
         let start = Instant::now();
         progress("reference tree and rays");
         let (threads, kernel) = (self.threads, self.kernel);
-        let surveyed = quickly(scene, (threads, kernel, 1), |quick| {
+        let (surveyed, time) = quickly(scene, (threads, kernel, 1), |quick| {
             let facts = SceneFacts::of(&scene.mesh, &model.needs());
             let candidates = self.candidates(model, &facts);
-            survey(quick, &candidates, (start, self.limit), &mut |round, cell| {
-                progress(&format!("round {}: {}/{}", round + 1, cell.builder, cell.width));
-            })
+            let budgets = BUDGETS.into_iter().chain([self.rays]).collect();
+            let contest = Contest { limit: self.limit, budgets, estimate: &lines };
+            let clock = CpuClock::read();
+            let surveyed =
+                survey(&mut Timed { quick, start, progress: &mut *progress }, &candidates, &contest);
+            (surveyed, clock.since())
         })?;
+        // More threads than processors wait for one another.
+        let processors = std::thread::available_parallelism().map_or(1, usize::from);
+        let busy = if threads > processors { 0.0 } else { time.waiting() };
         let rounds = surveyed.iter().map(|one| one.visits.len()).max().unwrap_or_default();
         let seconds = start.elapsed().as_secs_f64();
         Ok(Advice {
@@ -59,6 +99,8 @@ impl Measurement {
                 kernel.name(),
                 rays_in_words(self.rays)
             ),
+            kernel: kernel.name().into(),
+            busy,
             trees: Known::of_survey(&surveyed),
         })
     }

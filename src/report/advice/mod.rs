@@ -11,9 +11,12 @@ pub mod rows;
 pub mod tuned;
 pub mod tuned_rows;
 
+#[cfg(test)]
+mod simulated;
+
 use super::figures::tree_name;
-use crate::bench::quick::line::{TotalTime, least_at, winners};
-use crate::bench::quick::survey::{DROPPED, Surveyed};
+use crate::bench::quick::line::{TotalTime, least_at, not_told_apart, winners};
+use crate::bench::quick::survey::Surveyed;
 use estimate::{Traced, estimates};
 
 /// Trees of a model that take at most this many times as long as the best are near it.
@@ -28,7 +31,7 @@ pub struct Known {
     pub width: u32,
     /// Its total time; `None` where there is none.
     pub line: Option<TotalTime>,
-    /// What its time per ray was estimated from; `None` for a model's.
+    /// What its total time was estimated from; `None` for a model's.
     pub traced: Option<Traced>,
     /// Visits behind it; 0 for a model's.
     pub rounds: usize,
@@ -42,13 +45,13 @@ impl Known {
         tree_name((&self.builder, self.width))
     }
 
-    /// The trees of a survey, the times per ray estimated from all of them together.
+    /// The trees of a survey, their total times estimated from all of them together.
     pub fn of_survey(surveyed: &[Surveyed]) -> Vec<Self> {
         let mut all: Vec<Self> = surveyed.iter().map(Self::measured).collect();
         let traced: Vec<Traced> = all.iter().filter_map(|known| known.traced).collect();
         let lines = all.iter_mut().filter_map(|known| known.line.as_mut());
-        for (line, ns_per_ray) in lines.zip(estimates(&traced)) {
-            line.ns_per_ray = ns_per_ray;
+        for (line, estimate) in lines.zip(estimates(&traced)) {
+            *line = estimate;
         }
         all
     }
@@ -59,6 +62,7 @@ impl Known {
         let (width, line) = (cell.width, TotalTime::of(visits));
         let traced = line.map(|line| Traced {
             width,
+            build_ms: line.build_ms,
             ns_per_ray: line.ns_per_ray,
             visits: visits.len(),
             nodes_per_ray: *nodes_per_ray,
@@ -79,6 +83,10 @@ pub struct Advice {
     pub rays: f64,
     /// How the lines came about, in words.
     pub origin: String,
+    /// The kernel whose traces they are of.
+    pub kernel: String,
+    /// The share of the time that other programs held the processors during the measurement; 0 without one.
+    pub busy: f64,
     /// All trees.
     pub trees: Vec<Known>,
 }
@@ -96,20 +104,16 @@ impl Advice {
         winners(&only).into_iter().map(|(i, from)| (lines[i].0, from)).collect()
     }
 
-    /// The best tree for so many rays, and those near it: whose interval overlaps with its, unless they were
-    /// dropped as too slow; by a model, whose errors are much the same for all trees, those that take at most
-    /// [`NEAR`] times as long.
+    /// The best tree for so many rays, and those near it: whose interval overlaps with its; by a model, whose errors
+    /// are much the same for all trees, those that take at most [`NEAR`] times as long.
     pub fn best_at(&self, rays: f64) -> Option<(&Known, Vec<&Known>)> {
         let lines = self.lines();
         let only: Vec<TotalTime> = lines.iter().map(|(_, line)| *line).collect();
         let best = least_at(&only, rays)?;
-        let is_near = |i: usize| {
-            if lines[i].0.rounds == 0 {
-                only[i].at(rays) <= NEAR * only[best].at(rays)
-            } else {
-                lines[i].0.note != DROPPED
-                    && only[i].estimate_at(rays).low <= only[best].estimate_at(rays).high
-            }
+        let overlaps = not_told_apart(&only, rays);
+        let is_near = |i: usize| match lines[i].0.rounds {
+            0 => only[i].at(rays) <= NEAR * only[best].at(rays),
+            _ => overlaps[i],
         };
         let near = (0..lines.len()).filter(|&i| i != best && is_near(i));
         let mut near: Vec<usize> = near.collect();
@@ -130,6 +134,7 @@ pub fn rays_in_words(rays: f64) -> String {
 pub(crate) mod tests {
     use super::*;
     use crate::bench::quick::QuickVisit;
+    use crate::bench::quick::survey::DROPPED;
 
     pub(crate) fn advice() -> Advice {
         let known = |builder: &str, width, line| Known {
@@ -146,17 +151,14 @@ pub(crate) mod tests {
             triangles: 1000,
             rays: 5e7,
             origin: "made by hand".into(),
+            kernel: "embree-grafted".into(),
+            busy: 0.0,
             trees: vec![
                 known("lbvh", 4, exact(10.0, 200.0)),
                 known("phr-speed", 8, exact(50.0, 120.0)),
                 known("phr-best", 8, exact(200.0, 100.0)),
                 known("aac", 4, exact(300.0, 150.0)),
-                // As a tree after one visit: nothing is known of its errors.
-                Known {
-                    rounds: 1,
-                    note: DROPPED.into(),
-                    ..known("hunt-50", 4, TotalTime::of(&[QuickVisit { build_ms: 400.0, ns_per_ray: 300.0 }]))
-                },
+                Known { note: DROPPED.into(), ..known("hunt-50", 4, exact(400.0, 300.0)) },
                 Known { note: "no time".into(), ..known("hunt-500", 8, None) },
             ],
         }
@@ -172,6 +174,15 @@ pub(crate) mod tests {
         assert!((found[1].1 - 5e5).abs() < 1.0 && (found[2].1 - 7.5e6).abs() < 1.0, "{found:?}");
         let (best, near) = advice.best_at(5e7).unwrap();
         assert_eq!((best.name().as_str(), near.len()), ("phr-best / 8", 0));
+
+        // A note does not tell trees apart, intervals do.
+        let mut unsure = advice.clone();
+        for known in &mut unsure.trees[3..5] {
+            known.line = TotalTime::of(&[QuickVisit { build_ms: 300.0, ns_per_ray: 150.0 }]);
+        }
+        let (_, near) = unsure.best_at(5e7).unwrap();
+        let near: Vec<String> = near.into_iter().map(Known::name).collect();
+        assert_eq!(near, ["aac", "hunt-50"]);
     }
 
     #[test]

@@ -2,17 +2,38 @@
 
 use super::{Advice, Known, rays_in_words};
 use crate::bench::quick::line::{Estimate, TotalTime};
+use crate::bench::quick::survey::DROPPED;
+use crate::report::figures::Under;
 use crate::report::grid::{Grid, short};
 use crate::report::table::brief::COLUMNS;
 
 /// Trees named as not told apart from the best.
 const NEAR: usize = 4;
+/// The share of the time that other programs may hold the processors before that is told.
+const BUSY: f64 = 0.1;
 
 /// The whole advice.
 pub fn page(advice: &Advice) -> String {
     let Advice { scene, triangles, origin, .. } = advice;
     let heading = format!("{scene}: {triangles} triangles; {origin}\n\n");
-    heading + &table(advice) + "\n" + &verdict(advice) + &unmeasured(advice) + "\n" + &ranges(advice)
+    let parts = [table(advice), legend(advice), verdict(advice) + &unmeasured(advice), ranges(advice)];
+    heading + &parts.join("\n")
+}
+
+/// What traced the trees, what the note in the table means, and whether the machine was busy.
+fn legend(advice: &Advice) -> String {
+    let mut text = format!("Traces: {}.\n", Under::One(advice.kernel.clone()).about());
+    if advice.trees.iter().any(|known| known.note == DROPPED) {
+        text += "dropped: slower than the best for every number of rays, by more than the intervals; not measured further.\n";
+    }
+    if advice.busy > BUSY {
+        let percent = 100.0 * advice.busy;
+        text += &format!(
+            "Other programs held the processors {percent:.0} % of the time: another tree may be best. Repeat when idle or with \
+             more --seconds.\n"
+        );
+    }
+    text
 }
 
 /// How many trees are not known, and what to do about it.
@@ -66,7 +87,7 @@ fn scaled(estimate: Estimate, by: f64) -> Estimate {
     Estimate { value: estimate.value * by, low: estimate.low * by, high: estimate.high * by }
 }
 
-/// An interval; of one sample nothing is known.
+/// An interval; `?` for one that bounds nothing.
 fn interval(estimate: Estimate) -> String {
     if estimate.high.is_finite() && estimate.low > 0.0 {
         format!("[{}, {}]", short(estimate.low), short(estimate.high))
@@ -118,6 +139,7 @@ mod tests {
         for part in [
             "a, b: 1000 triangles; made by hand",
             "For 50M rays: phr-best / 8, 5.20 s in all.",
+            "\n\nTraces: all trees in Embree's node layout under Embree's kernel (embree-grafted).\ndropped: slower",
             "| lbvh          |         0 |       500k |",
             "|      7.5M | any number |",
             "no time",
@@ -131,6 +153,15 @@ mod tests {
                 .filter_map(|name| text.find(name))
                 .collect();
         assert!(order.len() == 6 && order.is_sorted(), "{order:?}\n{text}");
+
+        let undisturbed = |busy| page(&Advice { busy, ..advice() }) == text;
+        assert!(undisturbed(BUSY) && !undisturbed(0.43));
+        let mut busy = Advice { busy: 0.43, ..advice() };
+        busy.trees.retain(|known| known.note != DROPPED);
+        let text = page(&busy);
+        let told = "Other programs held the processors 43 % of the time: another tree may be best. Repeat when idle or with more --seconds.\n";
+        assert!(text.contains(told) && !text.contains("dropped"), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
 
         let mut failed = advice();
         failed.trees[5].builder = "embree-fast-spatial".into();

@@ -30,7 +30,7 @@ pub struct AdviceRow {
     pub width: u32,
     /// Visits behind the figures.
     pub rounds: usize,
-    /// Build time.
+    /// Build time, as measured.
     pub build_ms: Option<f64>,
     /// Lower end of its interval.
     pub build_ms_low: Option<f64>,
@@ -65,12 +65,20 @@ pub struct AdviceRow {
 }
 
 impl AdviceRow {
-    /// What was measured of the tree's traces.
+    /// What was measured of the tree.
     fn traced(&self) -> Option<Traced> {
-        let value = self.ns_per_ray?;
-        let (low, high) = (self.ns_per_ray_low.unwrap_or(0.0), self.ns_per_ray_high.unwrap_or(f64::INFINITY));
-        let ns_per_ray = Estimate { value, low, high };
-        Some(Traced { width: self.width, ns_per_ray, visits: self.rounds, nodes_per_ray: self.nodes_per_ray })
+        let estimate = |value, low: Option<f64>, high: Option<f64>| Estimate {
+            value,
+            low: low.unwrap_or(0.0),
+            high: high.unwrap_or(f64::INFINITY),
+        };
+        Some(Traced {
+            width: self.width,
+            build_ms: estimate(self.build_ms?, self.build_ms_low, self.build_ms_high),
+            ns_per_ray: estimate(self.ns_per_ray?, self.ns_per_ray_low, self.ns_per_ray_high),
+            visits: self.rounds,
+            nodes_per_ray: self.nodes_per_ray,
+        })
     }
 }
 
@@ -78,11 +86,11 @@ impl AdviceRow {
 pub fn lines(rows: &[AdviceRow]) -> Vec<Option<TotalTime>> {
     let traced: Vec<Option<Traced>> = rows.iter().map(AdviceRow::traced).collect();
     let mut estimates = estimates(&traced.iter().flatten().copied().collect::<Vec<_>>()).into_iter();
-    let line = |(row, traced): (&AdviceRow, &Option<Traced>)| {
-        let ns_per_ray = traced.and_then(|_| estimates.next())?;
-        Some(TotalTime::exact(row.build_ms?, ns_per_ray.value))
+    let line = |traced: &Option<Traced>| {
+        let line = traced.and_then(|_| estimates.next())?;
+        Some(TotalTime::exact(line.build_ms.value, line.ns_per_ray.value))
     };
-    rows.iter().zip(&traced).map(line).collect()
+    traced.iter().map(line).collect()
 }
 
 /// Writes the advice to `folder`, whole or not at all.
@@ -93,7 +101,8 @@ pub fn write(folder: &Path, advice: &Advice) -> Result<(), RecordsError> {
     let winners = advice.winners();
     let row = |known: &Known| {
         let is_this = |other: &&(&Known, f64)| std::ptr::eq(other.0, known);
-        let [build_ms, build_ms_low, build_ms_high] = figures(known.line.map(|line| line.build_ms));
+        let built = known.traced.map(|traced| traced.build_ms);
+        let [build_ms, build_ms_low, build_ms_high] = figures(built.or(known.line.map(|line| line.build_ms)));
         let estimated = known.line.map(|line| line.ns_per_ray);
         let measured = known.traced.map(|traced| traced.ns_per_ray).or(estimated);
         let [ns_per_ray, ns_per_ray_low, ns_per_ray_high] = figures(measured);

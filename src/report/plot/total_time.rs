@@ -1,9 +1,12 @@
 //! The figure of advice: total time, build + rays / speed, over the number of rays, and the same relative to the best
-//! tree, in which differences are seen. Trees that win somewhere are named.
+//! tree, in which differences are seen. Trees that win somewhere are named beside their lines, and in a key: some win
+//! where the panels do not reach.
 
 use super::Drawing;
-use super::chart::{Across, DASHES, Front, Line, Panel, Point, Range, sheet, style};
+use super::chart::{Across, DASHES, Front, INK, Line, Panel, Point, Range, SMALL, sheet, style};
 use super::labels::Rect;
+use super::raster::text_width;
+use super::svg::{Anchor, Svg};
 use crate::bench::quick::line::{TotalTime, least_at};
 use crate::report::advice::{Advice, Known};
 
@@ -13,6 +16,10 @@ const DECADES: (i32, i32) = (4, 10);
 const STEPS: i32 = 32;
 /// Ratios shown.
 const MOST: f64 = 2.0;
+/// Width of the sheet, its height without a key, and its margin.
+const SHEET: [f64; 3] = [1160.0, 548.0, 20.0];
+/// Height of a row of the key, length of its lines.
+const KEY: [f64; 2] = [22.0, 30.0];
 /// Colours of winners in their order, after Okabe and Ito: most are of one family, whose colour would not tell them
 /// apart.
 const COLOURS: [&str; 7] = ["#000000", "#0072b2", "#009e73", "#d55e00", "#cc79a7", "#e69f00", "#56b4e9"];
@@ -30,16 +37,19 @@ pub fn total_time(advice: &Advice) -> Option<Drawing> {
         .map(|step| 10f64.powf(f64::from(step) / f64::from(STEPS)))
         .collect();
     let (mut totals, mut ratios) = (Vec::new(), Vec::new());
+    let line_of = |known: &Known| {
+        let more = if known.width == 8 { "" } else { DASHES };
+        match place(known) {
+            Some(place) => Line { colour: colour(place), width: 2.0, more },
+            None => Line { colour: "#d0d0d0", width: 1.0, more },
+        }
+    };
     let mut order: Vec<usize> = (0..lines.len()).collect();
     // Winners are drawn above the others.
     order.sort_by_key(|&i| place(lines[i].0).is_some());
     for i in order {
         let (known, line) = lines[i];
-        let more = if known.width == 8 { "" } else { DASHES };
-        let line_style = match place(known) {
-            Some(place) => Line { colour: colour(place), width: 2.0, more },
-            None => Line { colour: "#d0d0d0", width: 1.0, more },
-        };
+        let line_style = line_of(known);
         let million = |rays: &f64| 1e-6 * rays;
         let total = budgets.iter().map(|rays| (million(rays), 1e-3 * line.at(*rays))).collect();
         totals.push(Front { through: total, line: line_style });
@@ -80,12 +90,45 @@ pub fn total_time(advice: &Advice) -> Option<Drawing> {
         advice.origin.as_str(),
         "named: the trees that are best somewhere, where they begin to be; 4-wide trees broken, hollow points 8-wide",
     ];
-    let mut svg = sheet((1160.0, 560.0), &title, &about);
+    let mut entries: Vec<(Line, String)> =
+        winners.iter().map(|&known| (line_of(known), known.name())).collect();
+    if let Some(other) = lines.iter().find(|entry| place(entry.0).is_none()) {
+        entries.push((Line { more: "", ..line_of(other.0) }, "best nowhere".into()));
+    }
+    let places = places(&entries);
+    let end = places.last().map_or(SHEET[1], |(_, y)| y + KEY[0]);
+    let mut svg = sheet((SHEET[0], end), &title, &about);
+    for ((line, text), (x, y)) in entries.iter().zip(places) {
+        key(&mut svg, (x, y), *line, text);
+    }
     let total = panel("total time", "seconds", (0.8 * heights.0, 1.2 * heights.1), totals, at(false));
     total.draw(&mut svg, Rect { x: 76.0, y: 112.0, width: 480.0, height: 380.0 });
     let ratio = panel("relative to the best", "total time / best", (0.97, MOST), ratios, at(true));
     ratio.draw(&mut svg, Rect { x: 650.0, y: 112.0, width: 480.0, height: 380.0 });
     Some(Drawing { name: "advice", svg: svg.finish() })
+}
+
+/// Where the entries of the key begin, row by row.
+fn places(entries: &[(Line, String)]) -> Vec<(f64, f64)> {
+    let [width, top, margin] = SHEET;
+    let (mut x, mut y) = (margin, top + 0.5 * KEY[0]);
+    let place = |(_, text): &(Line, String)| {
+        let length = KEY[1] + 6.0 + text_width(text, SMALL);
+        if x > margin && x + length > width - margin {
+            (x, y) = (margin, y + KEY[0]);
+        }
+        let at = (x, y);
+        x += length + 24.0;
+        at
+    };
+    entries.iter().map(place).collect()
+}
+
+/// An entry of the key: how a line looks, and what it is.
+fn key(svg: &mut Svg, (x, y): (f64, f64), line: Line, text: &str) {
+    let Line { colour, width, more } = line;
+    svg.line(&[(x, y), (x + KEY[1], y)], colour, width, more);
+    svg.text((x + KEY[1] + 6.0, y + 4.5), Anchor::Start, SMALL, INK, text, "");
 }
 
 /// Where each winner begins to be the best, in million rays within `ends`.
@@ -108,13 +151,32 @@ mod tests {
     use crate::report::advice::tests::advice;
 
     #[test]
-    fn winners_are_named_in_both_panels() {
+    fn winners_are_named_in_both_panels_and_the_key() {
         let drawing = total_time(&advice()).unwrap();
         for name in ["lbvh", "phr-speed / 8", "phr-best / 8"] {
-            assert_eq!(drawing.svg.matches(&format!(">{name}<")).count(), 2, "{name}");
+            assert_eq!(drawing.svg.matches(&format!(">{name}<")).count(), 3, "{name}");
         }
+        assert_eq!(drawing.svg.matches(">best nowhere<").count(), 1);
         assert!(!drawing.svg.contains(">aac<") && drawing.svg.contains("made by hand"));
         let nothing = Advice { trees: Vec::new(), ..advice() };
         assert!(total_time(&nothing).is_none());
+    }
+
+    #[test]
+    fn a_winner_left_of_the_panels_is_named_in_the_key() {
+        let mut advice = advice();
+        let line = Some(TotalTime::exact(9.9, 5000.0));
+        advice.trees.push(Known { builder: "embree-morton".into(), line, ..advice.trees[0].clone() });
+        let svg = total_time(&advice).unwrap().svg;
+        assert_eq!(svg.matches(">embree-morton<").count(), 1, "{svg}");
+        assert!(svg.contains(&format!("stroke=\"{}\" stroke-width=\"2\"{DASHES}", COLOURS[0])), "{svg}");
+    }
+
+    #[test]
+    fn a_long_key_has_rows() {
+        let entry = (Line { colour: INK, width: 2.0, more: "" }, "phr-quality[max_cut=4096] / 8".to_owned());
+        let places = places(&vec![entry; 9]);
+        assert!(places.iter().all(|(x, _)| *x < SHEET[0] - 150.0), "{places:?}");
+        assert!(places.windows(2).any(|pair| pair[0].1 < pair[1].1), "{places:?}");
     }
 }

@@ -159,6 +159,8 @@ impl Model {
                 "not measured: a model of {} scenes, {} threads of the machine of run {}, {}",
                 self.scenes, self.threads, self.run_id, self.kernel
             ),
+            kernel: self.kernel.clone(),
+            busy: 0.0,
             trees: trees.filter(|known| widths.contains(&known.width)).collect(),
         }
     }
