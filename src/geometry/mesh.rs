@@ -60,13 +60,16 @@ impl Dropped {
 
 impl std::fmt::Display for Dropped {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{} triangles dropped: {} with non-finite or huge vertices, {} with indices out of range",
-            self.total(),
-            self.non_finite,
-            self.out_of_range
-        )
+        let noun = if self.total() == 1 { "triangle" } else { "triangles" };
+        write!(f, "{} {noun} dropped", self.total())?;
+        let reasons =
+            [(self.non_finite, "non-finite or huge vertices"), (self.out_of_range, "indices out of range")];
+        let mut before = ":";
+        for (count, reason) in reasons.into_iter().filter(|(count, _)| *count > 0) {
+            write!(f, "{before} {count} with {reason}")?;
+            before = ",";
+        }
+        Ok(())
     }
 }
 
@@ -90,31 +93,39 @@ impl Mesh {
     /// # Errors
     /// [`MeshError::TooLarge`] beyond [`Mesh::MAX_TRIANGLES`], [`MeshError::OutOfMemory`].
     pub fn new(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<(Self, Dropped), MeshError> {
+        Self::sifted(vertices, triangles).map(|(mesh, dropped, _)| (mesh, dropped))
+    }
+
+    /// As [`Mesh::new`], with the first triangle dropped: its place among those given.
+    pub(crate) fn sifted(
+        vertices: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+    ) -> Result<(Self, Dropped, Option<usize>), MeshError> {
         if triangles.len() > Self::MAX_TRIANGLES {
             return Err(MeshError::TooLarge(triangles.len()));
         }
         let mut dropped = Dropped::default();
+        let (mut place, mut first) = (0, None);
         let mut finite: Vec<bool> = Vec::new();
         huge_pages::try_reserve(&mut finite, vertices.len(), "a check of vertices")?;
         finite.extend(vertices.iter().map(|v| v.iter().all(|x| x.abs() < Ray::LARGEST)));
         let mut triangles = triangles;
-        triangles.retain(|t| match t.map(|i| finite.get(i as usize)) {
-            [Some(a), Some(b), Some(c)] if *a && *b && *c => true,
-            [Some(_), Some(_), Some(_)] => {
-                dropped.non_finite += 1;
-                false
+        triangles.retain(|t| {
+            place += 1;
+            match t.map(|i| finite.get(i as usize)) {
+                [Some(a), Some(b), Some(c)] if *a && *b && *c => return true,
+                [Some(_), Some(_), Some(_)] => dropped.non_finite += 1,
+                _ => dropped.out_of_range += 1,
             }
-            _ => {
-                dropped.out_of_range += 1;
-                false
-            }
+            first = first.or(Some(place - 1));
+            false
         });
         let mut padded_vertices = vertices;
         // No more: `push` might double what millions of vertices take.
         let all = padded_vertices.len() + 1;
         huge_pages::try_reserve(&mut padded_vertices, all, "vertices")?;
         padded_vertices.push([0.0; 3]);
-        Ok((Self { padded_vertices, triangles }, dropped))
+        Ok((Self { padded_vertices, triangles }, dropped, first))
     }
 
     /// As [`Mesh::new`], but an error if no triangle is left: for files that must hold something.
@@ -237,6 +248,12 @@ mod tests {
         assert_eq!(mesh.triangles(), &[[0, 1, 2]]);
         assert_eq!(dropped, Dropped { non_finite: 3, out_of_range: 1 });
         assert_eq!(mesh.bounds(), mesh.bounds_of(0));
+        let told = "4 triangles dropped: 3 with non-finite or huge vertices, 1 with indices out of range";
+        assert_eq!(dropped.to_string(), told);
+        let one = Dropped { non_finite: 0, out_of_range: 1 };
+        assert_eq!(one.to_string(), "1 triangle dropped: 1 with indices out of range");
+        let (_, _, first) = Mesh::sifted(vec![[0.0; 3]; 3], vec![[0, 1, 2], [0, 1, 3], [3, 3, 3]]).unwrap();
+        assert_eq!(first, Some(1));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::fingerprint;
 use super::views::{View, views_around};
 use crate::geometry::{Dropped, Mesh};
+use std::path::Path;
 
 /// What a scene file holds besides usable triangles.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -17,6 +18,9 @@ pub struct Contents {
     pub lines: usize,
     /// Faces and primitives left out that have no whole triangle.
     pub empty: usize,
+    /// Where the file has the first triangle that was dropped, in words: a line, a triangle from 0, or one of a
+    /// primitive.
+    pub first_dropped: Option<String>,
     /// What of the file was not applied, in words.
     pub remarks: Vec<String>,
 }
@@ -63,7 +67,18 @@ impl Scene {
 
     /// What of its file is not in the mesh, a line each; nothing where all is.
     pub fn remarks(&self) -> Vec<String> {
-        let dropped = (self.dropped.total() > 0).then(|| self.dropped.to_string());
-        dropped.into_iter().chain(self.contents.told()).map(|line| format!("{}: {line}", self.name)).collect()
+        let dropped = (self.dropped.total() > 0).then(|| {
+            let place = self.contents.first_dropped.as_ref();
+            let first = place.map_or_else(String::new, |place| format!(", first: {place}"));
+            format!("{}{first}; export the file again", self.dropped)
+        });
+        let called = self.called();
+        dropped.into_iter().chain(self.contents.told()).map(|line| format!("{called}: {line}")).collect()
+    }
+
+    /// The name of the scene's file, with its ending and without its folder; of other scenes their own.
+    fn called(&self) -> &str {
+        let file = self.source.strip_prefix("file ").and_then(|path| Path::new(path).file_name()?.to_str());
+        file.unwrap_or(&self.name)
     }
 }

@@ -202,6 +202,20 @@ fn unusable_triangles_are_dropped_and_counted() {
         let scene = read("small.obj", OBJ.replace("f 1 2 3 4", &format!("f 1 2 3 {index}"))).unwrap();
         assert_eq!((scene.mesh.len(), scene.dropped.out_of_range), (2, 2), "{index}");
     }
+    // A file, its reason, the first place and the remedy are told.
+    let remarks = |name: &str, content: &str| read(name, content).unwrap().remarks();
+    let told = |count: &str, place: &str| {
+        format!("{count} with indices out of range, first: {place}; export the file again")
+    };
+    let out = told("small.ply: 2 triangles dropped: 2", "triangle 1");
+    assert_eq!(remarks("small.ply", &bad), [out]);
+    let out = told("small.obj: 2 triangles dropped: 2", "line 11");
+    assert_eq!(remarks("small.obj", &OBJ.replace("f 1 2 3 4", "f 1 2 3 9")), [out]);
+    let huge = "small.obj: 3 triangles dropped: 3 with non-finite or huge vertices, first: triangle 1; export the \
+                file again";
+    assert_eq!(remarks("small.obj", &OBJ.replace("v 1 1 0.5", "v 1 1 nan")), [huge]);
+    let none = message("small.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
+    assert!(none.contains("among the 1 given (1 triangle dropped: 1 with indices out of range)"), "{none}");
     // Faces of one or two vertices have no area and are no triangles.
     let scene = read("small.ply", ascii_ply().replace("3 1 2 4", "2 1 2")).unwrap();
     assert_eq!((scene.mesh.len(), scene.dropped.total()), (3, 0));

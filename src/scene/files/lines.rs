@@ -72,17 +72,21 @@ impl<'a> Lines<'a> {
         if !self.is_cut {
             return Ok(());
         }
-        let place = format!("line {}", self.number);
         Err(Fault::new(
-            place,
+            self.place(),
             "longer than 16 MiB",
             "split its polygon, or fetch the file again if it is damaged",
         ))
     }
 
+    /// This line, in words.
+    pub fn place(&self) -> String {
+        format!("line {}", self.number)
+    }
+
     /// A fault at this line.
     pub fn fault(&self, problem: &str) -> Fault {
-        Fault::new(format!("line {}", self.number), problem, Fault::DAMAGED)
+        Fault::new(self.place(), problem, Fault::DAMAGED)
     }
 }
 

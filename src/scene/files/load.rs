@@ -4,8 +4,8 @@ use super::error::{Fault, SceneError};
 use super::guard::{Guard, Limits};
 use super::source::{Compression, reader};
 use super::{gltf, obj, ply, stl};
-use crate::geometry::Mesh;
-use crate::scene::model::Scene;
+use crate::geometry::{Mesh, MeshError};
+use crate::scene::model::{Contents, Scene};
 use crate::scene::views;
 use std::path::Path;
 
@@ -67,15 +67,21 @@ pub fn load_within(path: &Path, limits: &Limits) -> Result<Scene, SceneError> {
     .map_err(|fault: Fault| guard.reason().unwrap_or(fault).in_file(path))?;
     drop(reader);
 
-    let (mesh, mut dropped) = Mesh::new_non_empty(raw.vertices, raw.triangles)
-        .map_err(|source| SceneError::Unusable { path: path.to_owned(), source })?;
+    let unusable = |source| SceneError::Unusable { path: path.to_owned(), source };
+    let given = raw.triangles.len() + raw.out_of_range;
+    let (mesh, mut dropped, first) = Mesh::sifted(raw.vertices, raw.triangles).map_err(unusable)?;
     dropped.out_of_range += raw.out_of_range;
+    if mesh.is_empty() {
+        return Err(unusable(MeshError::Empty { given, dropped }));
+    }
+    // What a reader has seen says more than a number.
+    let first = raw.first_out_of_range.or_else(|| first.map(|triangle| format!("triangle {triangle}")));
     let mut cameras = views::beside(path, &name)?;
     if cameras.is_empty() {
         cameras = views::around(&mesh, raw.up);
     }
     let scene = Scene::new(name, mesh, dropped, cameras, format!("file {}", path.display()));
-    Ok(Scene { contents: raw.contents, ..scene })
+    Ok(Scene { contents: Contents { first_dropped: first, ..raw.contents }, ..scene })
 }
 
 /// Stem, format and compression by the file's name.

@@ -28,6 +28,7 @@ pub(super) fn read<'a>(reader: &mut dyn BufRead, guard: &'a Guard) -> Result<Raw
 
     let mut raw = RawMesh::new(guard);
     (raw.out_of_range, raw.contents) = (filter.out_of_range, filter.contents);
+    raw.first_out_of_range = filter.first_out_of_range;
     raw.contents.objects = raw.contents.objects.max(1);
     if filter.free_forms > 0 {
         raw.contents
@@ -60,6 +61,8 @@ struct Filter<'a> {
     triangles: u64,
     /// Triangles of faces left out.
     out_of_range: usize,
+    /// The line of the first such face.
+    first_out_of_range: Option<String>,
     contents: Contents,
     /// Curves and surfaces that are given by control points.
     free_forms: usize,
@@ -76,6 +79,7 @@ impl<'a> Filter<'a> {
             vertices: 0,
             triangles: 0,
             out_of_range: 0,
+            first_out_of_range: None,
             contents: Contents::default(),
             free_forms: 0,
             fault: None,
@@ -121,6 +125,7 @@ impl<'a> Filter<'a> {
                     self.triangles += corners as u64 - 2;
                 } else {
                     self.out_of_range += corners - 2;
+                    self.first_out_of_range.get_or_insert_with(|| self.lines.place());
                     self.kept.clear();
                 }
             }

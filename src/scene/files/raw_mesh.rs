@@ -15,6 +15,8 @@ pub(super) struct RawMesh<'a> {
     pub triangles: Vec<[u32; 3]>,
     /// Triangles already left out because of such an index.
     pub out_of_range: usize,
+    /// Where the first triangle with such an index or one beyond the vertices is, where the reader knows.
+    pub first_out_of_range: Option<String>,
     /// What the file had besides.
     pub contents: Contents,
     /// The axis that the format calls up, if it does.
@@ -34,6 +36,7 @@ impl<'a> RawMesh<'a> {
             vertices: Vec::new(),
             triangles: Vec::new(),
             out_of_range: 0,
+            first_out_of_range: None,
             contents: Contents::default(),
             up: None,
         }

@@ -56,7 +56,9 @@ fn what_is_no_triangle_is_counted() {
     let contents = &scene.contents;
     assert_eq!((scene.mesh.len(), scene.mesh.vertices().len()), (3, 4), "vertices are shared");
     assert_eq!((contents.objects, contents.points, contents.lines, contents.empty), (7, 1, 3, 2));
-    assert!(scene.remarks()[0].contains("1 points, 3 lines, 2 without"), "{:?}", scene.remarks());
+    let remarks = scene.remarks();
+    assert!(remarks[0].contains("1 points, 3 lines, 2 without"), "{remarks:?}");
+    assert_eq!(remarks[1..], ["x.glb: mesh 0, primitive 5: no POSITION"]);
 }
 
 /// A small file may have as many primitives as places for them: each is looked at once.
@@ -188,14 +190,23 @@ fn wrong_gltf_is_told() {
         (changed(|d| d["nodes"][0]["children"] = json!([9])), "node 9: there is no such node"),
         (changed(|d| d["nodes"][0]["mesh"] = 7.into()), "mesh 7: there is no such mesh"),
         (changed(|d| d["scene"] = 3.into()), "scene 3: there is no such scene"),
-        (changed(|d| d["accessors"][0]["count"] = 5.into()), "bufferView 0: ends before its last element"),
+        (
+            changed(|d| d["accessors"][0]["count"] = 5.into()),
+            "accessor 0, bufferView 0: ends before its last",
+        ),
         (changed(|d| d["accessors"][0]["count"] = (1u64 << 60).into()), "MiB or more of memory"),
         (changed(|d| d["accessors"][1]["count"] = (1u64 << 60).into()), "MiB or more of memory"),
         (changed(|d| d["accessors"][0]["type"] = "VEC2".into()), "accessor 0: positions that are no vectors"),
         (changed(|d| d["accessors"][0]["type"] = "VEC9".into()), "accessor 0: of an unknown type"),
         (changed(|d| d["accessors"][1]["componentType"] = 5126.into()), "accessor 1: indices that are no"),
-        (changed(|d| d["bufferViews"][0]["byteOffset"] = u64::MAX.into()), "bufferView 0: beyond the end"),
-        (changed(|d| d["bufferViews"][0]["byteStride"] = 4.into()), "bufferView 0: a stride shorter"),
+        (
+            changed(|d| d["bufferViews"][0]["byteOffset"] = u64::MAX.into()),
+            "accessor 0, bufferView 0: beyond the end",
+        ),
+        (
+            changed(|d| d["bufferViews"][0]["byteStride"] = 4.into()),
+            "accessor 0, bufferView 0: a stride shorter",
+        ),
         (changed(|d| d["buffers"][0]["byteLength"] = 4096.into()), "buffer 0: has 92 bytes of 4096"),
         (
             changed(|d| d["buffers"][0]["uri"] = "none.bin".into()),
@@ -206,6 +217,10 @@ fn wrong_gltf_is_told() {
         (changed(|d| d["buffers"][0]["uri"] = "/etc/hostname".into()), "outside the scene's folder"),
         (changed(|d| d["buffers"][0]["uri"] = "data:;base64,*".into()), "buffer 0: a data URI"),
         (changed(|d| d["meshes"][0]["primitives"][0]["mode"] = 1.into()), "no usable triangle"),
+        (
+            changed(|d| d["meshes"][0]["primitives"][0]["attributes"] = json!({"NORMAL": 0})),
+            "mesh 0, primitive 0: no POSITION; export it with",
+        ),
         (changed(|d| d["nodes"] = "none".into()), "JSON, line 1 column"),
         (b"glTF\x01\0\0\0\0\0\0\0".to_vec(), "container version 1"),
         (b"hello, world".to_vec(), "does not begin with glTF"),
@@ -217,4 +232,7 @@ fn wrong_gltf_is_told() {
     let out_of_range = changed(|d| d["accessors"][0]["count"] = 3.into());
     let scene = read("x.glb", out_of_range);
     assert_eq!((scene.mesh.len(), scene.dropped.out_of_range), (1, 1));
+    let told = "x.glb: 1 triangle dropped: 1 with indices out of range, first: mesh 0, primitive 0, triangle 1; \
+                export the file again";
+    assert_eq!(scene.remarks(), [told]);
 }

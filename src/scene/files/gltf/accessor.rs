@@ -16,18 +16,22 @@ struct Elements<'a> {
 }
 
 impl<'a> Elements<'a> {
-    /// `count` elements of `width` components from `offset` on in a view.
+    /// `count` elements of `width` components from `offset` on in a view, for accessor `index`.
     fn new(
         buffers: &'a Buffers,
         root: &Root,
-        view: Index<buffer::View>,
+        (index, view): (usize, Index<buffer::View>),
         [offset, count]: [u64; 2],
         component: ComponentType,
         width: usize,
     ) -> Result<Self, Fault> {
-        let fault =
-            |problem: &str| Fault::new(format!("bufferView {}", view.value()), problem, Fault::DAMAGED);
-        let bytes = buffers.view(root, view)?;
+        let fault = |problem: &str| {
+            let place = format!("accessor {index}, bufferView {}", view.value());
+            Fault::new(place, problem, Fault::DAMAGED)
+        };
+        let bytes = buffers
+            .view(root, view)
+            .map_err(|of_view| Fault { place: format!("accessor {index}, {}", of_view.place), ..of_view })?;
         let size = component.size() * width;
         let stride = root.buffer_views.get(view.value()).and_then(|view| view.byte_stride);
         let stride = stride.map_or(size, |stride| stride.0);
@@ -153,7 +157,8 @@ struct Read<'a> {
 
 impl<'a> Read<'a> {
     fn elements(&self, view: Index<buffer::View>, range: [u64; 2]) -> Result<Elements<'a>, Fault> {
-        let elements = Elements::new(self.buffers, self.root, view, range, self.component, self.width)?;
+        let place = (self.index, view);
+        let elements = Elements::new(self.buffers, self.root, place, range, self.component, self.width)?;
         Ok(Elements { is_normalized: self.accessor.normalized, ..elements })
     }
 
@@ -182,8 +187,8 @@ impl<'a> Read<'a> {
             return Err(self.fault("more sparse elements than elements"));
         }
         let range = [sparse.indices.byte_offset.0, count];
-        let places =
-            Elements::new(self.buffers, self.root, sparse.indices.buffer_view, range, component.0, 1)?;
+        let place = (self.index, sparse.indices.buffer_view);
+        let places = Elements::new(self.buffers, self.root, place, range, component.0, 1)?;
         let values = self.elements(sparse.values.buffer_view, [sparse.values.byte_offset.0, count])?;
         Ok(Some((places, values)))
     }

@@ -33,12 +33,15 @@ struct MeshPlan {
     triangles: u64,
     contents: Contents,
     morphed: usize,
+    /// The primitives that say nothing of where their vertices are.
+    without_positions: Vec<usize>,
 }
 
 /// Sums the sizes that the file declares, and counts what is no triangle.
 pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) -> Result<Plan, Fault> {
     let mut plan = Plan::default();
     let mut morphed = 0;
+    let mut without_positions: Vec<[usize; 2]> = Vec::new();
     let mut known = Known::nothing();
     for placed in placed {
         let mesh = match plan.meshes.entry(placed.mesh) {
@@ -46,6 +49,7 @@ pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) 
             Entry::Vacant(place) => {
                 let mesh = MeshPlan::of(root, placed)?;
                 plan.accessors.extend(mesh.faces.iter().flat_map(Faces::accessors));
+                without_positions.extend(mesh.without_positions.iter().map(|&index| [placed.mesh, index]));
                 place.insert(mesh)
             }
         };
@@ -64,6 +68,15 @@ pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) 
     }
     if morphed > 0 {
         contents.remarks.push(format!("{morphed} primitives with morph targets have their base shape"));
+    }
+    if let [first, others @ ..] = &without_positions[..] {
+        let place = place(*first);
+        if plan.triangles == 0 {
+            return Err(Fault::new(place, "no POSITION", "export it with the positions of its vertices"));
+        }
+        let more =
+            if others.is_empty() { String::new() } else { format!(", nor in {} others", others.len()) };
+        contents.remarks.push(format!("{place}: no POSITION{more}"));
     }
     Ok(plan)
 }
@@ -100,7 +113,12 @@ impl MeshPlan {
                     Checked::Valid(Mode::Lines | Mode::LineLoop | Mode::LineStrip) => {
                         mesh.contents.lines += 1
                     }
-                    _ => mesh.contents.empty += 1,
+                    _ => {
+                        mesh.contents.empty += 1;
+                        if position_accessor(primitive).is_none() {
+                            mesh.without_positions.push(index);
+                        }
+                    }
                 }
                 continue;
             };
@@ -160,6 +178,10 @@ pub(super) fn append(
                     Some(&index) if index < count => first + index,
                     _ => RawMesh::NO_VERTEX,
                 });
+                if [a, b, c].contains(&RawMesh::NO_VERTEX) && raw.first_out_of_range.is_none() {
+                    let of = place([placed.mesh, faces.index]);
+                    raw.first_out_of_range = Some(format!("{of}, triangle {triangle}"));
+                }
                 raw.push_triangle(if is_mirrored { [a, c, b] } else { [a, b, c] })?;
             }
         }
@@ -195,8 +217,20 @@ fn primitives<'a>(root: &'a Root, placed: &PlacedMesh) -> Result<&'a [Primitive]
     root.meshes.get(placed.mesh).map(|mesh| &mesh.primitives[..]).ok_or_else(fault)
 }
 
+/// The accessor of a primitive's positions.
+fn position_accessor(primitive: &Primitive) -> Option<usize> {
+    primitive.attributes.get(&Checked::Valid(Semantic::Positions)).map(|accessor| accessor.value())
+}
+
+/// A primitive of a mesh, in words.
+fn place([mesh, primitive]: [usize; 2]) -> String {
+    format!("mesh {mesh}, primitive {primitive}")
+}
+
 /// The faces of a primitive.
 struct Faces {
+    /// The primitive's place in its mesh.
+    index: usize,
     mode: Mode,
     /// Accessors.
     positions: usize,
@@ -209,16 +243,15 @@ impl Faces {
     /// `None` for points, lines and what has no triangle.
     fn of(root: &Root, primitive: &Primitive, [mesh, index]: [usize; 2]) -> Result<Option<Self>, Fault> {
         let Checked::Valid(mode) = primitive.mode else {
-            let place = format!("mesh {mesh}, primitive {index}");
-            return Err(Fault::new(place, "of unknown mode", Fault::DAMAGED));
+            return Err(Fault::new(place([mesh, index]), "of unknown mode", Fault::DAMAGED));
         };
-        let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
-        let Some(positions) = positions.filter(|_| mode as u8 >= Mode::Triangles as u8) else {
+        let Some(positions) = position_accessor(primitive).filter(|_| mode as u8 >= Mode::Triangles as u8)
+        else {
             return Ok(None);
         };
-        let (positions, indices) = (positions.value(), primitive.indices.map(|index| index.value()));
+        let indices = primitive.indices.map(|index| index.value());
         let corners = accessor(root, indices.unwrap_or(positions))?.0.count.0;
-        let faces = Self { mode, positions, indices, corners };
+        let faces = Self { index, mode, positions, indices, corners };
         Ok((faces.triangles() > 0).then_some(faces))
     }
 
