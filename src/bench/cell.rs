@@ -99,6 +99,14 @@ pub const ORDER: [&str; 14] = [
     "phr-best",
 ];
 
+/// What the names of saved trees begin with. No builder's name does.
+pub const SAVED: &str = "saved:";
+
+/// Whether `builder` names a saved tree, which is loaded and not built.
+pub fn is_saved(builder: &str) -> bool {
+    builder.starts_with(SAVED)
+}
+
 /// A builder's place in the table, a changed one's that of the builder it was; builders not in [`ORDER`] come last.
 pub fn place(builder: &str) -> usize {
     let builder = builder.split('[').next().unwrap_or_default();

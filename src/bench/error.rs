@@ -28,6 +28,18 @@ pub enum PlanError {
         /// The builders of this program.
         known: String,
     },
+    /// A builder with its width behind a slash, as tables name trees.
+    #[error(
+        "no builder is called {name}; give --builder {builder} --width {width}, the latter where the command has it"
+    )]
+    WidthInName {
+        /// The name given.
+        name: String,
+        /// The builder in it.
+        builder: String,
+        /// The width behind it.
+        width: u32,
+    },
     /// Not a builder of that width.
     #[error("--width {width}: {builder} builds trees of width {widths}; give one of these")]
     NoSuchWidth {

@@ -1,7 +1,7 @@
 //! A whole run: scene by scene, rounds in random order within a scene, records kept on disk after every
 //! visit so that neither Ctrl-C nor a kill loses a finished one.
 
-use super::cell::Cell;
+use super::cell::{Cell, is_saved};
 use super::contender::{REFERENCE_KERNEL, TreeUnderKernel};
 use super::error::RunError;
 use super::plan::Plan;
@@ -173,7 +173,7 @@ impl Run<'_> {
                 if samples.error.is_none() && !samples.visits.iter().any(|visit| visit.round == round) {
                     let (name, builder, width) = (&planned.name, &cell.builder, cell.width);
                     progress.at(&format!("{name}: {builder}/{width}, round {}", round + 1));
-                    let is_built = !contender::saved::is_saved(&cell.builder);
+                    let is_built = !is_saved(&cell.builder);
                     if let Some(program) = self.program.filter(|_| is_built && samples.visits.is_empty()) {
                         match memory::measure(program, &scene.mesh, cell, settings.threads) {
                             Ok(memory) => samples.memory = Some(memory),

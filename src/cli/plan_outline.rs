@@ -1,9 +1,10 @@
 //! What `phr bench --dry-run` prints.
 
 use crate::bench::plan::Plan;
+use crate::report::table::counted_rounds;
 use std::path::Path;
 
-/// The plan in words.
+/// The plan in words, its files checked: before that their triangles are an estimate.
 pub fn outline(plan: &Plan, folder: &Path) -> String {
     let settings = &plan.settings;
     let mut text = String::new();
@@ -11,7 +12,7 @@ pub fn outline(plan: &Plan, folder: &Path) -> String {
     for (scene, cells) in &plan.scenes {
         visits += cells.len() * settings.rounds;
         text += &format!(
-            "{}: {}, about {} triangles, {} trees\n",
+            "{}: {}, {} triangles, {} trees\n",
             scene.name,
             scene.origin(),
             scene.triangles,
@@ -23,13 +24,10 @@ pub fn outline(plan: &Plan, folder: &Path) -> String {
     } else {
         format!("{} views of {} x {} pixels", settings.views, settings.width, settings.height)
     };
-    let (rounds, threads) = (settings.rounds, settings.threads);
+    let (rounds, threads) = (counted_rounds(&settings.rounds.to_string()), settings.threads);
     let more = match settings.seconds {
         0 => String::new(),
         seconds => format!(", more where a scene takes less than {seconds} seconds"),
     };
-    text + &format!(
-        "{visits} visits in {rounds} rounds{more}, {threads} threads, {rays}, into {}",
-        folder.display()
-    )
+    text + &format!("{visits} visits in {rounds}{more}, {threads} threads, {rays}, into {}", folder.display())
 }

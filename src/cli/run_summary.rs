@@ -34,7 +34,7 @@ fn heading(rows: &[Row], folder: &Path) -> String {
     format!("\n{heading}\n")
 }
 
-/// The verdict, and the trees that no other beats in both build and trace time.
+/// The verdict, and the builders that no other beats in both build and trace time.
 fn answer(rows: &[Row]) -> String {
     let Some(field) = Field::of(rows) else { return String::new() };
     let under = Under::best(rows);
@@ -42,8 +42,8 @@ fn answer(rows: &[Row]) -> String {
         verdict(&field, &under).iter().map(Sentence::text).map(|sentence| filled(&sentence)).collect();
     let mean = |tree: Tree<'_>, figure| field.whole_ratios(tree, figure, &under)?.geometric();
     let point =
-        |&tree: &Tree<'_>| Some((tree_name(tree), (mean(tree, Figure::Build)?, mean(tree, Figure::Trace)?)));
-    let (names, points): (Vec<String>, Vec<(f64, f64)>) = field.trees.iter().filter_map(point).unzip();
+        |tree: Tree<'_>| Some((tree_name(tree), (mean(tree, Figure::Build)?, mean(tree, Figure::Trace)?)));
+    let (names, points): (Vec<String>, Vec<(f64, f64)>) = field.built().filter_map(point).unzip();
     let on_front: Vec<&str> =
         front(&points).into_iter().filter_map(|i| names.get(i)).map(String::as_str).collect();
     if on_front.len() > 1 {
@@ -136,6 +136,19 @@ mod tests {
         let text = run_summary(&ours, Path::new("out"), &[]);
         assert!(text.contains("of the time of phr-fast, 4-wide") && text.contains("plots: none"), "{text}");
         assert!(run_summary(&[], Path::new("out"), &[]).contains("0 scenes"));
+    }
+
+    #[test]
+    fn a_saved_tree_is_told_of_and_not_praised() {
+        let rows = [rows(), vec![row("a", "saved:x", 0.1, 1.0), row("b", "saved:x", 0.1, 1.0)]].concat();
+        let text = run_summary(&rows, Path::new("out"), &[]);
+        let told: Vec<&str> = text.lines().filter(|line| line.contains("saved:")).collect();
+        assert_eq!(told, ["saved:x loads in 0.100 ms for a.", "saved:x loads in 0.100 ms for b."], "{text}");
+        let alone = run_summary(&rows[rows.len() - 2..], Path::new("out"), &[]);
+        assert!(
+            alone.contains("loads in") && !alone.contains("fastest") && !alone.contains("Traces"),
+            "{alone}"
+        );
     }
 
     #[test]

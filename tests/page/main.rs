@@ -152,7 +152,8 @@ fn its_numbers_are_those_of_the_rows() {
         }
     }
     assert!(compared >= 6, "intervals are shown");
-    let sentences = verdict(&Field::of(&rows).unwrap(), &under).map(|sentence| sentence.text());
+    let sentences: Vec<String> =
+        verdict(&Field::of(&rows).unwrap(), &under).iter().map(|sentence| sentence.text()).collect();
     assert_eq!(browser.texts(".verdict p"), sentences);
     // 12.125 of 20.7 ms; 11.5 of 12.3456 ms.
     for (sentence, part) in sentences.iter().zip([

@@ -1,7 +1,7 @@
 //! Saved trees as contenders: what is timed in place of a build is loading the tree from its file.
 
 use super::ours::Ours;
-use crate::bench::cell::{Cell, Kernel};
+use crate::bench::cell::{Cell, Kernel, SAVED};
 use crate::bench::planned_scene::plain_name;
 use crate::builders::{Build, Builder, Counts, Phase};
 use crate::bvh::WideBvh;
@@ -29,7 +29,7 @@ pub fn offer(paths: &[PathBuf]) -> Result<Vec<String>, SavedError> {
     let saved = |path: &PathBuf| {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         // Lines that filters are matched against divide at spaces.
-        let name = format!("saved:{}", plain_name(&stem)).replace(' ', "_");
+        let name = format!("{SAVED}{}", plain_name(&stem)).replace(' ', "_");
         Ok(Saved { name, path: path.clone(), header: header_of(path)? })
     };
     let trees = paths.iter().map(saved).collect::<Result<Vec<_>, _>>()?;
@@ -55,11 +55,6 @@ pub fn check(mesh: &Mesh) -> Result<(), SavedError> {
         4 => WideBvh::<4>::load(mesh, &tree.path).map(drop),
         _ => WideBvh::<8>::load(mesh, &tree.path).map(drop),
     })
-}
-
-/// Whether `builder` names a saved tree.
-pub fn is_saved(builder: &str) -> bool {
-    trees().iter().any(|tree| tree.name == builder)
 }
 
 /// The cells of the trees on offer.

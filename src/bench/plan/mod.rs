@@ -127,13 +127,16 @@ impl Plan {
         self.scenes.iter().flat_map(|(scene, cells)| cells.iter().flat_map(|cell| cell.lines(&scene.name)))
     }
 
-    /// Reads every scene file once, so that a broken one is found before anything is timed.
+    /// Reads every scene file once, so that a broken one is found before anything is timed, and each one's triangles
+    /// are known.
     ///
     /// # Errors
     /// The first broken one's.
-    pub fn check_files(&self) -> Result<(), SceneError> {
-        for (scene, _) in self.scenes.iter().filter(|(scene, _)| matches!(scene.source, Source::File(_))) {
-            scene.load()?;
+    pub fn check_files(&mut self) -> Result<(), SceneError> {
+        for (scene, _) in &mut self.scenes {
+            if matches!(scene.source, Source::File(_)) {
+                scene.triangles = scene.load()?.mesh.len();
+            }
         }
         Ok(())
     }

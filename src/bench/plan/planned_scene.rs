@@ -34,7 +34,7 @@ pub struct PlannedScene {
     pub name: String,
     /// Where it comes from.
     pub source: Source,
-    /// Triangles, as far as known without loading; the progress bar's weight.
+    /// Triangles, the progress bar's weight; of a file an estimate until [`super::Plan::check_files`].
     pub triangles: usize,
 }
 

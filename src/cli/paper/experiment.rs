@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         return tell(experiment, arguments, &rows, &folder);
     }
-    let plan = Plan::new(&request(experiment, arguments)?)?;
+    let mut plan = Plan::new(&request(experiment, arguments)?)?;
     if arguments.list {
         return say(&plan.lines().collect::<Vec<_>>().join("\n"));
     }

@@ -225,7 +225,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let saved = offer(&arguments.trees)?;
     let mut request = arguments.request()?;
     request.builders = request.builders.and(saved.clone());
-    let plan = Plan::new(&request)?;
+    let mut plan = Plan::new(&request)?;
     let planned = |name: &String| plan.lines().any(|line| line.contains(name.as_str()));
     if let Some(name) = saved.iter().find(|name| !planned(name)) {
         return Err(Failure::Bad(format!(
@@ -239,11 +239,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return say(&plan.lines().collect::<Vec<_>>().join("\n"));
     }
     let folder = arguments.folder(&plan);
+    plan.check_files()?;
     if arguments.dry_run {
-        plan.check_files()?;
         return say(&outline(&plan, &folder));
     }
-    plan.check_files()?;
     if !arguments.trees.is_empty()
         && let Some((scene, _)) = plan.scenes.first()
     {

@@ -6,7 +6,7 @@ use crate::bench::memory;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::statistics::Summary;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, check_place, pools};
+use crate::cli::options::{all_threads, check_place, held, pools};
 use crate::cli::output::say;
 use crate::report::grid::short;
 use std::path::PathBuf;
@@ -26,10 +26,11 @@ pub struct Arguments {
     /// Also the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
     #[arg(long = "config", value_name = "FILE")]
     configs: Vec<PathBuf>,
-    /// Children per node, where the builder leaves a choice
+    /// Children per node, 4 or 8 [default: 4, or the one width that the builder has; of all builders, every width]
     #[arg(long, value_name = "N")]
     width: Option<u32>,
-    /// File into which to save the tree, of one builder and width; `phr::Bvh::load` reads it
+    /// File into which to save the tree, of one builder and width, which are told; `phr::Bvh::load` and `phr bench
+    /// --tree` read it
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Threads [default: all processors]
@@ -62,11 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for remark in scene.remarks() {
         eprintln!("phr: {remark}");
     }
-    let objects = match scene.contents.objects {
-        0 | 1 => String::new(),
-        objects => format!(" of {objects} objects"),
-    };
-    say(&format!("{}: {} triangles{objects} ({})", scene.name, scene.mesh.len(), scene.source))?;
+    say(&format!("{}: {} ({})", scene.name, held(&scene), scene.source))?;
     let request =
         BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &[], wants_facts: true, fresh_only: false };
     let program = std::env::current_exe()?;
@@ -101,15 +98,18 @@ fn describe(built: &BuiltTree<'_>) -> String {
     let mut text = String::new();
     let mut line = |name: &str, value: String| text += &self::line(name, value);
     let dynamic = times.dynamic_rebuild.as_ref();
-    let regimes =
-        [("build", Some(&times.fresh)), ("rebuild", Some(&times.rebuild)), ("rebuild, dynamic", dynamic)];
+    let regimes = [
+        ("build (new memory)", Some(&times.fresh)),
+        ("rebuild (memory reused)", Some(&times.rebuild)),
+        ("rebuild (dynamic scene)", dynamic),
+    ];
     for (name, times) in regimes {
         if let Some(build) = times.and_then(|times| Summary::of(&times.ms)) {
             let (median, min) = (short(build.median), short(build.min));
             line(name, format!("{median} ms (median of {}, least {min})", build.count));
         }
     }
-    line("first build", format!("{} ms", short(times.first_ms)));
+    line("first build (new builder, once)", format!("{} ms", short(times.first_ms)));
     for (name, ms) in &times.phases {
         line(&format!("  {name}"), format!("{} ms", short(*ms)));
     }
@@ -133,7 +133,7 @@ fn describe(built: &BuiltTree<'_>) -> String {
 }
 
 fn line(name: &str, value: String) -> String {
-    format!("  {name:<24} {value}\n")
+    format!("  {name:<33} {value}\n")
 }
 
 fn mebibytes(bytes: u64) -> String {

@@ -5,7 +5,7 @@ use crate::bench::chosen::Chosen;
 use crate::bench::contender::{BuildRequest, Contender, TreeUnderKernel};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
-use crate::cli::options::{self, all_threads, check_place, pools};
+use crate::cli::options::{self, all_threads, check_place, held, pools};
 use crate::cli::output::say;
 use crate::trace::{self, Image, PathSettings};
 use std::path::{Path, PathBuf};
@@ -85,7 +85,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         image.add(&frame, 1.0 / arguments.samples as f32);
     }
     image.write_png(&arguments.output)?;
-    say(&format!("{}: {} view {}, {}", arguments.output.display(), scene.name, arguments.view, cell.builder))
+    let (file, view, size) = (arguments.output.display(), arguments.view, arguments.size);
+    let (name, Cell { builder, width, .. }) = (&scene.name, &cell);
+    let held = held(&scene);
+    say(&format!("{file}: {name} view {view}, {held}, {size} x {size}, {builder} / {width}"))
 }
 
 /// The one builder asked for; a changed one may be named beside its changes.

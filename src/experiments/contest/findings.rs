@@ -7,7 +7,7 @@ use crate::report::ablation::Ablation;
 use crate::report::figures::{Figure, SceneFigures, Under, only, tree_name};
 use crate::report::grid::Grid;
 use crate::report::readme::findings::EVERY_SCENE;
-use crate::report::table::{rounds, warned};
+use crate::report::table::{counted_rounds, rounds, warned};
 
 /// The paragraph of an experiment over trees of `width`, what the paper leads to expect, and a table of every scene.
 pub fn findings(experiment: &Experiment, rows: &[Row], width: u32) -> String {
@@ -42,10 +42,10 @@ fn heading(experiment: &Experiment, rows: &[Row], width: u32, under: &Under) -> 
     let caveat = if caveat.is_empty() { String::new() } else { format!(" {caveat}") };
     format!(
         "# {name}\n\n{about}. Means over {count} {noun}, {width}-wide trees, {threads} threads, in brackets 95 % intervals. The \
-         paper ({section}): {paper}.{caveat} Traces: {frames}{}{} rounds, {}. Steps: inner nodes visited and leaf blocks tested per \
-         ray under our kernel; they have no noise.\n\n",
+         paper ({section}): {paper}.{caveat} Traces: {frames}{}{}, {}. Steps: inner nodes visited and leaf blocks \
+         tested per ray under our kernel; they have no noise.\n\n",
         rays(rows),
-        rounds(rows.iter().filter(|row| row.is_good())),
+        counted_rounds(&rounds(rows.iter().filter(|row| row.is_good()))),
         under.about()
     )
 }

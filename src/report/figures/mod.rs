@@ -37,6 +37,11 @@ pub fn trees<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Vec<Tree<'a>> {
     trees
 }
 
+/// Whether Embree SAH was built for a scene of `rows`: else there is nothing that ratios are relative to.
+pub fn has_baseline(rows: &[Row]) -> bool {
+    SceneFigures::all(rows).iter().any(|scene| scene.build(BASELINE).value().is_some())
+}
+
 /// A tree's name: the builder, with the width where it is not the paper's.
 pub fn tree_name((builder, width): Tree<'_>) -> String {
     if width == WIDTH { builder.into() } else { format!("{builder} / {width}") }

@@ -2,6 +2,7 @@
 //! computes none.
 
 use super::family::family_of;
+use crate::bench::cell::is_saved;
 use crate::bench::row::Row;
 use crate::report::figures::interval::SceneRatio;
 use crate::report::figures::{Figure, NATIVE, PHR, Place, SceneFigures, Tree, Under, kernels, tree_name};
@@ -52,6 +53,7 @@ struct TreeData {
     width: u32,
     family: &'static str,
     shape: &'static str,
+    is_saved: bool,
 }
 
 /// A scene, or the mean over scenes.
@@ -147,7 +149,8 @@ impl Named {
 impl TreeData {
     fn of(tree: Tree<'_>) -> Self {
         let family = family_of(tree.0);
-        Self { name: tree_name(tree), width: tree.1, family: family.name, shape: family.shape }
+        let (name, is_saved) = (tree_name(tree), is_saved(tree.0));
+        Self { name, width: tree.1, family: family.name, shape: family.shape, is_saved }
     }
 }
 
@@ -241,12 +244,13 @@ impl Shape<'_> {
         })
     }
 
-    /// The fronts of a place, without trees of which it has a mean over fewer scenes.
+    /// The fronts of a place, without trees of which it has a mean over fewer scenes, and without saved ones, which no
+    /// builder built in that time.
     fn fronts(&self, entries: &[Option<Entry>]) -> Vec<Vec<[Vec<usize>; 3]>> {
         let at = |kernel: usize, regime: usize, tree: usize| {
             let entry = entries[tree].as_ref()?;
             let is_whole = entry.scenes.get(kernel).is_none_or(|scenes| scenes[regime].is_none());
-            is_whole.then_some(())?;
+            (is_whole && !is_saved(self.field.trees[tree].0)).then_some(())?;
             Some((entry.builds[regime]?[1]?, entry.traces[kernel]?[1]?))
         };
         let front_of = |kernel, regime, width: Option<u32>| {

@@ -19,6 +19,9 @@ function fewer({ place, entry }) {
   return count ? `${count} of ${place.scenes}` : null;
 }
 
+/** Whether there are saved trees: they are loaded, not built, and compete with no builder. */
+const hasSaved = data.trees.some((tree) => tree.is_saved);
+
 /** Three digits, or all digits before the point, as in the tables of the command. */
 function short(value) {
   const size = Math.abs(value);

@@ -8,7 +8,7 @@ function drawFront() {
     .map((shown) => ({ ...shown, build: shown.entry.builds[regime][1], trace: shown.entry.traces[kernel][1] }));
   const where = place.scenes > 1 ? `Geometric means over ${place.scenes} scenes` : place.name + (place.triangles ? `, ${grouped(place.triangles)} triangles` : "");
   find("front-about").textContent =
-    `${where}, relative to ${data.base}. Down and to the left is better; no tree beats those on a front in both times. Traces: ${data.kernels[kernel].about}. Builds: ${data.regimes[regime].about}.`;
+    `${where}, relative to ${data.base}. Down and to the left is better; no tree beats those on a front in both times. Traces: ${data.kernels[kernel].about}. Builds: ${data.regimes[regime].about}.${hasSaved ? " Saved trees, which were loaded and not built, are on no front." : ""}`;
   if (!points.length) return put(figure, null, "No tree has a build time and a trace time here: choose another kernel, regime or scene.");
 
   const width = Math.max(figure.clientWidth, 280);

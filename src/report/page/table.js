@@ -53,8 +53,8 @@ function drawTable() {
     const order = sorted.descending ? d3.descending : d3.ascending;
     rows.sort((a, b) => (a.key === null) - (b.key === null) || order(a.key, b.key));
   }
-  // A mean over fewer scenes is another mean; ratios of several scenes have no least.
-  const best = used.map((column) => (column.isRatio && !chosen.every ? d3.min(rows.filter((row) => !fewer(row)), column.value) : null));
+  // A mean over fewer scenes is another mean; ratios of several scenes have no least; saved trees were not built.
+  const best = used.map((column) => (column.isRatio && !chosen.every ? d3.min(rows.filter((row) => !fewer(row) && !row.tree.is_saved), column.value) : null));
   const groups = d3.rollups(used, (all) => all.length, (column) => column.group);
   const heads = used.map((column, index) => {
     const order = index === by ? (sorted.descending ? "descending" : "ascending") : "none";
@@ -68,7 +68,7 @@ function drawTable() {
     }
     if (column.isText) return `<td class="text">${escaped(column.text(row))}</td>`;
     const more = column.more?.(row);
-    const isBest = column.isRatio && !chosen.every && !fewer(row) && column.value(row) === best[index] && rows.length > 1;
+    const isBest = column.isRatio && !chosen.every && !fewer(row) && !row.tree.is_saved && column.value(row) === best[index] && rows.length > 1;
     return `<td${isBest ? ' class="best"' : ""}>${column.text(row)}${more === undefined ? "" : ` <small>${more}</small>`}</td>`;
   };
   const table = find("table");

@@ -81,6 +81,23 @@ fn a_mean_over_fewer_scenes_is_one_under_its_kernel_and_regime() {
 }
 
 #[test]
+fn saved_trees_are_on_no_front_and_no_curve() {
+    let folder = tempfile::tempdir().unwrap();
+    let saved = ["</script><b>", "yard"].map(|scene| row(scene, "saved:x", 8, 0.1, 1.0));
+    let page = page(&[rows(), saved.to_vec()].concat(), None, folder.path(), &[]).unwrap();
+    assert!(page.contains("<b>saved:x &#x2f; 8</b> loads in 0.100 ms for yard."));
+    assert!(!page.contains("<b>saved:x &#x2f; 8</b> traces") && page.contains("traces fastest"));
+    let data = data(&page);
+    let flags: Vec<bool> =
+        data["trees"].as_array().unwrap().iter().map(|tree| tree["is_saved"].as_bool().unwrap()).collect();
+    assert_eq!(flags, [false, false, false, true]);
+    // Where they were measured, they have their figures.
+    assert_eq!(data["places"][2]["entries"][3]["builds"][0][0], 0.1);
+    assert_eq!(data["places"][0]["fronts"][0][0], serde_json::json!([[1, 2], [1], [2]]));
+    assert!(data["curves"][0][0][3].is_null() && data["curves"][0][0][2].is_array());
+}
+
+#[test]
 fn it_asks_for_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let page = page(&rows(), None, folder.path(), &[]).unwrap();

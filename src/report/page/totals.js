@@ -14,9 +14,9 @@ function drawTotals() {
   const place = data.places[chosen.place];
   const curves = shownEntries(place)
     .map((shown) => ({ ...shown, values: curve(place, shown.index) }))
-    .filter(({ values }) => values);
+    .filter(({ tree, values }) => values && !tree.is_saved);
   find("totals-about").textContent =
-    `Total time of a build and of the rays traced over its tree, relative to ${data.base}. At the left the build is nearly all, at the right the rays are. The band follows the least.`;
+    `Total time of a build and of the rays traced over its tree, relative to ${data.base}. At the left the build is nearly all, at the right the rays are. The band follows the least.${hasSaved ? " Saved trees, which were loaded and not built, are left out." : ""}`;
   if (!curves.length) return put(figure, null, "No tree has a build time and a trace time here: choose another kernel, regime or scene.");
 
   const points = curves.flatMap((one) => one.values.map((value, step) => ({ ...one, count: data.budgets[step], value, step })));

@@ -5,7 +5,7 @@ use crate::bench::moment::Moment;
 use crate::bench::row::{NO_KERNEL, Row};
 use crate::bench::settings::Settings;
 
-use crate::report::table::warned;
+use crate::report::table::{counted_rounds, warned};
 use serde::Serialize;
 
 /// A heading and what it says.
@@ -108,10 +108,8 @@ fn settings(environment: &Environment) -> Option<Item> {
             "up to {views} views of {width} x {height} pixels, paths of at most {max_depth} segments{frames}"
         )
     };
-    Some(item(
-        "Measured",
-        format!("{rounds} rounds or more, {threads} threads on each side, {rays}, seed {seed}"),
-    ))
+    let rounds = counted_rounds(&rounds.to_string());
+    Some(item("Measured", format!("{rounds} or more, {threads} threads on each side, {rays}, seed {seed}")))
 }
 
 fn load(environment: &Environment) -> Option<Item> {

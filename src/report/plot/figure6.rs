@@ -7,6 +7,7 @@ use super::key::{Entry, key, shapes};
 use super::labels::Rect;
 use super::pareto::front;
 use super::svg::{Anchor, Svg};
+use crate::bench::cell::is_saved;
 use crate::bench::row::Row;
 use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, WIDTH, scenes, tree_name, trees};
 use crate::report::means::Ratios;
@@ -182,14 +183,16 @@ fn widths(points: &[TreePoint<'_>]) -> Vec<u32> {
     widths
 }
 
-/// The front over all trees, behind those of each width; a single width has one.
+/// The front over all trees built, behind those of each width; a single width has one. Saved trees are on none.
 fn fronts(points: &[TreePoint<'_>]) -> Vec<Front> {
-    let widths = widths(points);
+    let is_built = |point: &&TreePoint<'_>| !is_saved(point.tree.0);
+    let points: Vec<TreePoint<'_>> = points.iter().filter(is_built).cloned().collect();
+    let widths = widths(&points);
     let of_width = |&width: &u32| {
         let of: Vec<TreePoint<'_>> = points.iter().filter(|point| point.tree.1 == width).cloned().collect();
         front_through(&of, Entry::of_width(width))
     };
-    let over_all = (widths.len() > 1).then(|| front_through(points, Entry::Both));
+    let over_all = (widths.len() > 1).then(|| front_through(&points, Entry::Both));
     over_all.into_iter().chain(widths.iter().map(of_width)).collect()
 }
 

@@ -3,7 +3,9 @@
 
 use super::details::{grouped, interval};
 use crate::bench::row::Row;
-use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, WIDTH, scenes, tree_name, trees};
+use crate::report::figures::{
+    BASELINE, Figure, SceneFigures, Tree, Under, WIDTH, has_baseline, scenes, tree_name, trees,
+};
 use crate::report::grid::{Grid, short};
 use crate::report::means::Ratios;
 use crate::report::verdict::field::Field;
@@ -84,18 +86,25 @@ pub fn means(rows: &[Row]) -> String {
 pub fn legend(rows: &[Row]) -> String {
     let Some(row) = rows.first() else { return String::new() };
     let rounds = super::rounds(rows.iter().filter(|row| row.error.is_empty()));
+    let rounds = super::counted_rounds(&rounds);
     let means = if scenes(rows).len() > 1 {
         "; [ ] around means is the 95 % interval over scenes and rounds, behind the worst scene's ratio its own over rounds; not told \
          apart: from the mean, which that holds"
     } else {
         ""
     };
+    // Without it there is no such column, nor a mean.
+    let relative = if has_baseline(rows) {
+        let base = BASELINE.0;
+        format!(" /SAH: relative to {base}, {WIDTH}-wide; ± half the 95 % interval over rounds{means}.")
+    } else {
+        String::new()
+    };
     filled(&format!(
-        "Trees are {WIDTH}-wide, or 8-wide (/ 8). Medians of {rounds} rounds, {} threads on each side, builds on warm threads in new \
-         memory. /SAH: relative to {}, {WIDTH}-wide; ± half the 95 % interval over rounds{means}. Traces: all recorded rays of all \
-         views, {}. --all-columns shows first and repeated builds and every kernel.",
+        "Trees are {WIDTH}-wide, or 8-wide (/ 8). Medians of {rounds}, {} threads on each side, builds on warm threads \
+         in new memory.{relative} Traces: all recorded rays of all views, {}. --all-columns shows first and repeated \
+         builds and every kernel.",
         row.threads,
-        BASELINE.0,
         Under::best(rows).about()
     ))
 }
@@ -179,5 +188,7 @@ mod tests {
         let ours: Vec<Row> = rows().into_iter().filter(|row| row.builder.starts_with("phr")).collect();
         assert!(scene(&ours, "a").contains("61728") && !scene(&ours, "a").contains('±'));
         assert_eq!(means(&ours), "");
+        assert!(!legend(&ours).contains("/SAH") && !legend(&ours).contains("[ ]"), "{}", legend(&ours));
+        assert!(legend(&rows()).contains("/SAH: "), "{}", legend(&rows()));
     }
 }

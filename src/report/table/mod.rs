@@ -5,7 +5,7 @@ pub mod brief;
 pub mod details;
 pub mod table1;
 
-use super::figures::{BASELINE, Under, scenes};
+use super::figures::{BASELINE, Under, has_baseline, scenes};
 use super::means::means;
 use crate::bench::row::{NO_KERNEL, Row};
 use crate::bench::warnings::Warning;
@@ -25,7 +25,10 @@ pub fn document_under(rows: &[Row], complete: bool, under: &Under) -> String {
     if !complete {
         text += "**Part of a run: it was stopped before all rounds of all scenes were done.**\n\n";
     }
-    text += &(table1(rows, under) + "\n");
+    let paper = table1(rows, under);
+    if !paper.is_empty() {
+        text += &(paper + "\n");
+    }
     text += &means_of_scenes(rows, under);
     for scene in scenes(rows) {
         text += &(details::scene(rows, &scene) + "\n");
@@ -64,22 +67,33 @@ pub fn rounds<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
     if least >= most { most.to_string() } else { format!("{least} to {most}") }
 }
 
+/// The same with its noun: `1 round`, `3 to 5 rounds`.
+pub fn counted_rounds(rounds: &str) -> String {
+    format!("{rounds} round{}", if rounds == "1" { "" } else { "s" })
+}
+
 /// What the columns of the scenes' tables mean.
 fn legend(rows: &[Row]) -> String {
     let Some(row) = rows.first() else { return String::new() };
-    let rounds = rounds(rows.iter().filter(|row| row.error.is_empty()));
+    let rounds = counted_rounds(&rounds(rows.iter().filter(|row| row.error.is_empty())));
     let kernel = if kernels_are_mixed(rows, &scenes(rows)) {
         "under the same kernel, or where it was not traced under that, under Embree's: tree and kernel together"
     } else {
         "under the same kernel"
     };
+    // Without it there is no such column.
+    let relative = if has_baseline(rows) {
+        let (base, width) = BASELINE;
+        format!(" /SAH: relative to {base} at width {width}, {kernel}; ± half the 95 % interval.")
+    } else {
+        String::new()
+    };
     format!(
-        "Medians of {rounds} rounds, {} threads on each side. /SAH: relative to {} at width {}, {kernel}; \
-         ± half the 95 % interval. rebuild: ms where all memory is reused. first: ms of the first build of a new builder \
-         or device. cost: SAH cost. \
+        "Medians of {rounds}, {} threads on each side.{relative} rebuild: ms where all memory is reused. first: ms of \
+         the first build of a new builder or device. cost: SAH cost. \
          All recorded rays of all views: native, Embree's kernel on its own tree; grafted, Embree's kernel on \
          any tree, all laid out alike; phr, our kernel.\n",
-        row.threads, BASELINE.0, BASELINE.1
+        row.threads
     )
 }
 
@@ -166,6 +180,16 @@ mod tests {
         let only: Vec<Row> = rows().into_iter().filter(|row| row.builder == "phr-hq").collect();
         let text = document(&only, true);
         assert!(text.contains("phr-hq / 4") && !text.contains("±0"), "{text}");
+        assert!(text.contains("## Table 1") && !text.contains("/SAH"), "{text}");
+        assert!(document(&rows(), true).contains(" /SAH: relative to embree-sah at width 4"));
+    }
+
+    #[test]
+    fn a_table_without_rows_is_left_out() {
+        let wide = [Row { width: 8, rounds: 1, ..row("a", "phr-hq", 4, PHR, 20.0, 10.0) }];
+        let text = document(&wide, true);
+        assert!(text.contains("phr-hq / 8") && !text.contains("Table 1"), "{text}");
+        assert!(text.contains("Medians of 1 round, 2 threads on each side. rebuild: "), "{text}");
     }
 
     #[test]

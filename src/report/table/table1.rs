@@ -8,9 +8,12 @@ use crate::report::grid::{Grid, short};
 /// Scenes side by side.
 const ABREAST: usize = 3;
 
-/// The table, with headings of its own and the cells that are missing named below.
+/// The table, with headings of its own and the cells that are missing named below; nothing without a 4-wide tree.
 pub fn table1(rows: &[Row], under: &Under) -> String {
     let trees: Vec<Tree<'_>> = trees(rows).into_iter().filter(|tree| tree.1 == WIDTH).collect();
+    if trees.is_empty() {
+        return String::new();
+    }
     let names = scenes(rows);
     let of_scenes: Vec<(&str, SceneFigures<'_>)> =
         names.iter().map(|name| (name.as_str(), SceneFigures::of(rows, name))).collect();

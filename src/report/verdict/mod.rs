@@ -1,83 +1,26 @@
 //! The answer in three sentences: which tree traces fastest, which builds fastest, and which takes least time for how
-//! many rays.
+//! many rays. Saved trees take no part in it: a sentence of its own says how long each takes to load.
 
 pub mod field;
+mod loading;
+mod sentence;
 pub mod totals;
 
-use crate::report::figures::interval::LEAST_ROUNDS;
-use crate::report::figures::{Figure, Tree, Under, tree_name};
+use crate::report::figures::{Figure, Tree, Under};
 use field::Field;
+use loading::loading;
+pub use sentence::{Part, Sentence};
 use totals::{Stretch, stretches, totals};
 
-/// A part of a sentence.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Part {
-    /// The name of a tree.
-    Name(String),
-    /// The 95 % interval of the figure before it.
-    Interval(String),
-    /// Other words.
-    Words(String),
+/// The three sentences, traces compared under `under`, none where there are saved trees alone; and one for each saved
+/// tree.
+pub fn verdict(field: &Field<'_>, under: &Under) -> Vec<Sentence> {
+    let has_builders = field.built().next().is_some();
+    let compared = has_builders.then(|| of_builders(field, under));
+    compared.into_iter().flatten().chain(loading(field)).collect()
 }
 
-impl Part {
-    /// Its text.
-    pub fn text(&self) -> &str {
-        match self {
-            Self::Name(text) | Self::Interval(text) | Self::Words(text) => text,
-        }
-    }
-}
-
-/// A sentence.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Sentence(pub Vec<Part>);
-
-impl Sentence {
-    fn name(mut self, tree: Tree<'_>) -> Self {
-        self.0.push(Part::Name(tree_name(tree)));
-        self
-    }
-
-    fn words(mut self, words: impl Into<String>) -> Self {
-        self.0.push(Part::Words(words.into()));
-        self
-    }
-
-    /// A mean with its interval, or a scene's ratio with that over rounds; the base's is 1.
-    fn ratio(mut self, field: &Field<'_>, tree: Tree<'_>, figure: Figure, under: &Under) -> Self {
-        let ratios = field.ratios(tree, figure, under);
-        let mean = ratios.geometric().map_or_else(|| "?".into(), |mean| format!("{mean:.2}"));
-        self.0.push(Part::Words(mean));
-        if let Some(interval) = ratios.interval(ratios.over()).filter(|_| tree != field.base) {
-            self.0.push(Part::Interval(format!(" {}", interval.shown(2))));
-        }
-        self
-    }
-
-    /// Which trees are not told apart from the best.
-    fn rivals(self, field: &Field<'_>, best: Tree<'_>, figure: Figure, under: &Under) -> Self {
-        let Some(rivals) = field.rivals(best, figure, under) else {
-            return self.words(format!("; {LEAST_ROUNDS} rounds at least would tell how sure that is"));
-        };
-        match rivals[..] {
-            [] => self,
-            [rival] => self.words("; not told apart from it is ").name(rival),
-            [nearest, ref others @ ..] => {
-                let and = format!(" and {} more", others.len());
-                self.words("; not told apart from it are ").name(nearest).words(and)
-            }
-        }
-    }
-
-    /// As plain text.
-    pub fn text(&self) -> String {
-        self.0.iter().map(Part::text).collect()
-    }
-}
-
-/// The three sentences, traces compared under `under`.
-pub fn verdict(field: &Field<'_>, under: &Under) -> [Sentence; 3] {
+fn of_builders(field: &Field<'_>, under: &Under) -> [Sentence; 3] {
     let Some((quickest, _)) = field.least(Figure::Build, under) else {
         let none = Sentence::default();
         return [
@@ -274,6 +217,23 @@ mod tests {
         assert_eq!(found[1], "phr-hq has the lowest SAH cost, 0.40 of that of lbvh, 4-wide.");
         let failed = Row { build_ms_median: None, error: "out of memory".into(), ..untraced("lbvh", 5.0) };
         assert_eq!(sentences(&[failed])[0], "No build time of lbvh, 4-wide was measured.");
+    }
+
+    #[test]
+    fn saved_trees_are_loaded_and_no_builders() {
+        let wide = |builder, build| Row { width: 8, ..row("a", builder, build, 1.0) };
+        let config = r#"{"builder":"phr-speed"}"#;
+        let saved = Row { builder_config: config.into(), ..wide("saved:x", 0.5) };
+        let rows = [row("a", "embree-sah", 20.0, 2.0), wide("phr-speed", 5.0), saved.clone()];
+        let found = sentences(&rows);
+        let loads = "saved:x / 8 loads in 0.500 ms; phr-speed / 8, which built it, takes 5.00 ms.";
+        assert_eq!((found.len(), &*found[3]), (4, loads));
+        assert!(found[..3].iter().all(|sentence| sentence.contains("phr-speed / 8")), "{found:?}");
+        assert!(!found[..3].concat().contains("saved:"), "{found:?}");
+        // Its builder of another width tells nothing of it, and there is no verdict on it alone.
+        let found = sentences(&[row("a", "phr-speed", 5.0, 1.0), saved.clone()]);
+        assert_eq!(found[3], "saved:x / 8 loads in 0.500 ms.");
+        assert_eq!(sentences(&[saved]), ["saved:x / 8 loads in 0.500 ms."]);
     }
 
     #[test]

@@ -51,7 +51,7 @@ impl Totals<'_> {
     }
 }
 
-/// The totals of the trees that have them in as many scenes as the base, builds in the regime of `build`.
+/// The totals of the trees built that have them in as many scenes as the base, builds in the regime of `build`.
 pub fn totals<'a>(field: &Field<'a>, build: Figure, under: &Under) -> Vec<Totals<'a>> {
     let lines = |tree| {
         let pair =
@@ -59,7 +59,7 @@ pub fn totals<'a>(field: &Field<'a>, build: Figure, under: &Under) -> Vec<Totals
         field.scenes.iter().filter_map(pair).collect::<Vec<_>>()
     };
     let of_base = lines(field.base).len();
-    let of_trees = field.trees.iter().map(|&tree| Totals { tree, lines: lines(tree) });
+    let of_trees = field.built().map(|tree| Totals { tree, lines: lines(tree) });
     of_trees.filter(|totals| !totals.lines.is_empty() && totals.lines.len() == of_base).collect()
 }
 
@@ -128,5 +128,12 @@ mod tests {
         let totals = totals(&Field::of(&rows).unwrap(), Figure::Build, &Under::One("phr".into()));
         assert_eq!(totals.iter().map(|totals| totals.tree.0).collect::<Vec<_>>(), ["lbvh"]);
         assert!(stretches(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_saved_tree_has_no_build_to_pay_off() {
+        let rows = [row("a", "lbvh", 10.0, 1.0), row("a", "saved:x", 1.0, 0.1)];
+        let totals = totals(&Field::of(&rows).unwrap(), Figure::Build, &Under::One("phr".into()));
+        assert_eq!(totals.iter().map(|totals| totals.tree.0).collect::<Vec<_>>(), ["lbvh"]);
     }
 }

@@ -39,10 +39,11 @@ fn bad_input_is_one_line_and_code_2() {
         (&["bench", "sheet.ply", "--resume", "--out", "folder"], &[ENVIRONMENT, "--resume"]),
         (&["bench", "--set", "paper", "--scenes", "nowhere"], &["nowhere", "--scenes"]),
         (&["build", "missing.ply"], &["missing.ply"]),
-        (&["bench", "sheet.ply", "--tree", "sheet.ply"], &["sheet.ply: not a saved tree"]),
+        (&["bench", "sheet.ply", "--tree", "sheet.ply"], &["sheet.ply: not a saved tree", "`phr build -o`"]),
         (&["build", "sheet.ply", "-o", "x.phrtree"], &["--output x.phrtree", "--builder"]),
         (&["build", "sheet.ply", "--builder", "lbvh", "-o", "no/x"], &["no/x", "no such folder"]),
         (&["build", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
+        (&["build", "sheet.ply", "--builder", "phr-speed/8"], &["--builder phr-speed --width 8"]),
         (&["build", "sheet.ply", "--builder", "phr-hq", "--width", "5"], &["--width 5", "phr-hq"]),
         (&["build", "sheet.ply", "--threads", "0"], &["--threads 0"]),
         (&["build", "sheet.ply", "--threads", "20000"], &["--threads 20000", "1024"]),
@@ -116,6 +117,10 @@ fn listing_and_dry_runs_touch_nothing() {
     assert!(text(&list.stdout).lines().any(|line| line == "sheet phr-hq 4 phr"), "{}", text(&list.stdout));
     let dry = phr(&folder, &tiny("sheet.ply", &["--dry-run"]));
     assert!(dry.status.success() && text(&dry.stdout).contains("visits"), "{}", text(&dry.stdout));
+    let told = format!("sheet: file sheet.ply, 1152 triangles, {} trees\n", trees());
+    assert!(text(&dry.stdout).contains(&told), "{}", text(&dry.stdout));
+    let once = phr(&folder, &tiny("sheet.ply", &["--dry-run", "--rounds", "1"]));
+    assert!(text(&once.stdout).contains(" visits in 1 round, "), "{}", text(&once.stdout));
     assert!(!folder.join("out").exists() && !folder.join("results").exists());
     let scenes = phr(&folder, &["scenes"]);
     assert!(text(&scenes.stdout).contains(phr::scene::builtin()[0].name));
@@ -127,6 +132,9 @@ fn single_verbs_do_their_work() {
     let build = phr(&folder, &["build", "sheet.ply", "--builder", "phr-hq"]);
     let told = text(&build.stdout);
     assert!(build.status.success() && told.contains("SAH cost") && told.contains("1152 triangles"), "{told}");
+    for label in ["build (new memory)", "rebuild (memory reused)", "first build (new builder, once)"] {
+        assert!(told.contains(&format!("\n  {label} ")), "{told}");
+    }
 
     let build =
         phr(&folder, &["build", "sheet.ply", "--builder", "phr-hq", "--width", "8", "-o", "x.phrtree"]);
@@ -137,6 +145,10 @@ fn single_verbs_do_their_work() {
     assert_eq!(saved.validate(&scene.mesh), Ok(()));
     let bench = phr(&folder, &tiny("sheet.ply", &["--rounds", "1", "--tree", "x.phrtree"]));
     assert!(bench.status.success(), "{}", text(&bench.stderr));
+    let verdict = text(&bench.stdout);
+    let (_, verdict) = verdict.split_once("## out: ").unwrap();
+    let of_saved: Vec<&str> = verdict.lines().filter(|line| line.contains("saved:x")).collect();
+    assert!(of_saved.len() == 1 && of_saved[0].starts_with("saved:x / 8 loads in "), "{verdict}");
     let rows = row::read(&folder.join("out")).unwrap();
     let loaded: Vec<&Row> = rows.iter().filter(|row| row.builder == "saved:x" && row.is_total()).collect();
     assert!(loaded.iter().any(|row| row.verified == Some(true)), "{loaded:?}");
@@ -164,6 +176,7 @@ fn single_verbs_do_their_work() {
     let render = phr(&folder, &["render", "sheet.ply", "-o", "x.png", "--size", "16", "--samples", "2"]);
     assert!(render.status.success(), "{}", text(&render.stderr));
     assert!(std::fs::read(folder.join("x.png")).unwrap().starts_with(b"\x89PNG"));
+    assert_eq!(text(&render.stdout), "x.png: sheet view 0, 1152 triangles, 16 x 16, phr-hq / 4\n");
 
     let verify = phr(&folder, &["verify", "sheet.ply", "--size", "32"]);
     let told = text(&verify.stdout);

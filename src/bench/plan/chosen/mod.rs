@@ -35,6 +35,10 @@ impl Chosen {
     pub fn new(names: &[String], changes: &[String], files: &[impl AsRef<Path>]) -> Result<Self, PlanError> {
         let mut chosen = Self::default();
         for name in names {
+            if let Some((builder, width)) = with_width(name) {
+                let (name, builder) = (name.clone(), builder.into());
+                return Err(PlanError::WidthInName { name, builder, width });
+            }
             if name.contains('[') {
                 let recipe = Recipe::parse(name)?;
                 chosen.add(recipe.name(), recipe, None)?;
@@ -147,6 +151,15 @@ impl Chosen {
     }
 }
 
+/// The builder and the width of a name as tables have it: `phr-speed / 8`.
+fn with_width(name: &str) -> Option<(&str, u32)> {
+    let (builder, width) = name.rsplit_once('/')?;
+    let (builder, width) = (builder.trim(), width.trim().parse().ok()?);
+    let is_known =
+        Recipe::parse(builder).is_ok() || contender::cells(true).iter().any(|cell| cell.builder == builder);
+    is_known.then_some((builder, width))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -175,6 +188,22 @@ mod tests {
             chosen(&["phr-hq[delta=8]"], &["phr-hq.delta=8.0"]),
             Err(PlanError::SameBuilder(_))
         ));
+    }
+
+    #[test]
+    fn a_width_in_a_name_has_a_remedy() {
+        for (name, remedy) in [
+            ("phr-speed/8", "--builder phr-speed --width 8"),
+            ("phr-speed / 4", "--builder phr-speed --width 4"),
+            ("phr-hq[delta=8] / 8", "--builder phr-hq[delta=8] --width 8"),
+        ] {
+            let told = chosen(&[name], &[]).unwrap_err().to_string();
+            assert!(told.contains(&format!("no builder is called {name}; give {remedy}")), "{told}");
+        }
+        for name in ["phr/8", "phr-speed/wide"] {
+            let told = chosen(&[name], &[]).unwrap_err().to_string();
+            assert!(told.contains(&format!("no builder is called {name}; there are ")), "{told}");
+        }
     }
 
     #[test]

@@ -114,8 +114,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let measurement = if arguments.instant { None } else { Some(measurement(arguments)?) };
     let planned = PlannedScene::find(arguments.scene.as_deref().unwrap_or_default())?;
     let scene = planned.load()?;
-    if scene.dropped.total() > 0 {
-        eprintln!("phr: {}: {}", scene.name, scene.dropped);
+    for remark in scene.remarks() {
+        eprintln!("phr: {remark}");
     }
     let advice = match measurement {
         Some(measurement) => {

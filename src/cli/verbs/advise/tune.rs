@@ -83,8 +83,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         seed: arguments.seed,
     };
     let scene = planned.load()?;
-    if scene.dropped.total() > 0 {
-        eprintln!("phr: {}: {}", scene.name, scene.dropped);
+    for remark in scene.remarks() {
+        eprintln!("phr: {remark}");
     }
     let named = || Path::new("results").join(format!("tune-{}", scene.name));
     let folder = arguments.out.clone().unwrap_or_else(named);
