@@ -128,19 +128,6 @@ impl Mesh {
         Ok((Self { padded_vertices, triangles }, dropped, first))
     }
 
-    /// As [`Mesh::new`], but an error if no triangle is left: for files that must hold something.
-    ///
-    /// # Errors
-    /// [`MeshError::Empty`] and those of [`Mesh::new`].
-    pub fn new_non_empty(
-        vertices: Vec<[f32; 3]>,
-        triangles: Vec<[u32; 3]>,
-    ) -> Result<(Self, Dropped), MeshError> {
-        let given = triangles.len();
-        let (mesh, dropped) = Self::new(vertices, triangles)?;
-        if mesh.triangles.is_empty() { Err(MeshError::Empty { given, dropped }) } else { Ok((mesh, dropped)) }
-    }
-
     /// Moves the vertices, in their order. Triangles keep their vertices and ids, so that trees over the mesh can be
     /// refitted.
     ///
@@ -257,9 +244,8 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_file_is_an_error_but_an_empty_mesh_is_not() {
+    fn an_empty_mesh_is_no_error() {
         assert!(Mesh::new(vec![], vec![]).unwrap().0.is_empty());
-        assert!(matches!(Mesh::new_non_empty(vec![], vec![]), Err(MeshError::Empty { .. })));
     }
 
     #[test]
