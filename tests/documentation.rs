@@ -33,6 +33,31 @@ fn figures_in_the_text_are_those_of_the_rows() {
     phr(&["readme", "--check"].into_iter().chain(names).collect::<Vec<_>>());
 }
 
+/// A run that git leaves out is there where the page was written, and nowhere else.
+#[test]
+fn runs_behind_the_figures_are_kept_by_git() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let texts: Vec<String> = pages().iter().map(|page| std::fs::read_to_string(page).unwrap()).collect();
+    let markers = texts.iter().flat_map(|text| prose(text)).filter(|(_, line)| line.starts_with("<!-- "));
+    let mut runs: Vec<&str> =
+        markers.flat_map(|(_, line)| line.split(' ')).filter(|word| word.starts_with("results/")).collect();
+    runs.sort_unstable();
+    runs.dedup();
+    assert!(runs.len() >= 10, "{runs:?}");
+    let ignored = |path: &str| {
+        let git = Command::new("git").args(["check-ignore", "--quiet", path]).current_dir(root).status();
+        // Neither outside a repository nor without git is anything left out.
+        git.is_ok_and(|status| status.success())
+    };
+    for run in runs {
+        let rows = format!("{run}/rows.csv");
+        assert!(
+            !ignored(&rows),
+            "a page has figures of {run}, which .gitignore leaves out; add !/{run}/ there"
+        );
+    }
+}
+
 #[test]
 fn the_readme_is_short() {
     let lines = include_str!("../README.md").lines().count();
