@@ -76,29 +76,49 @@ pub(crate) fn phase(name: &'static str) {
 }
 
 /// Runs `f`, within which calls of [`task`] may run at once.
+#[inline]
 pub(crate) fn fork<R>(f: impl FnOnce() -> R) -> R {
-    with(|recorder| {
-        recorder.work();
-        recorder.open.push(Open::Fork(Vec::new()));
-    });
+    fork_begins();
     let result = f();
-    with(|recorder| {
-        if let Some(Open::Fork(tasks)) = recorder.open.pop() {
-            recorder.push(Step::Fork(tasks));
-        }
-        recorder.last = Instant::now();
-    });
+    fork_ends();
     result
 }
 
 /// Runs `f`, a task of the innermost [`fork`].
 #[inline]
 pub(crate) fn task<R>(f: impl FnOnce() -> R) -> R {
+    task_begins();
+    let result = f();
+    task_ends();
+    result
+}
+
+// Not in the functions above, of which there is a copy for each closure.
+
+fn fork_begins() {
+    with(|recorder| {
+        recorder.work();
+        recorder.open.push(Open::Fork(Vec::new()));
+    });
+}
+
+fn fork_ends() {
+    with(|recorder| {
+        if let Some(Open::Fork(tasks)) = recorder.open.pop() {
+            recorder.push(Step::Fork(tasks));
+        }
+        recorder.last = Instant::now();
+    });
+}
+
+fn task_begins() {
     with(|recorder| {
         recorder.open.push(Open::Run(Vec::new()));
         recorder.last = Instant::now();
     });
-    let result = f();
+}
+
+fn task_ends() {
     with(|recorder| {
         recorder.work();
         if let Some(Open::Run(steps)) = recorder.open.pop()
@@ -107,7 +127,6 @@ pub(crate) fn task<R>(f: impl FnOnce() -> R) -> R {
             tasks.push(steps);
         }
     });
-    result
 }
 
 /// Calls `f` if this thread records.
