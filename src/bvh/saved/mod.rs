@@ -24,10 +24,13 @@
 
 mod header;
 mod read;
+mod replace;
 mod write;
 
 pub use header::Header;
 pub use read::header_of;
+#[cfg(feature = "harness")]
+pub(crate) use replace::replace;
 
 use super::validate::Invalid;
 use crate::memory::OutOfMemory;

@@ -3,6 +3,7 @@
 use super::CHUNK;
 use super::SavedError;
 use super::header::{BYTES, Header, checksum, step};
+use super::replace::replace;
 use crate::bvh::WideBvh;
 use crate::bvh::record::Record;
 use crate::geometry::Mesh;
@@ -11,6 +12,7 @@ use rayon::prelude::*;
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Chunks converted at a time.
 const BATCH: usize = 64;
@@ -19,16 +21,15 @@ impl<const N: usize> WideBvh<N> {
     /// Saves the tree, which `builder` built over `mesh`.
     ///
     /// # Errors
-    /// An unwritable place.
+    /// An unwritable place, or one that is no regular file.
     pub fn save(&self, mesh: &Mesh, builder: &str, path: &Path) -> Result<(), SavedError> {
-        let mut name = path.file_name().unwrap_or_default().to_owned();
-        name.push(".part");
-        let part = path.with_file_name(name);
-        let write = || {
-            let mut file = File::create(&part)?;
+        // Several programs, or threads of one, may save the same tree at a time.
+        static SAVED: AtomicUsize = AtomicUsize::new(0);
+        let mark = format!(".{}-{}.part", std::process::id(), SAVED.fetch_add(1, Relaxed));
+        let write = |file: &mut File| {
             file.write_all(&[0; BYTES])?;
-            let sum = put(&self.nodes, 0, &mut file)?;
-            let sum = put(&self.blocks, sum, &mut file)?;
+            let sum = put(&self.nodes, 0, file)?;
+            let sum = put(&self.blocks, sum, file)?;
             let header = Header {
                 width: N as u32,
                 root: self.root,
@@ -41,15 +42,9 @@ impl<const N: usize> WideBvh<N> {
                 builder: builder.to_owned(),
             };
             file.seek(SeekFrom::Start(0))?;
-            file.write_all(&header.to_bytes())?;
-            file.sync_data()?;
-            std::fs::rename(&part, path)
+            file.write_all(&header.to_bytes())
         };
-        write().map_err(|source| {
-            // What was written of it is of no use. That it cannot be removed is no news.
-            let _ = std::fs::remove_file(&part);
-            SavedError::io(path)(source)
-        })
+        replace(path, &mark, write).map_err(SavedError::io(path))
     }
 }
 

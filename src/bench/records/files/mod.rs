@@ -4,6 +4,7 @@ mod csv_rows;
 
 pub use csv_rows::{check_count, last_line, read_csv, read_csv_file, without_last_line, write_csv};
 
+use crate::bvh::saved::replace;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -225,24 +226,12 @@ pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), RecordsErr
     write_whole(path, &bytes)
 }
 
-/// Writes a file beside `path` and renames it: at any time, also after a kill, `path` is the old file or the new
-/// one, whole.
+/// Writes the file at `path`: at any time, also after a kill, it is the old file or the new one, whole.
 ///
 /// # Errors
-/// An unwritable place.
+/// An unwritable place, or one that is no regular file.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RecordsError> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    let part = path.with_file_name(name);
-    let write = || {
-        let mut file = std::fs::File::create(&part)?;
-        file.write_all(bytes)?;
-        file.sync_data()?;
-        std::fs::rename(&part, path)
-    };
-    write().map_err(|source| {
-        // On a full disk what was written of it would only be in the way. That it cannot be removed is no news.
-        let _ = std::fs::remove_file(&part);
+    replace(path, ".part", |file| file.write_all(bytes)).map_err(|source| {
         let remedy = "free space or make it writable, or name another place, as by --out or -o";
         RecordsError::Io { path: path.to_owned(), source, remedy }
     })
