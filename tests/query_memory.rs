@@ -4,6 +4,7 @@
 #![allow(unsafe_code)]
 
 use glam::{Affine3A, Vec3, Vec3A};
+use phr::builders::{Builder as _, Phr, PhrConfig, RefitError};
 use phr::bvh::{Bvh4, Invalid, WideNode};
 use phr::geometry::{Aabb, Mesh, Ray};
 use phr::query::BvhError;
@@ -162,6 +163,24 @@ fn nor_does_one_over_boxes_or_instances() {
     let mut world = assert_told(builds, 3, "instances");
     assert_told(failing(|| world.rebuild(spared(instances))), 2, "instances again");
     assert_eq!((world.len(), world.upper().as_bvh8().unwrap().validate_links(60_000)), (60_000, Ok(())));
+}
+
+#[test]
+fn nor_does_a_refit() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let mesh = scene::scalable(80_000, 1).mesh;
+    let mut tree = phr::builders::by_name::<4>("lbvh").unwrap().build(&mesh).tree;
+    let mut refits = failing(|| tree.refit(&mesh));
+    assert_eq!(refits.pop(), Some(Ok(())));
+    assert!(!refits.is_empty() && refits.iter().all(|it| matches!(it, Err(RefitError::OutOfMemory(_)))));
+    let refined = failing(|| {
+        let mut phr = spared(|| Phr::<4>::new("refining", PhrConfig::FAST).unwrap());
+        spared(|| phr.build(&mesh));
+        phr.refit(&mesh).map(|build| build.tree.nodes.len())
+    });
+    assert!(refined.last().is_some_and(Result::is_ok));
+    let told = refined.iter().rev().skip(1).all(|it| matches!(it, Err(RefitError::OutOfMemory(_))));
+    assert!(told && refined.len() > 1, "{}", refined.len());
 }
 
 #[test]

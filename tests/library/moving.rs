@@ -6,7 +6,7 @@ use phr::builders::{
     self, AuxiliaryConfig, AuxiliaryTree, BinnedSahConfig, Builder as _, Extensions, MergedPhr, Phr,
     PhrConfig, RefitError,
 };
-use phr::bvh::{Bvh4, Bvh8, Child, Invalid, Link, WideBvh};
+use phr::bvh::{Bvh4, Bvh8, Child, Invalid, Link, WideBvh, WideNode};
 use phr::geometry::{Hit, Mesh, Ray, Tracer};
 use phr::scene::{self, Animation};
 use phr::trace::{BvhTracer, PathSettings, RayKind, record, verify};
@@ -243,6 +243,17 @@ fn other_meshes_and_trees_that_are_none_are_refused() {
         assert!(matches!(&error, RefitError::Malformed(Invalid::Link { what: found, .. }) if *found == what));
     }
     assert!(matches!(tree.root.get(), Child::Inner(_)));
+
+    // What is never reached leads anywhere.
+    let mut longer = tree.clone();
+    let mut node = WideNode::EMPTY;
+    node.links[0] = Link::inner(1 << 20);
+    longer.nodes.push(node);
+    assert_eq!(longer.refit(&mesh), Ok(()));
+    let mut gapped = tree.clone();
+    let full = tree.blocks.iter().position(|block| block.ids().count() == 4).unwrap();
+    gapped.blocks[full].prims[0] = u32::MAX;
+    assert_eq!(gapped.refit(&mesh), Err(RefitError::Malformed(Invalid::Block(full))));
 
     let mut builder = Phr::<4>::new("refining", without_presplit(PhrConfig::SPEED)).unwrap();
     assert_eq!(builder.refit(&mesh).unwrap_err(), RefitError::Triangles { tree: 0, mesh: 2000 });

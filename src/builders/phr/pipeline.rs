@@ -20,6 +20,7 @@ use crate::builders::wide::build;
 use crate::builders::wide::refit::RefitError;
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::geometry::Mesh;
+use crate::memory::told;
 use crate::simd::Isa;
 
 /// Builds trees of nodes of up to `N` children by PHR; memory is kept between builds.
@@ -57,12 +58,15 @@ impl<const N: usize> Phr<N> {
     /// moved is built as before. (The paper, 5.6, leaves animation open.)
     ///
     /// # Errors
-    /// A mesh of another number of triangles, and presplit needles ([`AuxiliaryConfig::presplit`]).
+    /// A mesh of another number of triangles, and presplit needles ([`AuxiliaryConfig::presplit`]). No memory: the
+    /// builder is of no use then.
     ///
     /// [`AuxiliaryConfig::presplit`]: crate::builders::AuxiliaryConfig::presplit
     pub fn refit(&mut self, mesh: &Mesh) -> Result<Build<N>, RefitError> {
-        let watch = self.memory.auxiliary.refit(mesh, &self.config.extensions.auxiliary)?;
-        Ok(build_from_cuts(&mut self.memory, mesh, &self.config, self.isa, watch))
+        told(|| {
+            let watch = self.memory.auxiliary.refit(mesh, &self.config.extensions.auxiliary)?;
+            Ok(build_from_cuts(&mut self.memory, mesh, &self.config, self.isa, watch))
+        })?
     }
 }
 

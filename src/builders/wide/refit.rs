@@ -7,7 +7,7 @@
 use crate::builders::api::config_error::ConfigError;
 use crate::bvh::{Child, Invalid, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::{Aabb, Mesh};
-use crate::memory::huge_pages;
+use crate::memory::{OutOfMemory, huge_pages, told};
 use crate::parallel;
 use glam::Vec3A;
 use rayon::prelude::*;
@@ -38,18 +38,29 @@ pub enum RefitError {
     /// The tree is no tree.
     #[error("{0}; build a new tree")]
     Malformed(#[from] Invalid),
+    /// No memory for its boxes.
+    #[error(transparent)]
+    OutOfMemory(#[from] OutOfMemory),
 }
 
 impl<const N: usize> WideBvh<N> {
     /// Fits the tree to `mesh`, the one it was built over with vertices moved, in parallel on the current rayon pool.
     ///
     /// # Errors
-    /// A mesh of another number of triangles: the tree is as before then. Links that are not those of a tree: it is
-    /// of no use then.
+    /// A mesh of another number of triangles, blocks whose used lanes do not come first, or no memory: the tree is as
+    /// before then. Links that are not those of a tree: it is of no use then.
     pub fn refit(&mut self, mesh: &Mesh) -> Result<(), RefitError> {
+        told(|| self.fit(mesh))?
+    }
+
+    fn fit(&mut self, mesh: &Mesh) -> Result<(), RefitError> {
         let last = parallel::map(self.blocks.par_chunks(GRAIN), |blocks| {
             blocks.iter().flat_map(TriangleBlock::ids).max()
         });
+        let is_gapped = |block: &TriangleBlock| !block.prims.is_sorted_by_key(|&prim| prim == u32::MAX);
+        if let Some(index) = self.blocks.iter().position(is_gapped) {
+            return Err(Invalid::Block(index).into());
+        }
         let triangles = last.into_iter().flatten().max().map_or(0, |last| last as usize + 1);
         if triangles != mesh.len() {
             return Err(RefitError::Triangles { tree: triangles, mesh: mesh.len() });
@@ -67,8 +78,11 @@ impl<const N: usize> WideBvh<N> {
         });
         let boxes = FittedBoxes { of_nodes: &of_nodes, of_blocks: &of_blocks };
         self.bounds = boxes.gather(&self.nodes, self.root, 0)?;
-        parallel::for_each(self.nodes.par_chunks_mut(GRAIN), |nodes| {
-            for node in nodes {
+        let chunks = self.nodes.par_chunks_mut(GRAIN).zip(of_nodes.par_chunks(GRAIN));
+        parallel::for_each(chunks, |(nodes, places)| {
+            // Nothing is known of what nodes that are never reached lead to.
+            let reached = nodes.iter_mut().zip(places).filter(|(_, place)| place.is_reached.load(Relaxed));
+            for (node, _) in reached {
                 *node = WideNode::of_slots(&node.links.map(|link| boxes.known(link)), node.links);
             }
         });

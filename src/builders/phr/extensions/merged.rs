@@ -15,7 +15,7 @@ use crate::builders::phr::pipeline::build_from_cuts;
 use crate::builders::wide::refit::RefitError;
 use crate::bvh::WideBvh;
 use crate::geometry::{Aabb, Mesh};
-use crate::memory::huge_pages;
+use crate::memory::{huge_pages, told};
 use crate::simd::Isa;
 
 /// Builds trees of nodes of up to `N` children over scenes whose first triangles never move.
@@ -67,7 +67,7 @@ impl<const N: usize> MergedPhr<N> {
     /// Builds the auxiliary tree of the static part, the first `triangles` of `mesh`, by `tree`, and keeps it.
     ///
     /// # Errors
-    /// A mesh of fewer triangles, a parameter of `tree` out of range.
+    /// A mesh of fewer triangles, a parameter of `tree` out of range. No memory: this is of no use then.
     pub fn keep(
         &mut self,
         mesh: &Mesh,
@@ -80,7 +80,7 @@ impl<const N: usize> MergedPhr<N> {
         }
         let auxiliary = &mut self.memory.auxiliary;
         let config = &self.config.extensions.auxiliary;
-        let watch = tree.build(auxiliary, (mesh, 0..triangles as u32), config, self.isa);
+        let watch = told(|| tree.build(auxiliary, (mesh, 0..triangles as u32), config, self.isa))?;
         self.kept = Kept { triangles, pairs: auxiliary.tree.pairs.len(), root: auxiliary.tree.root };
         Ok(watch.phases)
     }
@@ -89,17 +89,19 @@ impl<const N: usize> MergedPhr<N> {
     /// or are more or fewer.
     ///
     /// # Errors
-    /// A mesh of fewer triangles than the static part.
+    /// A mesh of fewer triangles than the static part. No memory: this is of no use then.
     pub fn build(&mut self, mesh: &Mesh) -> Result<Build<N>, RefitError> {
         if self.kept.triangles > mesh.len() {
             return Err(RefitError::Triangles { tree: self.kept.triangles, mesh: mesh.len() });
         }
-        let Extensions { auxiliary_tree, auxiliary, .. } = &self.config.extensions;
-        let moving = self.kept.triangles as u32..mesh.len() as u32;
-        let mut watch = auxiliary_tree.build(&mut self.dynamic, (mesh, moving), auxiliary, self.isa);
-        self.merge(mesh);
-        watch.lap("merge");
-        Ok(build_from_cuts(&mut self.memory, mesh, &self.config, self.isa, watch))
+        Ok(told(|| {
+            let Extensions { auxiliary_tree, auxiliary, .. } = &self.config.extensions;
+            let moving = self.kept.triangles as u32..mesh.len() as u32;
+            let mut watch = auxiliary_tree.build(&mut self.dynamic, (mesh, moving), auxiliary, self.isa);
+            self.merge(mesh);
+            watch.lap("merge");
+            build_from_cuts(&mut self.memory, mesh, &self.config, self.isa, watch)
+        })?)
     }
 
     /// Gives back a tree that is no longer needed, so that the next one is built in its memory.
