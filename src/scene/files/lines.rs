@@ -35,12 +35,19 @@ impl<'a> Lines<'a> {
             let Some(end) = self.line.trim_ascii_end().strip_suffix(b"\\").map(<[u8]>::len) else {
                 return Ok(true);
             };
-            if !joined || self.is_cut {
+            if !joined || self.is_cut || self.ends_in_text() {
                 return Ok(true);
             }
             self.line.truncate(end);
             self.line.push(b' ');
         }
+    }
+
+    /// True for comments and names of an OBJ file, such as folders, whose backslash at the end continues nothing.
+    fn ends_in_text(&self) -> bool {
+        let line = self.line.trim_ascii_start();
+        let word = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+        line.starts_with(b"#") || matches!(word, b"o" | b"g" | b"usemtl" | b"mtllib")
     }
 
     /// Appends the next line to what is held; false if there is none.
