@@ -65,7 +65,8 @@ impl<'a> RawMesh<'a> {
 
     /// Room for `more` indices in `list`, beside the mesh.
     pub fn reserve_beside(&self, list: &mut Vec<u32>, more: usize) -> Result<(), Refused> {
-        self.guard.allow((more as u64).saturating_mul(4).saturating_add(self.held))?;
+        let mesh = bytes(&self.vertices).saturating_add(bytes(&self.triangles));
+        self.guard.allow((more as u64).saturating_mul(4).saturating_add(mesh).saturating_add(self.held))?;
         self.guard.reserve(list, more)
     }
 

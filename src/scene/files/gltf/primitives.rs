@@ -3,6 +3,7 @@
 use super::accessor::{accessor, indices, positions};
 use super::buffers::Buffers;
 use super::nodes::PlacedMesh;
+use crate::geometry::Mesh;
 use crate::scene::files::error::Fault;
 use crate::scene::files::raw_mesh::RawMesh;
 use crate::scene::model::Contents;
@@ -60,6 +61,10 @@ pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) 
             }
         }
         plan.triangles = plan.triangles.saturating_add(mesh.triangles);
+        // Refused by their number, before more time goes into counting.
+        if plan.triangles > Mesh::MAX_TRIANGLES as u64 {
+            break;
+        }
         contents.objects += mesh.contents.objects;
         contents.points += mesh.contents.points;
         contents.lines += mesh.contents.lines;
