@@ -97,10 +97,11 @@ impl Bvh {
         }
     }
 
-    /// Saves the tree, which was built over `mesh`, at `path`: [`saved`](crate::bvh::saved) describes the format.
+    /// Saves the tree, which was built over `mesh`, at `path`: [`saved`](crate::bvh::saved) describes the format. The
+    /// mesh is that of the build, not moved since: the file is taken for a tree of the mesh that is given here.
     ///
     /// # Errors
-    /// An unwritable place.
+    /// An unwritable place, or one that is no regular file.
     pub fn save(&self, mesh: &Mesh, path: &Path) -> Result<(), SavedError> {
         match &self.tree {
             Tree::Four(tree) => tree.get().save(mesh, "", path),
@@ -111,7 +112,7 @@ impl Bvh {
     /// Loads the tree of either width that was saved at `path` for `mesh`, on the current rayon pool.
     ///
     /// # Errors
-    /// [`BvhError::Saved`]: a file that is damaged, or holds the tree of another mesh.
+    /// [`BvhError::Saved`]: a file that is damaged, or holds the tree of another mesh. [`BvhError::OutOfMemory`].
     pub fn load(mesh: &Mesh, path: &Path) -> Result<Self, BvhError> {
         let unusable = |error: SavedError| BvhError::Saved(error.to_string());
         match header_of(path).map_err(unusable)?.width {
@@ -182,7 +183,7 @@ impl Bvh {
 
 /// The tree of the builder called `name`.
 fn tree<const N: usize>(mesh: &Mesh, name: &str) -> Result<WideBvh<N>, BvhError> {
-    let mut builder = builders::by_name(name).ok_or_else(|| BvhError::NoSuchBuilder(name.to_owned()))?;
+    let mut builder = builders::by_name(name).ok_or_else(|| BvhError::of_name(name))?;
     Ok(builder.try_build(mesh)?.tree)
 }
 
@@ -222,7 +223,8 @@ fn places(blocks: &[TriangleBlock], triangles: usize) -> Result<Vec<u32>, BvhErr
     huge_pages::try_reserve(&mut places, triangles, "places of triangles")?;
     places.resize_with(triangles, AtomicU32::default);
     blocks.par_iter().enumerate().for_each(|(index, block)| {
-        for (lane, prim) in block.ids().enumerate() {
+        let lanes = block.prims.iter().enumerate().filter(|(_, prim)| **prim != u32::MAX);
+        for (lane, &prim) in lanes {
             places[prim as usize].store((4 * index + lane) as u32, Relaxed);
         }
     });

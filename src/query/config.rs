@@ -5,7 +5,8 @@ use crate::builders::{BoxesError, NAMES, OutOfMemory};
 /// What tree to build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BvhConfig<'a> {
-    /// Name of a builder, of [`NAMES`] or [`ABLATION`](crate::builders::ABLATION).
+    /// Name of a builder, one that [`by_name`](crate::builders::by_name) knows: of [`NAMES`], a variant, or, with the
+    /// feature `serde`, one with changes, `phr-hq[delta=8]`.
     pub builder: &'a str,
     /// Most children of a node: 4 or 8.
     pub width: usize,
@@ -24,6 +25,9 @@ pub enum BvhError {
     /// No builder has the name.
     #[error("no builder is called {0}; there are {list}", list = NAMES.join(", "))]
     NoSuchBuilder(String),
+    /// A builder is to be changed in a way that cannot be.
+    #[error("{0}")]
+    Changes(String),
     /// No builder makes nodes of so many children.
     #[error("no tree has nodes of {0} children; give 4 or 8")]
     NoSuchWidth(usize),
@@ -47,6 +51,17 @@ pub enum BvhError {
     /// The tree's links lead out of it or in circles, or it is too deep.
     #[error("malformed tree: {0}; check it by WideBvh::validate")]
     Malformed(String),
+}
+
+impl BvhError {
+    /// Why there is no builder called `name`.
+    pub(super) fn of_name(name: &str) -> Self {
+        #[cfg(feature = "serde")]
+        if let (true, Err(error)) = (name.contains('['), crate::builders::Recipe::parse(name)) {
+            return Self::Changes(error.to_string());
+        }
+        Self::NoSuchBuilder(name.to_owned())
+    }
 }
 
 impl From<BoxesError> for BvhError {

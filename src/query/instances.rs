@@ -12,7 +12,8 @@ use std::borrow::Borrow;
 pub struct Instance<B> {
     /// The object.
     pub bvh: B,
-    /// From the object's space to the world's; any affine map that can be inverted, mirrors and shears included.
+    /// From the object's space to the world's; any affine map that can be inverted, mirrors and shears included. A ray
+    /// whose origin or direction lies beyond 1.8e18 in the object's space misses it.
     pub transform: Affine3A,
 }
 

@@ -91,8 +91,8 @@ impl PrimitiveBvh {
     /// The closest hit of `ray`. `test` is given a primitive and the ray, which ends (`tfar`) at the closest hit so
     /// far; it returns the distance at which the ray hits the primitive. Only a distance in the ray's interval,
     /// `tnear < t <= tfar` and finite, is a hit. Primitives come about nearest first, all of a leaf (mostly four)
-    /// where the ray meets its box, so that some come whose own boxes it misses; one that was split may come more
-    /// than once.
+    /// where the ray meets its box (always where the tree is one leaf), so that some come whose own boxes it misses;
+    /// one that was split may come more than once.
     #[inline]
     pub fn intersect_with(
         &self,
@@ -145,7 +145,7 @@ impl PrimitiveBvh {
 
 impl<const N: usize> Built<N> {
     fn new(boxes: &Boxes<'_>, name: &str) -> Result<Self, BvhError> {
-        let mut builder = over_boxes(name).ok_or_else(|| BvhError::NoSuchBuilder(name.to_owned()))?;
+        let mut builder = over_boxes(name).ok_or_else(|| BvhError::of_name(name))?;
         let tree = ProvenTree::proven(builder.try_build(boxes)?.tree)?.map_err(BvhError::Malformed)?;
         Ok(Self { tree, name: name.to_owned(), builder: Mutex::new(builder) })
     }
@@ -156,7 +156,7 @@ impl<const N: usize> Built<N> {
         builder.recycle(old.into_inner());
         let built = builder.try_build(boxes);
         if built.is_err() {
-            *builder = over_boxes(&self.name).ok_or_else(|| BvhError::NoSuchBuilder(self.name.clone()))?;
+            *builder = over_boxes(&self.name).ok_or_else(|| BvhError::of_name(&self.name))?;
         }
         self.tree = ProvenTree::proven(built?.tree)?.map_err(BvhError::Malformed)?;
         Ok(())

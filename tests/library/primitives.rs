@@ -275,7 +275,9 @@ fn distances_out_of_the_interval_are_no_hits() {
             assert_eq!(bvh.intersect_with(&ray, first(t)), None, "{t}");
         }
         assert!(bvh.occluded_with(&ray, |_, _| true) && !bvh.occluded_with(&ray, |_, _| false));
-        for bad in [Ray { dir: Vec3::NAN, ..ray }, Ray { tnear: -1.0, ..ray }, Ray { tfar: f32::NAN, ..ray }]
+        let none = Ray { org: Vec3::splat(0.5), dir: Vec3::ZERO, ..ray };
+        for bad in
+            [none, Ray { dir: Vec3::NAN, ..ray }, Ray { tnear: -1.0, ..ray }, Ray { tfar: f32::NAN, ..ray }]
         {
             assert_eq!(bvh.intersect_with(&bad, |_, _| Some(2.0)), None);
             assert!(!bvh.occluded_with(&bad, |_, _| true));
@@ -306,6 +308,11 @@ fn what_cannot_be_built_is_refused_in_one_line() {
     let refused = |builder, width| PrimitiveBvh::build(&unit, &BvhConfig { builder, width }).unwrap_err();
     assert!(refused("nobody", 8).to_string().starts_with("no builder is called nobody"));
     assert_eq!(refused("lbvh", 6), BvhError::NoSuchWidth(6));
+    #[cfg(feature = "serde")]
+    for (name, what) in [("phr-hq[delta=1e99]", "delta"), ("phr-hq[width=8]", "width")] {
+        let told = refused(name, 8).to_string();
+        assert!(told.contains(what) && !told.contains("no builder is called"), "{told}");
+    }
     let nothing = PrimitiveBvh::build(&Vec::<Aabb>::new(), &BvhConfig::default()).unwrap();
     assert!(nothing.bounds().is_empty() && nothing.as_bvh4().is_none());
     assert_eq!(nothing.intersect_with(&rays(1, 1)[0], |_, _| Some(1.0)), None);

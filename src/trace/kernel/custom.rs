@@ -9,6 +9,7 @@ use super::traverse::{self, Entries, Kernel};
 use crate::bvh::{IdBlock, LeafBlock as _, WideNode};
 use crate::geometry::{Hit, Ray};
 use crate::simd::Isa;
+use glam::Vec3;
 use std::cell::RefCell;
 
 /// One ray whose boxes are tested by `K`, and whose primitives by the caller.
@@ -75,10 +76,10 @@ impl<K, F> Custom<'_, K, F> {
 impl<const N: usize> ProvenTree<N, IdBlock> {
     /// The closest hit of `ray` by `test`, which is given a primitive and the ray up to the closest hit so far, and
     /// returns the distance where it hits. Primitives come about in the order of their boxes along the ray. A
-    /// distance out of the ray's interval is no hit. A ray that is not valid hits nothing.
+    /// distance out of the ray's interval is no hit. A ray that is not valid, or has no direction, hits nothing.
     #[inline]
     pub fn closest_with(&self, isa: Isa, ray: &Ray, test: impl FnMut(u32, &Ray) -> Option<f32>) -> Hit {
-        if ray.is_valid() { self.with(isa, ray, test, Closest) } else { Hit::MISS }
+        if ray.is_valid() && ray.dir != Vec3::ZERO { self.with(isa, ray, test, Closest) } else { Hit::MISS }
     }
 
     /// Whether `ray` hits anything by `test`, likewise; primitives come in any order.
@@ -86,7 +87,7 @@ impl<const N: usize> ProvenTree<N, IdBlock> {
     pub fn any_with(&self, isa: Isa, ray: &Ray, mut test: impl FnMut(u32, &Ray) -> bool) -> bool {
         // A distance that is in any interval, as there must be one.
         let test = |prim, ray: &Ray| test(prim, ray).then_some(ray.tfar.min(f32::MAX));
-        ray.is_valid() && self.with(isa, ray, test, Any)
+        ray.is_valid() && ray.dir != Vec3::ZERO && self.with(isa, ray, test, Any)
     }
 
     /// Picks the instructions for boxes.
