@@ -20,13 +20,16 @@ pub struct Camera {
 impl Camera {
     /// The camera of `view` over `width` x `height` pixels.
     pub fn new(view: &View, width: u32, height: u32) -> Self {
-        let forward = (view.target - view.eye).try_normalize().unwrap_or(Vec3::NEG_Z);
+        // Of points that are very near or far the squares leave the range of f32.
+        let in_double =
+            || (view.target.as_dvec3() - view.eye.as_dvec3()).try_normalize().map(|v| v.as_vec3());
+        let forward = (view.target - view.eye).try_normalize().or_else(in_double).unwrap_or(Vec3::NEG_Z);
         let right = forward
             .cross(view.up.normalize_or_zero())
             .try_normalize()
             .unwrap_or_else(|| forward.any_orthonormal_vector());
         let size = [width.max(1) as f32, height.max(1) as f32];
-        let half_height = (0.5 * view.fov_y_deg.clamp(1.0, 170.0)).to_radians().tan();
+        let half_height = (0.5 * view.fov_y_deg.clamp(1.0, 179.0)).to_radians().tan();
         Self {
             eye: view.eye,
             forward,
@@ -66,6 +69,15 @@ mod tests {
         let upper_left = camera.ray(0, 0, [0.0; 2]).dir;
         let expected = Vec3::new(-2.0, 1.0, -1.0).normalize();
         assert!((upper_left - expected).length() < 1e-6, "{upper_left}");
+    }
+
+    #[test]
+    fn every_view_that_is_accepted_is_looked_at() {
+        let wide = Camera::new(&View { fov_y_deg: 179.0, ..VIEW }, 1, 1).ray(0, 0, [0.5, 0.0]).dir;
+        assert!((wide.angle_between(Vec3::NEG_Z).to_degrees() - 89.5).abs() < 0.01, "{wide}");
+        let near = View { eye: Vec3::ZERO, target: 1e-23 * Vec3::X, ..VIEW };
+        assert_eq!(near.check(), Ok(()));
+        assert!((Camera::new(&near, 1, 1).axes()[2] - Vec3::X).length() < 1e-6);
     }
 
     #[test]
