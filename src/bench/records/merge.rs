@@ -25,7 +25,7 @@ pub enum MergeError {
     #[error("{}: no shards; run `phr bench --shard K/N --out {}` for each K first", .0.display(), .0.display())]
     None(PathBuf),
     /// The records do not say what was to be measured.
-    #[error("{}: {ENVIRONMENT} has no plan; measure it again", .0.display())]
+    #[error("{}: {ENVIRONMENT} has no plan of a run in shards; measure it again with --shard", .0.display())]
     NoPlan(PathBuf),
     /// A shard has not ended.
     #[error("{}: not finished; run its command again with --resume", .0.display())]
@@ -99,6 +99,9 @@ pub fn merge(folder: &Path) -> Result<Vec<PathBuf>, MergeError> {
     let Some(first) = parts.first() else { return Err(MergeError::None(folder.to_owned())) };
     parts.iter().try_for_each(|part| same_run(first, part))?;
     let scenes = first.scenes();
+    if scenes.is_empty() {
+        return Err(MergeError::NoPlan(first.folder.clone()));
+    }
     for scene in &scenes {
         let mut having = parts.iter().filter(|part| part.has(scene));
         match (having.next(), having.next()) {

@@ -4,6 +4,7 @@
 
 use super::files::{MEASURE, RecordsError, check_count, read_lines, without_last_line, write_csv};
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 use std::path::Path;
 
 /// The file in a results folder.
@@ -106,6 +107,7 @@ pub fn read(path: &Path, written: Option<usize>) -> Result<Vec<(RowKey, RowRound
     let bytes = read_lines(path, MEASURE)?;
     let (above, told) = without_last_line(&bytes);
     let mut rows: Vec<(RowKey, RowRounds)> = Vec::new();
+    let mut places: HashMap<RowKey, usize> = HashMap::new();
     let mut lines = 0;
     for line in csv::Reader::from_reader(above).deserialize() {
         let line: Line = line.map_err(malformed)?;
@@ -124,12 +126,17 @@ pub fn read(path: &Path, written: Option<usize>) -> Result<Vec<(RowKey, RowRound
             _ => return Err(unusable()),
         };
         let key = line.key();
-        // The figures of a row follow each other.
-        if rows.last().is_none_or(|last| last.0 != key) {
+        let at = *places.entry(key.clone()).or_insert(rows.len());
+        if at == rows.len() {
             rows.push((key, RowRounds::default()));
         }
-        if let Some((_, of_row)) = rows.last_mut() {
-            *place(of_row) = times;
+        if let Some((key, of_row)) = rows.get_mut(at) {
+            let of_figure = place(of_row);
+            if !of_figure.is_empty() {
+                let what = format!("{} {}/{}: the same times twice", key.scene, key.builder, key.width);
+                return Err(malformed(std::io::Error::new(std::io::ErrorKind::InvalidData, what).into()));
+            }
+            *of_figure = times;
         }
     }
     check_count(path, lines, told, written)?;
@@ -205,6 +212,24 @@ mod tests {
             let error = read(&path, None).unwrap_err().to_string();
             assert!(error.contains("s b/4") && error.contains(ROUNDS), "{error}");
         }
+    }
+
+    #[test]
+    fn lines_stand_in_any_order_but_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(ROUNDS);
+        let lines = |lines: &[&str]| {
+            let header = "run_id,scene,builder,width,threads,regime,kernel,figure,rounds,ms";
+            let text = format!("{header}\n{}\n# rows: {}\n", lines.join("\n"), lines.len());
+            std::fs::write(&path, text).unwrap();
+            read(&path, None)
+        };
+        let [build, trace] = ["r,s,b,4,2,warm,phr,build,0,10", "r,s,b,4,2,warm,phr,trace,0,3"];
+        let other = "r,s,a,4,2,warm,phr,build,0,9";
+        let rows = lines(&[build, other, trace]).unwrap();
+        assert_eq!(rows.len(), 2);
+        assert_eq!((&rows[0].1.build[..], &rows[0].1.trace[..]), (&[(0, 10.0)][..], &[(0, 3.0)][..]));
+        assert!(lines(&[build, trace, build]).unwrap_err().to_string().contains("s b/4"));
     }
 
     #[test]
