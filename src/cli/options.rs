@@ -124,11 +124,21 @@ pub fn rays(text: &str) -> Result<f64, String> {
 
 /// The arguments without the folders of this machine.
 pub fn command_line() -> Vec<String> {
-    let without_folder = |argument: String| match argument.rsplit_once('/') {
-        Some((_, file)) if !argument.starts_with("--filter") => file.to_owned(),
-        _ => argument,
+    without_folders(std::env::args().skip(1))
+}
+
+/// The last part of what may be a path: of all but the values of `--filter` and `--shard`.
+fn without_folders(arguments: impl Iterator<Item = String>) -> Vec<String> {
+    let mut is_value = false;
+    let shortened = |argument: String| {
+        let keeps = is_value || ["--filter=", "--shard="].iter().any(|option| argument.starts_with(option));
+        is_value = matches!(&*argument, "--filter" | "--shard");
+        match argument.rsplit_once('/') {
+            Some((_, file)) if !keeps => file.to_owned(),
+            _ => argument,
+        }
     };
-    std::env::args().skip(1).map(without_folder).collect()
+    arguments.map(shortened).collect()
 }
 
 /// Reads a size in bytes: "500000", "512M", "4G".
@@ -180,5 +190,18 @@ pub fn percent(text: &str) -> Result<f64, String> {
     match value {
         Some(value) if value > 0.0 && value.is_finite() => Ok(0.01 * value),
         _ => Err("give a percentage above 0, as 5%".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_are_cut_and_what_only_looks_like_one_is_not() {
+        let given =
+            ["bench", "../a/b.ply", "--filter", "a/b", "--shard", "1/10", "--filter=c/d", "--out", "x/y"];
+        let kept = ["bench", "b.ply", "--filter", "a/b", "--shard", "1/10", "--filter=c/d", "--out", "y"];
+        assert_eq!(without_folders(given.into_iter().map(str::to_owned)), kept);
     }
 }
