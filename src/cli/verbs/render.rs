@@ -2,6 +2,7 @@
 
 use crate::bench::cell::Cell;
 use crate::bench::chosen::Chosen;
+use crate::bench::contender::saved::{check, offer};
 use crate::bench::contender::{BuildRequest, Contender, TreeUnderKernel};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
@@ -26,6 +27,12 @@ pub struct Arguments {
     /// The builder of this file: {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
     #[arg(long = "config", value_name = "FILE")]
     configs: Vec<PathBuf>,
+    /// Children per node, 4 or 8 [default: 4, or the one width that the builder has]
+    #[arg(long, value_name = "N")]
+    width: Option<u32>,
+    /// A tree of the scene that `phr build -o` saved, in place of a builder's
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["builder", "changes", "configs", "width"])]
+    tree: Option<PathBuf>,
     /// PNG file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -63,6 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for remark in scene.remarks() {
         eprintln!("phr: {remark}");
     }
+    check(&scene.mesh)?;
     let view = options::view(&scene, arguments.view)?;
     let kernel = *cell.kernels.first().ok_or_else(|| Failure::Bad(format!("{}: no kernel", cell.builder)))?;
     let request = BuildRequest {
@@ -91,21 +99,28 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     say(&format!("{file}: {name} view {view}, {held}, {size} x {size}, {builder} / {width}"))
 }
 
-/// The one builder asked for; a changed one may be named beside its changes.
+/// The one builder or saved tree asked for; a changed builder may be named beside its changes.
 fn cell(arguments: &Arguments) -> Result<Cell, Failure> {
+    let none: [&Path; 0] = [];
+    let saved = Chosen::new(&offer(arguments.tree.as_slice())?, &[], &none)?;
+    if !saved.is_empty() {
+        return one(saved.single_cells(None)?);
+    }
     let changed = Chosen::new(&[], &arguments.changes, &arguments.configs)?;
     let named = arguments
         .builder
         .iter()
         .filter(|name| !arguments.changes.iter().any(|change| change.starts_with(&format!("{name}."))));
-    let none: [&Path; 0] = [];
     let named = Chosen::new(&named.cloned().collect::<Vec<_>>(), &[], &none)?;
-    let chosen = match (changed.is_empty(), named.is_empty()) {
-        (true, _) => named.or("phr-hq").single_cells(None)?,
-        (false, true) => changed.single_cells(None)?,
-        (false, false) => Vec::new(),
-    };
-    match chosen.as_slice() {
+    match (changed.is_empty(), named.is_empty()) {
+        (true, _) => one(named.or("phr-hq").single_cells(arguments.width)?),
+        (false, true) => one(changed.single_cells(arguments.width)?),
+        (false, false) => one(Vec::new()),
+    }
+}
+
+fn one(cells: Vec<Cell>) -> Result<Cell, Failure> {
+    match cells.as_slice() {
         [cell] => Ok(cell.clone()),
         _ => Err(Failure::Bad("--builder, --set and --config name several builders; give one".into())),
     }

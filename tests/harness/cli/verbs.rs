@@ -56,6 +56,8 @@ fn bad_input_is_one_line_and_code_2() {
         (&["render", "sheet.ply", "-o", "nowhere/x.png"], &["nowhere", "folder"]),
         (&["render", "sheet.ply", "-o", "folder"], &["folder", "directory"]),
         (&["render", "sheet.ply", "-o", "x.png", "--size", "0"], &["--size 0"]),
+        (&["render", "sheet.ply", "-o", "x.png", "--width", "5"], &["--width 5", "phr-hq"]),
+        (&["render", "sheet.ply", "-o", "x.png", "--tree", "sheet.ply"], &["sheet.ply: not a saved tree"]),
         (&["verify", "missing.ply"], &["missing.ply"]),
         (&["verify", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["table", "nowhere"], &["nowhere", "phr bench"]),
@@ -177,6 +179,27 @@ fn single_verbs_do_their_work() {
     assert!(render.status.success(), "{}", text(&render.stderr));
     assert!(std::fs::read(folder.join("x.png")).unwrap().starts_with(b"\x89PNG"));
     assert_eq!(text(&render.stdout), "x.png: sheet view 0, 1152 triangles, 16 x 16, phr-hq / 4\n");
+    let render = |more: &[&str]| {
+        phr(
+            &folder,
+            &[&["render", "sheet.ply", "-o", "y.png", "--size", "16", "--samples", "2"], more].concat(),
+        )
+    };
+    for (more, tree) in
+        [(&["--builder", "lbvh", "--width", "8"][..], "lbvh / 8"), (&["--tree", "x.phrtree"], "saved:x / 8")]
+    {
+        let rendered = render(more);
+        assert!(rendered.status.success(), "{}", text(&rendered.stderr));
+        assert!(text(&rendered.stdout).ends_with(&format!(", {tree}\n")), "{}", text(&rendered.stdout));
+        let [first, second] = ["x.png", "y.png"].map(|file| std::fs::read(folder.join(file)).unwrap());
+        assert!(first == second, "the picture of {tree} is another one");
+    }
+    let both = render(&["--tree", "x.phrtree", "--width", "8"]);
+    assert!(
+        both.status.code() == Some(2) && text(&both.stderr).contains("--width"),
+        "{}",
+        text(&both.stderr)
+    );
 
     let verify = phr(&folder, &["verify", "sheet.ply", "--size", "32"]);
     let told = text(&verify.stdout);
