@@ -43,8 +43,9 @@ struct Tree {
 
 const NONE = 0xffffffffu;
 const LEAF = 0x80000000u;
-// Three waiting children per level and one: enough for trees of 31 levels, as Statistics::depth counts them.
-const STACK = 94u;
+// Three waiting children per level and one, for 80 levels, the most that a tree may have. Beyond the stack children would be
+// lost without a word; where your trees are less deep (WideBvh::depth), a smaller one is faster.
+const STACK = 241u;
 // Distances to far planes grow by more than their rounding.
 const WIDEN = 1.0000005;
 
@@ -90,19 +91,19 @@ fn trace(ray: Ray, first: bool) -> Hit {
     var link = tree.root;
     loop {
         if (link & LEAF) == 0u {
-            let node = nodes[link];
             var near = vec4f(ray.tnear);
             var far = vec4f(hit.t);
             for (var axis = 0u; axis < 3u; axis++) {
-                let a = (node.lower[axis] - ray.org[axis]) * rdir[axis];
-                let b = (node.upper[axis] - ray.org[axis]) * rdir[axis];
+                let a = (nodes[link].lower[axis] - ray.org[axis]) * rdir[axis];
+                let b = (nodes[link].upper[axis] - ray.org[axis]) * rdir[axis];
                 near = max(near, min(a, b));
                 far = min(far, max(a, b) * WIDEN);
             }
             // The children met wait in order, the nearest on top.
+            let links_of = nodes[link].links;
             let base = waiting;
             for (var slot = 0u; slot < 4u; slot++) {
-                if node.links[slot] != NONE && near[slot] <= far[slot] {
+                if links_of[slot] != NONE && near[slot] <= far[slot] {
                     var at = waiting;
                     while at > base && entries[at - 1u] < near[slot] {
                         entries[at] = entries[at - 1u];
@@ -110,7 +111,7 @@ fn trace(ray: Ray, first: bool) -> Hit {
                         at--;
                     }
                     entries[at] = near[slot];
-                    links[at] = node.links[slot];
+                    links[at] = links_of[slot];
                     waiting++;
                 }
             }

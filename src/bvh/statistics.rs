@@ -57,6 +57,13 @@ impl Statistics {
     }
 }
 
+impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
+    /// Levels of inner nodes, as [`Statistics::depth`]; 0 if the root is a leaf.
+    pub fn depth(&self) -> usize {
+        Counter::of(self).depth
+    }
+}
+
 /// SAH cost alone, as [`Statistics::sah`].
 pub fn sah_cost<const N: usize, B: LeafBlock>(tree: &WideBvh<N, B>) -> f64 {
     Counter::of(tree).sah(tree)
@@ -140,7 +147,7 @@ mod tests {
             nodes: vec![node],
             blocks: vec![TriangleBlock::EMPTY; 3],
         };
-        assert_eq!(sah_cost(&tree), 2.0);
+        assert_eq!((sah_cost(&tree), tree.depth()), (2.0, 1));
         let (mesh, _) = Mesh::new(vec![], vec![]).unwrap();
         let statistics = Statistics::of(&tree, &mesh);
         assert_eq!((statistics.sah, statistics.nodes, statistics.leaves, statistics.blocks), (2.0, 1, 2, 3));
