@@ -58,7 +58,7 @@ pub fn page(run: &[Row], more: &[Vec<Row>], advice: &[Vec<AdviceRow>]) -> Result
     }
     if let Some(share) = perfect_share(&scenes, RIGHT) {
         about += &format!(
-            " A perfect adviser would be called right in at most {:.0} %: so often the best tree stays within 5 % of \
+            " A perfect adviser would on average be called right in {:.0} %: so often the best tree stays within 5 % of \
              the best when as many rounds are drawn from these anew, with replacement.",
             100.0 * share
         );
