@@ -23,7 +23,7 @@
 #                   trees that follow scenes that move, 100 frames each, 4-wide, into results/animation: an hour on two cores
 # make bench-advice
 #                   what `phr advise` names for each of the files SCENES and the built-in scenes after half a minute, helped
-#                   by a model that has not seen the scene; judged by a longer run, into results/advice: over an hour on two cores
+#                   by a model that has not seen the scene; judged by a longer run, into results/advice: an hour and a half on two cores
 # make bench-tune   what `phr tune` gains over phr-quality for 10^9 rays in the same scenes, two minutes each, into
 #                   results/tune: an hour
 # make bench-reference
@@ -96,8 +96,8 @@ SCALED = lbvh phr-fast phr-hq phr-turbo phr-speed phr-quality phr-best
 METHODS = embree-morton hunt-50 aac embree-sah hunt-500 embree-fast-spatial phr-fast phr-hq
 PAPER = results/paper-run
 KERNEL_SCENES = rooms statue hair city pipes
-# Trees that take the least time for some number of rays, and Embree's; of others that are named the judge says so.
-ADVISED = lbvh phr-fast phr-hq phr-turbo phr-speed phr-quality phr-best embree-morton embree-sah embree-fast-spatial
+# All that an advice may name, and Embree's: one that names a tree which the run lacks cannot be judged.
+ADVISED = lbvh phr-fast phr-hq phr-turbo phr-speed phr-quality phr-best hunt-50 hunt-500 aac ploc embree-morton embree-sah embree-fast-spatial
 # Builders whose times with and without assertions in Embree are compared, and ours beside them: what noise looks like.
 ASSERTED = embree-morton embree-sah embree-fast-spatial lbvh
 NDEBUG = $(CURDIR)/target/embree-ndebug
