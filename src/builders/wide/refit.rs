@@ -54,12 +54,14 @@ impl<const N: usize> WideBvh<N> {
     }
 
     fn fit(&mut self, mesh: &Mesh) -> Result<(), RefitError> {
-        let last = parallel::map(self.blocks.par_chunks(GRAIN), |blocks| {
-            blocks.iter().flat_map(TriangleBlock::ids).max()
-        });
         let is_gapped = |block: &TriangleBlock| !block.prims.is_sorted_by_key(|&prim| prim == u32::MAX);
-        if let Some(index) = self.blocks.iter().position(is_gapped) {
-            return Err(Invalid::Block(index).into());
+        let (last, gaps): (Vec<_>, Vec<_>) = parallel::map(self.blocks.par_chunks(GRAIN), |blocks| {
+            (blocks.iter().flat_map(TriangleBlock::ids).max(), blocks.iter().position(is_gapped))
+        })
+        .into_iter()
+        .unzip();
+        if let Some((chunk, Some(at))) = gaps.into_iter().enumerate().find(|(_, gap)| gap.is_some()) {
+            return Err(Invalid::Block(chunk * GRAIN + at).into());
         }
         let triangles = last.into_iter().flatten().max().map_or(0, |last| last as usize + 1);
         if triangles != mesh.len() {
