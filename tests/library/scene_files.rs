@@ -150,11 +150,11 @@ fn obj_reads_as_one_mesh() {
             assert_eq!((scene.name.as_str(), scene.dropped.total()), ("small", 0));
         }
     }
-    // Faces that are points or edges.
     // A folder's backslash continues nothing.
     for text in ["# from C:\\models\\", "o C:\\models\\", "mtllib folder\\"] {
         assert_eq!(corners(&read("small.obj", format!("{text}\n{OBJ}")).unwrap()), expected, "{text}");
     }
+    // Faces that are points or edges.
     let scene = read("small.obj", OBJ.replace("f 1 2 3 4", "f 1 2\nf 1\nf\nf 1 2 3 4")).unwrap();
     assert_eq!((corners(&scene), scene.contents.empty), (expected.clone(), 3));
     // Names in other encodings than UTF-8 do not matter.
