@@ -44,7 +44,7 @@ struct Tree {
 const NONE = 0xffffffffu;
 const LEAF = 0x80000000u;
 // Three waiting children per level and one, for 80 levels, the most that a tree may have. Beyond the stack children would be
-// lost without a word; where your trees are less deep (WideBvh::depth), a smaller one is faster.
+// lost without a word; where your trees are less deep (WideBvh::depth), a smaller one will do.
 const STACK = 241u;
 // Distances to far planes grow by more than their rounding.
 const WIDEN = 1.0000005;
