@@ -1,7 +1,7 @@
 //! A panel of a figure: points over two axes, a line through some of them, labels beside them. Ratios belong on
 //! logarithmic axes: half and twice are equally far from 1. Only levels of a tree are counted on a linear one.
 
-use super::labels::{self, Label, Rect};
+use super::labels::{self, Label, Obstacles, Rect};
 use super::raster::text_width;
 use super::svg::{Anchor, Shape, Svg};
 use super::ticks::{linear_ticks, ticks};
@@ -165,11 +165,14 @@ impl Panel {
             svg.line(&corners, colour, width, more);
         }
 
+        let mut bars = Vec::new();
         for Point { at, interval, colour, .. } in &self.points {
             let Some([across, up]) = *interval else { continue };
-            let pale = " stroke-opacity=\"0.4\"";
-            svg.line(&[place((across.0, at.1)), place((across.1, at.1))], colour, 1.2, pale);
-            svg.line(&[place((at.0, up.0)), place((at.0, up.1))], colour, 1.2, pale);
+            for ends in [[(across.0, at.1), (across.1, at.1)], [(at.0, up.0), (at.0, up.1)]] {
+                let ends = ends.map(place);
+                bars.push((ends[0], ends[1]));
+                svg.line(&ends, colour, 1.2, " stroke-opacity=\"0.4\"");
+            }
         }
 
         let radius = 0.36 * self.font;
@@ -186,11 +189,12 @@ impl Panel {
         let drawn = |point: &Point| if point.is_hollow { 1.55 * radius } else { radius };
         let markers: Vec<Rect> =
             self.points.iter().map(|point| Rect::around(place(point.at), 1.4 * drawn(point))).collect();
-        let rects = labels::place(&labels, &markers, &segments, area);
+        let obstacles = Obstacles { points: &markers, lines: &segments, bars: &bars };
+        let rects = labels::place(&labels, obstacles, area);
         for ((point, text), rect) in labelled.iter().zip(&rects) {
-            let (at, near) = (place(point.at), rect.nearest(place(point.at)));
-            if (at.0 - near.0).hypot(at.1 - near.1) > 11.0 {
-                svg.line(&[at, near], GREY, 0.7, "");
+            let at = place(point.at);
+            if let Some((from, to)) = labels::leader(at, rect) {
+                svg.line(&[from, to], GREY, 0.7, "");
             }
             let ink = if point.is_hollow { "#6b6b6b" } else { INK };
             let baseline = rect.y + 0.82 * rect.height;

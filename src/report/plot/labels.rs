@@ -1,5 +1,6 @@
-//! Places labels beside points so that they cover neither each other nor the points: greedy over a ring of
-//! places around each point, then passes that let each label move again. Deterministic.
+//! Places labels beside points so that they cover neither each other nor the points, and stand on no line, as far as
+//! there is room: greedy over rings of places around each point, then passes that let each label move again.
+//! Deterministic.
 
 /// An upright rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +27,21 @@ impl Rect {
         along(self.x, self.width, other.x, other.width) * along(self.y, self.height, other.y, other.height)
     }
 
+    /// True if the segment passes through the inside.
+    fn is_crossed(&self, ((x0, y0), (x1, y1)): Segment) -> bool {
+        // The part of the segment between the edges across, then that part between the edges upwards.
+        let within = |(low, high): (f64, f64), from: f64, to: f64, (least, most): (f64, f64)| {
+            if from == to {
+                return if from > least && from < most { (low, high) } else { (1.0, 0.0) };
+            }
+            let ends = ((least - from) / (to - from), (most - from) / (to - from));
+            (low.max(ends.0.min(ends.1)), high.min(ends.0.max(ends.1)))
+        };
+        let across = within((0.0, 1.0), x0, x1, (self.x, self.x + self.width));
+        let (low, high) = within(across, y0, y1, (self.y, self.y + self.height));
+        low < high
+    }
+
     /// The point of the rectangle nearest to another.
     pub fn nearest(&self, (x, y): (f64, f64)) -> (f64, f64) {
         // `clamp` panics where the rectangle has no place, as one beside a figure that is no number.
@@ -45,26 +61,55 @@ pub struct Label {
     pub size: (f64, f64),
 }
 
+/// Distance of a label from its point beyond which a line leads to it.
+const LEADER: f64 = 11.0;
+
+/// The line from a point to its label, where the label is not beside it.
+pub fn leader(at: (f64, f64), label: &Rect) -> Option<Segment> {
+    let near = label.nearest(at);
+    ((at.0 - near.0).hypot(at.1 - near.1) > LEADER).then_some((at, near))
+}
+
 /// Directions around a point in the order of preference: right, left, above, below, the corners.
 const DIRECTIONS: [(f64, f64); 8] =
     [(1.0, 0.0), (-1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (0.7, -0.7), (0.7, 0.7), (-0.7, -0.7), (-0.7, 0.7)];
 /// Distances from the point; beyond the first a label needs a leader.
-const RINGS: [f64; 5] = [8.5, 17.0, 28.0, 42.0, 58.0];
+const RINGS: [f64; 6] = [8.5, 17.0, 28.0, 42.0, 58.0, 76.0];
 
-/// A rectangle for each label within `bounds`, clear of `points` (with their radius) and as far as possible
-/// of `lines`.
-pub fn place(labels: &[Label], points: &[Rect], lines: &[Segment], bounds: Rect) -> Vec<Rect> {
+/// What labels are to keep clear of.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Obstacles<'a> {
+    /// Points, with their extent.
+    pub points: &'a [Rect],
+    /// Lines through points.
+    pub lines: &'a [Segment],
+    /// Paler lines: a label stands on one sooner than far from its point.
+    pub bars: &'a [Segment],
+}
+
+/// A rectangle for each label within `bounds`, clear of the other labels, their leaders and `obstacles` as far as
+/// possible.
+pub fn place(labels: &[Label], obstacles: Obstacles<'_>, bounds: Rect) -> Vec<Rect> {
     let mut placed: Vec<Option<Rect>> = vec![None; labels.len()];
     for _ in 0..3 {
         for (index, label) in labels.iter().enumerate() {
-            let others = placed.iter().enumerate().filter(|(other, _)| *other != index);
-            let others: Vec<Rect> = others.filter_map(|(_, rect)| *rect).collect();
+            let others = labels.iter().zip(&placed).enumerate().filter(|(other, _)| *other != index);
+            let (others, leaders): (Vec<Rect>, Vec<Option<Segment>>) =
+                others.filter_map(|(_, (other, rect))| Some(((*rect)?, leader(other.at, &(*rect)?)))).unzip();
+            let leaders: Vec<Segment> = leaders.into_iter().flatten().collect();
             let cost = |rect: &Rect, preference: f64| {
                 let inside = rect.overlap(&bounds);
                 let outside = rect.width * rect.height - inside;
-                let on = |obstacles: &[Rect]| obstacles.iter().map(|o| rect.overlap(o)).sum::<f64>();
-                let crossed = lines.iter().filter(|line| crosses(rect, **line)).count() as f64;
-                preference + 20.0 * outside + 8.0 * on(&others) + 4.0 * on(points) + 15.0 * crossed
+                let on = |others: &[Rect]| others.iter().map(|other| rect.overlap(other)).sum::<f64>();
+                let crossed = |lines: &[Segment]| lines.iter().filter(|line| rect.is_crossed(**line)).count();
+                let own = leader(label.at, rect);
+                let across = own.map_or(0, |own| others.iter().filter(|other| other.is_crossed(own)).count());
+                preference
+                    + 20.0 * outside
+                    + 40.0 * on(&others)
+                    + 12.0 * on(obstacles.points)
+                    + 200.0 * (crossed(obstacles.lines) + crossed(&leaders) + across) as f64
+                    + 14.0 * crossed(obstacles.bars) as f64
             };
             let best = candidates(label)
                 .map(|(rect, preference)| (cost(&rect, preference), rect))
@@ -93,15 +138,6 @@ fn half(direction: f64, width: f64) -> f64 {
     if direction == 0.0 { 0.0 } else { 0.5 * width }
 }
 
-/// True if the segment passes through the rectangle, by its sampled points.
-fn crosses(rect: &Rect, ((x0, y0), (x1, y1)): Segment) -> bool {
-    (0..=40).any(|i| {
-        let t = f64::from(i) / 40.0;
-        let (x, y) = (x0 + t * (x1 - x0), y0 + t * (y1 - y0));
-        x > rect.x && x < rect.x + rect.width && y > rect.y && y < rect.y + rect.height
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,26 +150,62 @@ mod tests {
             (0..10u8).map(|i| (200.0 + 9.0 * f64::from(i % 4), 150.0 + 7.0 * f64::from(i / 4))).collect();
         let labels: Vec<Label> = at.iter().map(|&at| Label { at, size: (60.0, 12.0) }).collect();
         let points: Vec<Rect> = at.iter().map(|&at| Rect::around(at, 4.0)).collect();
-        let placed = place(&labels, &points, &[], BOUNDS);
+        let obstacles = Obstacles { points: &points, ..Obstacles::default() };
+        let placed = place(&labels, obstacles, BOUNDS);
         assert_eq!(placed.len(), 10);
         for (i, a) in placed.iter().enumerate() {
             assert!(placed[..i].iter().all(|b| a.overlap(b) == 0.0), "{placed:?}");
             assert!((a.overlap(&BOUNDS) - 720.0).abs() < 1e-9, "{a:?}");
         }
-        assert_eq!(place(&labels, &points, &[], BOUNDS), placed);
+        assert_eq!(place(&labels, obstacles, BOUNDS), placed);
     }
 
     #[test]
     fn a_lone_label_stands_right_of_its_point_and_at_the_edge_left() {
         let label = |x| Label { at: (x, 50.0), size: (40.0, 10.0) };
-        assert!(place(&[label(100.0)], &[], &[], BOUNDS)[0].x > 100.0);
-        let at_edge = place(&[label(395.0)], &[Rect::around((395.0, 50.0), 4.0)], &[], BOUNDS)[0];
+        assert!(place(&[label(100.0)], Obstacles::default(), BOUNDS)[0].x > 100.0);
+        let points = [Rect::around((395.0, 50.0), 4.0)];
+        let at_edge =
+            place(&[label(395.0)], Obstacles { points: &points, ..Obstacles::default() }, BOUNDS)[0];
         assert!(at_edge.x + at_edge.width < 395.0, "{at_edge:?}");
     }
 
     #[test]
+    fn a_line_is_seen_wherever_it_crosses() {
+        let rect = Rect { x: 200.0, y: 100.0, width: 60.0, height: 10.0 };
+        let crossed = [
+            ((0.0, 0.0), (1000.0, 470.0)),
+            ((230.0, 0.0), (230.0, 300.0)),
+            ((0.0, 105.0), (400.0, 105.0)),
+            ((210.0, 102.0), (220.0, 104.0)),
+        ];
+        assert!(crossed.iter().all(|&line| rect.is_crossed(line)));
+        let beside =
+            [((0.0, 0.0), (1000.0, 200.0)), ((230.0, 0.0), (230.0, 90.0)), ((0.0, 111.0), (400.0, 111.0))];
+        assert!(!beside.iter().any(|&line| rect.is_crossed(line)));
+    }
+
+    #[test]
+    fn labels_keep_clear_of_lines_and_leaders() {
+        // A crowd along a line between its points: some labels need leaders.
+        let at: Vec<(f64, f64)> =
+            (0..7u8).map(|i| (180.0 + 9.0 * f64::from(i), 130.0 + 5.0 * f64::from(i))).collect();
+        let labels: Vec<Label> = at.iter().map(|&at| Label { at, size: (90.0, 12.0) }).collect();
+        let points: Vec<Rect> = at.iter().map(|&at| Rect::around(at, 4.0)).collect();
+        let lines: Vec<Segment> = at.windows(2).map(|pair| (pair[0], pair[1])).collect();
+        let placed = place(&labels, Obstacles { points: &points, lines: &lines, bars: &[] }, BOUNDS);
+        let leaders: Vec<Segment> =
+            at.iter().zip(&placed).filter_map(|(&at, rect)| leader(at, rect)).collect();
+        assert!(!leaders.is_empty());
+        for rect in &placed {
+            assert!(!lines.iter().chain(&leaders).any(|&line| rect.is_crossed(line)), "{rect:?}");
+        }
+    }
+
+    #[test]
     fn a_figure_that_is_no_number_ends_nothing() {
-        let nowhere = place(&[Label { at: (f64::NAN, 50.0), size: (40.0, 10.0) }], &[], &[], BOUNDS)[0];
+        let label = Label { at: (f64::NAN, 50.0), size: (40.0, 10.0) };
+        let nowhere = place(&[label], Obstacles::default(), BOUNDS)[0];
         assert_eq!(nowhere.nearest((1.0, f64::INFINITY)), (1.0, nowhere.y + nowhere.height));
     }
 }
