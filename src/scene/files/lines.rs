@@ -28,26 +28,29 @@ impl<'a> Lines<'a> {
     pub fn next(&mut self, joined: bool) -> Result<bool, Fault> {
         self.line.clear();
         self.is_cut = false;
+        // Known from the first word on: to look for it in every line that is appended would take a time that is
+        // quadratic in their number.
+        let mut is_text = None;
         loop {
+            let before = self.line.len();
             if !self.append()? {
                 return Ok(!self.line.is_empty());
             }
+            let ends_here = is_text.unwrap_or_else(|| {
+                let (word, is_continued) = first_word(self.line.get(before..).unwrap_or_default());
+                is_text = (!word.is_empty()).then(|| is_text_word(word));
+                // A comment ends with its line, however it ends.
+                is_text == Some(true) && (!is_continued || word.starts_with(b"#"))
+            });
             let Some(end) = self.line.trim_ascii_end().strip_suffix(b"\\").map(<[u8]>::len) else {
                 return Ok(true);
             };
-            if !joined || self.is_cut || self.ends_in_text() {
+            if !joined || self.is_cut || ends_here {
                 return Ok(true);
             }
             self.line.truncate(end);
             self.line.push(b' ');
         }
-    }
-
-    /// True for comments and names of an OBJ file, such as folders, whose backslash at the end continues nothing.
-    fn ends_in_text(&self) -> bool {
-        let line = self.line.trim_ascii_start();
-        let word = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
-        line.starts_with(b"#") || matches!(word, b"o" | b"g" | b"usemtl" | b"mtllib")
     }
 
     /// Appends the next line to what is held; false if there is none.
@@ -97,6 +100,18 @@ impl<'a> Lines<'a> {
     }
 }
 
+/// The first word of a line, without a backslash at its end, and whether it has one.
+fn first_word(line: &[u8]) -> (&[u8], bool) {
+    let word = line.trim_ascii_start().split(u8::is_ascii_whitespace).next().unwrap_or_default();
+    word.strip_suffix(b"\\").map_or((word, false), |word| (word, true))
+}
+
+/// True for the first words of comments and names of an OBJ file, such as folders, whose backslash at the end continues
+/// nothing.
+fn is_text_word(word: &[u8]) -> bool {
+    word.starts_with(b"#") || matches!(word, b"o" | b"g" | b"usemtl" | b"mtllib")
+}
+
 /// A number of a text file.
 pub(super) fn number(word: &[u8]) -> Option<f32> {
     std::str::from_utf8(word).ok()?.parse().ok()
@@ -114,6 +129,30 @@ mod tests {
         assert_eq!(lines.words().collect::<Vec<_>>(), [&b"v"[..], b"1"]);
         assert!(lines.next(true).unwrap());
         assert_eq!(lines.words().collect::<Vec<_>>(), [b"\xEF\xBB\xBFv"], "within a file it is data");
+    }
+
+    #[test]
+    fn backslashes_continue_lines_but_not_comments_and_names() {
+        let text = &b"\\\n\\\nf 1 \\\n2\\\n\n# a\\\n g b\\\ng\\\nc\\\nv\\\n3\n#a\\\nv 1\n"[..];
+        let mut reader = std::io::BufReader::new(text);
+        let mut lines = Lines::new(&mut reader);
+        let mut all = Vec::new();
+        while lines.next(true).unwrap() {
+            let words: Vec<String> = lines.words().map(|word| String::from_utf8_lossy(word).into()).collect();
+            all.push(words.join(" "));
+        }
+        assert_eq!(all, ["f 1 2", "# a\\", "g b\\", "g c\\", "v 3", "#a\\", "v 1"]);
+    }
+
+    /// Quadratic in the number of lines, this would take hours.
+    #[test]
+    fn millions_of_continued_lines_are_one() {
+        let text = "\\\n".repeat(1 << 21) + "v 1\n";
+        let mut reader = std::io::BufReader::new(text.as_bytes());
+        let mut lines = Lines::new(&mut reader);
+        assert!(lines.next(true).unwrap());
+        assert_eq!(lines.words().collect::<Vec<_>>(), [&b"v"[..], b"1"]);
+        assert!(!lines.next(true).unwrap());
     }
 
     #[test]
