@@ -55,7 +55,8 @@ impl<'a> Compared<'a> {
     ) -> Option<Self> {
         let (changed, base) = ((comparison.changed.as_str(), width), (comparison.base.as_str(), width));
         let of = |&figure: &Figure| {
-            let measured = if figure == Figure::Trace { SceneFigures::traced_by(scenes) } else { figure };
+            let measured =
+                if figure == Figure::Trace { SceneFigures::traced_by(scenes, under) } else { figure };
             (figure, Ratios::among(scenes, base, changed, measured, under))
         };
         let ratios: Vec<(Figure, Ratios)> = figures.iter().map(of).collect();

@@ -6,6 +6,7 @@ use crate::bench::row::Row;
 use crate::report::ablation::Ablation;
 use crate::report::figures::{Figure, SceneFigures, Under, only, tree_name};
 use crate::report::grid::Grid;
+use crate::report::means::Ratios;
 use crate::report::readme::findings::EVERY_SCENE;
 use crate::report::table::{counted_rounds, rounds, warned};
 
@@ -20,7 +21,7 @@ pub fn findings(experiment: &Experiment, rows: &[Row], width: u32) -> String {
         .iter()
         .filter_map(|comparison| Compared::of(comparison, experiment.figures, &scenes, width, &under))
         .collect();
-    let mut text = heading(experiment, &own, width, &under);
+    let mut text = heading(experiment, &own, width, &under) + &in_short(&compared, rows);
     let told = means(&compared) + "\n" + &claims(&compared, rows);
     text += &told;
     text += remark(&told);
@@ -37,17 +38,79 @@ fn heading(experiment: &Experiment, rows: &[Row], width: u32, under: &Under) -> 
     let count = SceneFigures::all(rows).len();
     let noun = if count == 1 { "scene" } else { "scenes" };
     let threads = rows.first().map_or(0, |row| row.threads);
-    let frames = SceneFigures::traced_by(&SceneFigures::all(rows)) == Figure::Frame;
+    let frames = SceneFigures::traced_by(&SceneFigures::all(rows), under) == Figure::Frame;
     let frames = if frames { "whole frames, " } else { "" };
+    // Rows of another kernel tell steps; those of builds alone have none.
+    let traced = only(rows, |row| under.compares(row));
+    let compared = if traced.is_empty() { rows.to_vec() } else { traced };
     let caveat = if caveat.is_empty() { String::new() } else { format!(" {caveat}") };
     format!(
         "# {name}\n\n{about}. Means over {count} {noun}, {width}-wide trees, {threads} threads, in brackets 95 % intervals. The \
          paper ({section}): {paper}.{caveat} Traces: {frames}{}{}, {}. Steps: inner nodes visited and leaf blocks \
          tested per ray under our kernel; they have no noise.\n\n",
-        rays(rows),
-        counted_rounds(&rounds(rows.iter().filter(|row| row.is_good()))),
+        rays(&compared),
+        counted_rounds(&rounds(compared.iter().filter(|row| row.is_good()))),
         under.about()
     )
+}
+
+/// What was found, in a paragraph: which of the paper's statements hold, each once with its figures, and what was
+/// found where it makes none.
+fn in_short(compared: &[Compared<'_>], rows: &[Row]) -> String {
+    let mut told = Vec::new();
+    let judged = judged(compared, rows);
+    for verdict in ["holds", "does not hold", "is undecided"] {
+        let those = judged.iter().filter(|(_, judged)| *judged == verdict);
+        let those: Vec<&str> = those.map(|(statement, _)| statement.as_str()).collect();
+        if !those.is_empty() {
+            told.push(format!("{} {}", heading_of(verdict), those.join("; ")));
+        }
+    }
+    let silent: Vec<String> =
+        compared.iter().filter(|one| one.comparison.expected.is_empty()).map(differences).collect();
+    if !silent.is_empty() {
+        told.push(format!("Without a statement of the paper: {}", silent.join("; ")));
+    }
+    if told.is_empty() { String::new() } else { format!("{}.\n\n", told.join(". ")) }
+}
+
+fn heading_of(verdict: &str) -> &'static str {
+    match verdict {
+        "holds" => "What holds:",
+        "does not hold" => "What does not hold:",
+        _ => "Undecided:",
+    }
+}
+
+/// The paper's statements that were measured, in words and by their own figure, each with its verdict.
+fn judged(compared: &[Compared<'_>], rows: &[Row]) -> Vec<(String, &'static str)> {
+    let mut all = Vec::new();
+    for one in compared {
+        let Comparison { changed, base, expected } = one.comparison;
+        for expectation in expected {
+            let ratios = one.of_figure(expectation.figure);
+            let Some(mean) = ratios.and_then(|ratios| Mean::among(ratios, expectation.among, rows)) else {
+                continue;
+            };
+            let statement =
+                format!("`{changed}` relative to `{base}`: {} ({})", expectation.says, mean.cell());
+            all.push((statement, mean.verdict(expectation.range)));
+        }
+    }
+    all
+}
+
+/// The means of a comparison that are not 1, or that none is told from it.
+fn differences(one: &Compared<'_>) -> String {
+    let Comparison { changed, base, .. } = one.comparison;
+    let differs = |(figure, ratios): &(Figure, Ratios)| {
+        let mean = Mean::of(ratios)?;
+        let interval = mean.interval?;
+        (interval.low > 1.0 || interval.high < 1.0).then(|| format!("{} {}", name(*figure), mean.cell()))
+    };
+    let told: Vec<String> = one.ratios.iter().filter_map(differs).collect();
+    let told = if told.is_empty() { "nothing is told from 1".to_owned() } else { told.join(", ") };
+    format!("`{changed}` relative to `{base}`: {told}")
 }
 
 /// The least and the greatest number of rays of a scene.
@@ -187,6 +250,18 @@ mod tests {
         assert!(of_all.contains(" 0.60 [0.60, 0.60] |") && remark(&of_all).is_empty(), "{of_all}");
         assert!(of_paper.contains(" 0.60 [0.60, 0.60], rounds |"), "{of_paper}");
         assert!(remark(&of_paper).starts_with("rounds: "));
+        let in_short = |rows: &[Row]| {
+            let under = Under::best(rows);
+            in_short(&[Compared::of(comparison, FIGURES, &SceneFigures::all(rows), 4, &under).unwrap()], rows)
+        };
+        let short = in_short(&[of("sanmiguel-like"), of("rooms")].concat());
+        assert!(
+            short.starts_with(
+                "What holds: `phr-hq[alpha=0.5+delta=7]` relative to `phr-hq[alpha=0.55+delta=9]`: "
+            ),
+            "{short}"
+        );
+        assert!(short.contains("it builds about 35 % faster there (0.60 [0.60, 0.60], rounds)"), "{short}");
         let [of_one, _] = told(&of("rooms"));
         assert!(of_one.contains(" 0.60 [0.60, 0.60], rounds |"), "{of_one}");
     }

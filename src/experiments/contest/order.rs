@@ -35,7 +35,7 @@ pub fn of_traces(rows: &[Row], width: u32, under: &Under) -> String {
             nearness(&ratios)
         )
     };
-    let traced = SceneFigures::traced_by(&scenes);
+    let traced = SceneFigures::traced_by(&scenes, under);
     of(name(Figure::Trace), traced, ["fastest", "second fastest"])
         + &of(name(Figure::Steps), Figure::Steps, ["fewest", "second fewest"])
 }

@@ -118,13 +118,15 @@ impl<'a> SceneFigures<'a> {
         Self { scene: scene.into(), totals: rows, views }
     }
 
-    /// By what traces of `scenes` are compared: whole frames, as in the paper, if all that was traced has them, so
-    /// that a figure means one thing.
-    pub fn traced_by<'s>(scenes: impl IntoIterator<Item = &'s Self>) -> Figure
+    /// By what traces of `scenes` are compared: whole frames, as in the paper, if all that was traced under the kernels
+    /// compared has them, so that a figure means one thing.
+    pub fn traced_by<'s>(scenes: impl IntoIterator<Item = &'s Self>, under: &Under) -> Figure
     where
         'a: 's,
     {
-        let has_frames = |row: &&Row| row.trace_ms_median.is_none() || row.frame_ms_median.is_some();
+        let has_frames = |row: &&Row| {
+            row.trace_ms_median.is_none() || row.frame_ms_median.is_some() || !under.compares(row)
+        };
         let all = scenes.into_iter().all(|scene| scene.totals.iter().all(has_frames));
         if all { Figure::Frame } else { Figure::Trace }
     }

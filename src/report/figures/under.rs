@@ -65,6 +65,11 @@ impl Under {
         }
     }
 
+    /// Whether the traces of a row are among those compared.
+    pub fn compares(&self, row: &Row) -> bool {
+        row.kernel == self.kernel_of(&row.builder)
+    }
+
     /// The choice in words, for a legend.
     pub fn about(&self) -> String {
         match self {

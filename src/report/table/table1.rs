@@ -17,7 +17,7 @@ pub fn table1(rows: &[Row], under: &Under) -> String {
     let names = scenes(rows);
     let of_scenes: Vec<(&str, SceneFigures<'_>)> =
         names.iter().map(|name| (name.as_str(), SceneFigures::of(rows, name))).collect();
-    let time = SceneFigures::traced_by(of_scenes.iter().map(|(_, scene)| scene));
+    let time = SceneFigures::traced_by(of_scenes.iter().map(|(_, scene)| scene), under);
     // A column means one thing: reduced rows do not tell of how many views they are the sums.
     let is_traced = |scene: &SceneFigures<'_>| scene.totals().iter().any(|row| row.trace_ms_median.is_some());
     let is_per_view = of_scenes.iter().all(|(_, scene)| scene.views.is_some() || !is_traced(scene));

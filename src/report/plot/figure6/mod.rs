@@ -1,23 +1,24 @@
 //! Figure 6 of the paper from a run: build time against trace time, relative to Embree SAH, with the Pareto fronts.
+//! Traces are whole frames, as in the paper, where the run has them, else the recorded rays.
 //! [`averaged`] shows the trees of both widths, [`beside_paper`] the 4-wide ones beside the paper's points, and
 //! [`by_scene`] every scene by itself.
 
-use super::chart::{Across, Front, INK, Panel, Point, Range, SMALL, sheet, style};
+mod points;
+
+use super::chart::{Across, Front, INK, Panel, Point, Range, SMALL, sheet};
 use super::key::{Entry, key, shapes};
 use super::labels::Rect;
 use super::pareto::front;
 use super::svg::{Anchor, Svg};
 use crate::bench::cell::is_saved;
 use crate::bench::row::Row;
-use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, WIDTH, scenes, tree_name, trees};
+use crate::report::figures::{Figure, SceneFigures, Under, WIDTH, scenes, trees};
 use crate::report::means::Ratios;
 use crate::report::paper;
+use points::{CUT, TreePoint, mean_points, papers, papers_of, scene_points, traced_by};
 
 /// Panels side by side.
 const ABREAST: usize = 3;
-
-/// From where an interval that reaches zero is drawn, as a share of its mean: logarithmic axes have no zero.
-const CUT: f64 = 0.2;
 
 /// The averaged figure, arithmetic means as in the paper; `None` if the run has no point for it.
 pub fn averaged(rows: &[Row], under: &Under) -> Option<String> {
@@ -75,7 +76,7 @@ pub fn by_scene(rows: &[Row], under: &Under) -> Option<String> {
         let beside = paper::scene_of(&name).map_or_else(String::new, |scene| format!("; paper: {scene}"));
         let mut fronts = fronts(&points);
         // Axes are named once: at the left, and below the last panel of a column.
-        let (across, up) = axes();
+        let (across, up) = axes(rows, under);
         let axes = (
             if index + ABREAST >= count { across } else { String::new() },
             if column == 0 { up } else { String::new() },
@@ -89,90 +90,6 @@ pub fn by_scene(rows: &[Row], under: &Under) -> Option<String> {
         panel.draw(&mut svg, Rect { x, y, width: inside.0, height: inside.1 });
     }
     Some(svg.finish())
-}
-
-/// A point of a figure with the tree that it stands for.
-#[derive(Clone)]
-struct TreePoint<'a> {
-    tree: Tree<'a>,
-    point: Point,
-    /// An end of its interval is at [`CUT`], not where it was measured.
-    is_cut: bool,
-}
-
-impl<'a> TreePoint<'a> {
-    /// Filled at width 4, hollow at width 8.
-    fn new(tree: Tree<'a>, at: (f64, f64), label: String) -> Self {
-        let (shape, colour) = style(tree.0);
-        let is_hollow = tree.1 != WIDTH;
-        let point = Point { at, shape, colour, is_hollow, label: Some(label), interval: None };
-        Self { tree, point, is_cut: false }
-    }
-}
-
-/// The trees that `keep` accepts, at their arithmetic means over scenes.
-fn mean_points<'a>(rows: &'a [Row], under: &Under, keep: impl Fn(Tree<'_>) -> bool) -> Vec<TreePoint<'a>> {
-    let count = scenes(rows).len();
-    let point = |tree| {
-        let ratios = |figure| Ratios::of(rows, tree, figure, under);
-        let (build, trace) = (ratios(Figure::Build), ratios(Figure::Trace));
-        let at = placed((build.arithmetic()?, trace.arithmetic()?))?;
-        // A mean over fewer scenes is another mean.
-        let traced = trace.0.len().min(build.0.len());
-        let of = if traced < count { format!(" ({traced} of {count})") } else { String::new() };
-        let mut point = TreePoint::new(tree, at, tree_name(tree) + &of);
-        let intervals = build.arithmetic_interval().zip(trace.arithmetic_interval());
-        if let Some((across, up)) = intervals.filter(|_| tree != BASELINE) {
-            // That of few scenes unlike each other may reach below zero.
-            let low = |low: f64, mean: f64| if low > 0.0 { low } else { CUT * mean };
-            point.is_cut = across.low <= 0.0 || up.low <= 0.0;
-            point.point.interval = Some([(low(across.low, at.0), across.high), (low(up.low, at.1), up.high)]);
-        }
-        Some(point)
-    };
-    trees(rows).into_iter().filter(|&tree| keep(tree)).filter_map(point).collect()
-}
-
-/// The trees of a scene.
-fn scene_points<'a>(rows: &'a [Row], scene: &str, under: &Under) -> Vec<TreePoint<'a>> {
-    let figures = SceneFigures::of(rows, scene);
-    let point = |tree| {
-        let ratio = |figure| Some(figures.ratio(tree, figure, under)?.value);
-        let at = placed((ratio(Figure::Build)?, ratio(Figure::Trace)?))?;
-        Some(TreePoint::new(tree, at, tree_name(tree)))
-    };
-    trees(rows).into_iter().filter_map(point).collect()
-}
-
-/// The same, if it has a place on logarithmic axes: a row may have a time of zero.
-fn placed(at: (f64, f64)) -> Option<(f64, f64)> {
-    [at.0, at.1].iter().all(|ratio| *ratio > 0.0 && ratio.is_finite()).then_some(at)
-}
-
-/// The paper's methods, at the means that `mean` tells.
-fn papers(mean: impl Fn(&str, Figure) -> Option<f64>) -> Vec<TreePoint<'static>> {
-    let point = |builder: &'static str| {
-        let at = (mean(builder, Figure::Build)?, mean(builder, Figure::Trace)?);
-        let mut paper = TreePoint::new((builder, WIDTH), at, builder.to_owned());
-        paper.point.is_hollow = true;
-        paper.point.colour = Entry::Paper.colour();
-        // Embree SAH is at 1 in either.
-        paper.point.label = paper.point.label.filter(|_| builder != BASELINE.0);
-        Some(paper)
-    };
-    paper::builders().filter_map(point).collect()
-}
-
-/// The paper's methods in the scene of ours, if the paper has it, without names.
-fn papers_of(scene: &str) -> Vec<TreePoint<'static>> {
-    let in_paper = paper::scene_of(scene);
-    let ratio = |builder: &str, figure| {
-        let ratios = paper::ratios(builder, figure);
-        ratios.into_iter().find(|(scene, _)| Some(scene) == in_paper.as_ref()).map(|(_, ratio)| ratio)
-    };
-    let mut points = papers(ratio);
-    points.iter_mut().for_each(|paper| paper.point.label = None);
-    points
 }
 
 /// The widths of some trees, ascending.
@@ -226,7 +143,7 @@ fn one_panel(
     let range = Range::of(&points);
     let panel = Panel {
         title: String::new(),
-        axes: axes(),
+        axes: axes(rows, under),
         range,
         across: Across::Logarithmic,
         fronts,
@@ -252,16 +169,20 @@ fn one_panel(
     Some(svg.finish())
 }
 
-fn axes() -> (String, String) {
-    ("build time / Embree SAH, 4-wide".into(), "trace time / Embree SAH, 4-wide".into())
+fn axes(rows: &[Row], under: &Under) -> (String, String) {
+    let up = if traced_by(rows, under) == Figure::Frame { "frame" } else { "trace" };
+    ("build time / Embree SAH, 4-wide".into(), format!("{up} time / Embree SAH, 4-wide"))
 }
 
 /// A sheet with title, what was measured and how, and the key.
 fn with_key(size: (f64, f64), rows: &[Row], under: &Under, means: &str, entries: &[Entry]) -> Svg {
-    let title = "Build time against trace time, relative to Embree SAH at width 4";
+    let is_of_frames = traced_by(rows, under) == Figure::Frame;
+    let up = if is_of_frames { "frame" } else { "trace" };
+    let title = format!("Build time against {up} time, relative to Embree SAH at width 4");
     let threads = rows.first().map_or(0, |row| row.threads);
     let about = format!("{means}, {threads} threads, both axes logarithmic");
-    let mut svg = sheet(size, title, &[&about, &format!("traces: {}", under.about())]);
+    let traces = if is_of_frames { "whole path-traced frames" } else { "traces" };
+    let mut svg = sheet(size, &title, &[&about, &format!("{traces}: {}", under.about())]);
     entries.iter().fold(26.0, |x, &entry| key(&mut svg, (x, 88.5), entry, SMALL) + 26.0);
     let builders: Vec<&str> = trees(rows).into_iter().map(|tree| tree.0).collect();
     shapes(&mut svg, (26.0, 108.5), &builders, SMALL);
@@ -271,6 +192,30 @@ fn with_key(size: (f64, f64), rows: &[Row], under: &Under, means: &str, entries:
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn whole_frames_are_shown_where_all_traces_have_them() {
+        let row = |builder: &str, trace: f64, frame: f64| Row {
+            frame_ms_median: Some(frame),
+            frame_ms_mad: Some(0.0),
+            frame_ms_min: Some(frame),
+            frame_ms_max: Some(frame),
+            ..Row::by_hand(builder, 4, "phr", 10.0, trace)
+        };
+        let mut rows = vec![row("embree-sah", 10.0, 10.0), row("lbvh", 20.0, 15.0)];
+        let under = Under::One("phr".into());
+        let height = |rows: &[Row]| {
+            let points = [mean_points(rows, &under, |_| true), scene_points(rows, &rows[0].scene, &under)];
+            points.map(|points| points.iter().find(|point| point.tree.0 == "lbvh").unwrap().point.at.1)
+        };
+        assert_eq!(height(&rows), [1.5; 2]);
+        for svg in [averaged(&rows, &under), beside_paper(&rows, &under), by_scene(&rows, &under)] {
+            assert!(svg.unwrap().contains(">frame time / Embree SAH, 4-wide<"));
+        }
+        rows[1].frame_ms_median = None;
+        assert_eq!(height(&rows), [2.0; 2]);
+        assert!(averaged(&rows, &under).unwrap().contains(">trace time / Embree SAH, 4-wide<"));
+    }
 
     #[test]
     fn no_figure_falls_off_logarithmic_axes() {
