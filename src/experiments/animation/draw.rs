@@ -1,5 +1,5 @@
-//! Draws an animation: for each scene the time of all frames so far, relative to one contestant's, with marks where
-//! refitting begins to lose, that of each frame, and the steps of a ray.
+//! Draws an animation: for each scene the time of all frames so far, relative to one contestant's, that of each frame,
+//! with marks where refitting begins to lose, and the steps of a ray.
 
 use super::compared::{Track, loses_from, rebuilt, smoothed, tracks};
 use super::entrant::{Entrant, Update};
@@ -7,13 +7,14 @@ use super::records::FrameRow;
 use crate::bench::cell::place;
 use crate::report::figures::scenes_of;
 use crate::report::plot::chart::{Across, Front, INK, Line, Panel, Point, Range, SMALL, sheet};
+use crate::report::plot::key::in_lines;
 use crate::report::plot::labels::Rect;
 use crate::report::plot::raster::text_width;
 use crate::report::plot::svg::{Anchor, Shape};
 
 /// Size of the texts in a panel.
 const FONT: f64 = 12.0;
-/// What a diamond in the panels of all frames so far means.
+/// What a diamond in the panels of each frame means.
 const LOSES: &str =
     "from here on a frame takes longer than with the same builder's rebuilding, medians of five frames";
 
@@ -65,7 +66,8 @@ pub fn draw(rows: &[FrameRow]) -> Option<String> {
     if scenes.iter().any(|(_, tracks)| !losers(tracks).is_empty()) {
         names.push(LOSES.into());
     }
-    let places = key(&names, wide);
+    let widths = names.iter().map(|name| 72.0 + text_width(name, SMALL));
+    let places = in_lines(widths, (26.0, 78.0), wide - 20.0, 20.0);
     let top = places.last().map_or(78.0, |(_, y)| *y) + 62.0;
     let about = format!(
         "build + trace, {}-wide trees, {} threads, {} thousand rays a frame, traces under {}; left: all frames so far, \
@@ -120,21 +122,6 @@ fn thousands_of_rays(rows: &[FrameRow]) -> String {
     if least < most { format!("{least} to {most}") } else { most.to_string() }
 }
 
-/// Where the entries of the key begin.
-fn key(names: &[String], wide: f64) -> Vec<(f64, f64)> {
-    let (mut x, mut y) = (26.0, 78.0);
-    let mut places = Vec::new();
-    for name in names {
-        let width = 72.0 + text_width(name, SMALL);
-        if x + width > wide - 20.0 {
-            (x, y) = (26.0, y + 20.0);
-        }
-        places.push((x, y));
-        x += width;
-    }
-    places
-}
-
 /// Those whose frames take longer than with their builder's rebuilding from some frame on, with that frame.
 fn losers<'a, 'b>(tracks: &'b [Track<'a>]) -> Vec<(&'b Track<'a>, usize)> {
     let loser = |track: &'b Track<'a>| {
@@ -178,19 +165,19 @@ fn panels(scene: &str, tracks: &[Track<'_>], is_last: bool) -> [Panel; 3] {
     let of_frame = |track: &Track<'_>| smoothed(&track.totals(None));
     let least = of_frame(base).first().copied().unwrap_or(1.0);
     let steps = base.steps().first().copied().unwrap_or(1.0);
-    let mut all = panel(
-        format!("{scene}, {triangles} k triangles: all frames so far"),
-        format!("time relative to {}", base.entrant.name()),
-        &relative,
-        1.0,
-    );
-    all.points.extend(losers(tracks).into_iter().map(|(track, frame)| {
-        let (at, colour) = ((frame as f64, relative(track)[frame]), line(&track.entrant).colour);
+    let mut each = panel(format!("{scene}: each frame"), "build + trace, ms".into(), &of_frame, least);
+    each.points.extend(losers(tracks).into_iter().map(|(track, frame)| {
+        let (at, colour) = ((frame as f64, of_frame(track)[frame]), line(&track.entrant).colour);
         Point { at, shape: Shape::Diamond, colour, is_hollow: false, label: None, interval: None }
     }));
     [
-        all,
-        panel(format!("{scene}: each frame"), "build + trace, ms".into(), &of_frame, least),
+        panel(
+            format!("{scene}, {triangles} k triangles: all frames so far"),
+            format!("time relative to {}", base.entrant.name()),
+            &relative,
+            1.0,
+        ),
+        each,
         panel(format!("{scene}: steps of a ray"), "steps".into(), &|track| track.steps(), steps),
     ]
 }

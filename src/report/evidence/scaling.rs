@@ -87,7 +87,7 @@ pub fn page(rows: &[ScalingRow]) -> String {
 }
 
 /// Numbers of workers, ascending.
-fn numbers<'a>(rows: impl Iterator<Item = &'a ScalingRow>) -> Vec<u32> {
+pub fn numbers<'a>(rows: impl Iterator<Item = &'a ScalingRow>) -> Vec<u32> {
     let mut workers: Vec<u32> = rows.map(|row| row.workers).collect();
     workers.sort_unstable();
     workers.dedup();
@@ -95,7 +95,7 @@ fn numbers<'a>(rows: impl Iterator<Item = &'a ScalingRow>) -> Vec<u32> {
 }
 
 /// Builders and widths in the order of the rows.
-fn trees<'a>(rows: impl Iterator<Item = &'a ScalingRow>) -> Vec<(&'a str, u32)> {
+pub fn trees<'a>(rows: impl Iterator<Item = &'a ScalingRow>) -> Vec<(&'a str, u32)> {
     let mut trees = Vec::new();
     for row in rows {
         if !trees.contains(&(&*row.builder, row.width)) {
@@ -107,14 +107,14 @@ fn trees<'a>(rows: impl Iterator<Item = &'a ScalingRow>) -> Vec<(&'a str, u32)> 
 
 /// Of each scene, the work of all tasks by their schedule on `workers`: both are of the same builds, so that none
 /// is faster than `workers` times.
-fn scheduled(rows: &[&ScalingRow], workers: u32) -> Vec<f64> {
+pub fn scheduled(rows: &[&ScalingRow], workers: u32) -> Vec<f64> {
     let whole =
         rows.iter().filter(|row| row.phase == ALL && row.workers == workers && row.scheduled_ms > 0.0);
     whole.map(|row| row.work_ms / row.scheduled_ms).collect()
 }
 
 /// Of each scene, the time measured on the least threads by that on `threads`.
-fn measured(rows: &[&ScalingRow], threads: u32) -> Vec<f64> {
+pub fn measured(rows: &[&ScalingRow], threads: u32) -> Vec<f64> {
     let whole = || rows.iter().filter(|row| row.phase == ALL);
     let least = rows.iter().map(|row| row.workers).min().unwrap_or(1);
     let ratio = |row: &&ScalingRow| {

@@ -120,9 +120,33 @@ pub fn shapes(svg: &mut Svg, (x, y): (f64, f64), builders: &[&str], size: f64) {
     }
 }
 
+/// Where the entries of a key stand that are so wide, in lines from `first` on, so far apart, that end before `right`.
+pub fn in_lines(
+    widths: impl Iterator<Item = f64>,
+    first: (f64, f64),
+    right: f64,
+    apart: f64,
+) -> Vec<(f64, f64)> {
+    let (mut x, mut y) = first;
+    let place = |width: f64| {
+        if x > first.0 && x + width > right {
+            (x, y) = (first.0, y + apart);
+        }
+        x += width;
+        (x - width, y)
+    };
+    widths.map(place).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_long_key_has_several_lines() {
+        let places = in_lines([30.0, 40.0, 50.0, 200.0].into_iter(), (10.0, 5.0), 100.0, 20.0);
+        assert_eq!(places, [(10.0, 5.0), (40.0, 5.0), (10.0, 25.0), (10.0, 45.0)]);
+    }
 
     #[test]
     fn shapes_are_named_as_far_as_they_are_there() {

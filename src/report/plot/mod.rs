@@ -1,12 +1,12 @@
 //! The figures drawn from the rows of a run. A figure is a function from rows to SVG, in a module of its own, with
 //! a line in [`figures`] and a name in [`FIGURES`].
 //!
-//! [`figure6`], [`growth`], [`threads`] and [`phases`] choose the points, [`total_time`] draws advice; [`pareto`]
-//! finds the front, [`chart`] draws a panel with axes and [`labels`] and [`key`], [`svg`] writes the drawing and
-//! [`raster`] turns it into PNG. It is drawn by hand: the chart crates place no labels beside crowded points, and
-//! their texts depend on the fonts of the machine, so that no file would stay the same. Bars and lines without
-//! labels, which such a crate would draw as well, come from the same writer: all figures have the same colours and
-//! keys, and are checked in the same way, byte for byte.
+//! [`figure6`], [`growth`], [`threads`] and [`phases`] choose the points, [`workers`] draws scaling, [`total_time`]
+//! advice; [`pareto`] finds the front, [`chart`] draws a panel with axes and [`labels`] and [`key`], [`svg`] writes the
+//! drawing and [`raster`] turns it into PNG. It is drawn by hand: the chart crates place no labels beside crowded
+//! points, and their texts depend on the fonts of the machine, so that no file would stay the same. Bars and lines
+//! without labels, which such a crate would draw as well, come from the same writer: all figures have the same colours
+//! and keys, and are checked in the same way, byte for byte.
 
 pub mod chart;
 pub mod figure6;
@@ -20,6 +20,7 @@ pub mod svg;
 pub mod threads;
 pub mod ticks;
 pub mod total_time;
+pub mod workers;
 
 use super::figures::Under;
 use crate::bench::phases::PhaseRow;

@@ -1,6 +1,7 @@
 //! The figure of phases: a bar per tree, stacked from the phases of its build; Embree's, which tells none, as a whole.
 
 use super::chart::{INK, SMALL, sheet};
+use super::key::in_lines;
 use super::raster::text_width;
 use super::svg::Anchor;
 use super::ticks::linear_ticks;
@@ -105,16 +106,15 @@ pub fn phases(rows: &[Row], phases: &[PhaseRow]) -> Option<String> {
             entries.push(phase);
         }
     }
-    let (mut x, mut y) = (26.0, 70.0);
-    for phase in entries {
-        let name = if phase.is_empty() { "whole build, phases not told" } else { phase };
-        let width = 40.0 + text_width(name, SMALL);
-        if x + width > left + LENGTH + 60.0 {
-            (x, y) = (26.0, y + 22.0);
-        }
+    let name = |phase: &&str| {
+        if phase.is_empty() { "whole build, phases not told".to_owned() } else { phase.to_string() }
+    };
+    let names: Vec<String> = entries.iter().map(name).collect();
+    let widths = names.iter().map(|name| 40.0 + text_width(name, SMALL));
+    let places = in_lines(widths, (26.0, 70.0), left + LENGTH + 60.0, 22.0);
+    for ((phase, name), (x, y)) in entries.iter().zip(&names).zip(places) {
         svg.fill((x, y), (14.0, 14.0), colour(phase), "");
         svg.text((x + 20.0, y + 11.5), Anchor::Start, SMALL, INK, name, "");
-        x += width;
     }
     Some(svg.finish())
 }

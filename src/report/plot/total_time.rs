@@ -4,6 +4,7 @@
 
 use super::Drawing;
 use super::chart::{Across, DASHES, Front, INK, Line, Panel, Point, Range, SMALL, sheet, style};
+use super::key::in_lines;
 use super::labels::Rect;
 use super::raster::text_width;
 use super::svg::{Anchor, Svg};
@@ -95,7 +96,9 @@ pub fn total_time(advice: &Advice) -> Option<Drawing> {
     if let Some(other) = lines.iter().find(|entry| place(entry.0).is_none()) {
         entries.push((Line { more: "", ..line_of(other.0) }, "best nowhere".into()));
     }
-    let places = places(&entries);
+    let [width, top, margin] = SHEET;
+    let lengths = entries.iter().map(|(_, text)| KEY[1] + 30.0 + text_width(text, SMALL));
+    let places = in_lines(lengths, (margin, top + 0.5 * KEY[0]), width - margin + 24.0, KEY[0]);
     let end = places.last().map_or(SHEET[1], |(_, y)| y + KEY[0]);
     let mut svg = sheet((SHEET[0], end), &title, &about);
     for ((line, text), (x, y)) in entries.iter().zip(places) {
@@ -106,22 +109,6 @@ pub fn total_time(advice: &Advice) -> Option<Drawing> {
     let ratio = panel("relative to the best", "total time / best", (0.97, MOST), ratios, at(true));
     ratio.draw(&mut svg, Rect { x: 650.0, y: 112.0, width: 480.0, height: 380.0 });
     Some(Drawing { name: "advice", svg: svg.finish() })
-}
-
-/// Where the entries of the key begin, row by row.
-fn places(entries: &[(Line, String)]) -> Vec<(f64, f64)> {
-    let [width, top, margin] = SHEET;
-    let (mut x, mut y) = (margin, top + 0.5 * KEY[0]);
-    let place = |(_, text): &(Line, String)| {
-        let length = KEY[1] + 6.0 + text_width(text, SMALL);
-        if x > margin && x + length > width - margin {
-            (x, y) = (margin, y + KEY[0]);
-        }
-        let at = (x, y);
-        x += length + 24.0;
-        at
-    };
-    entries.iter().map(place).collect()
 }
 
 /// An entry of the key: how a line looks, and what it is.
@@ -170,13 +157,5 @@ mod tests {
         let svg = total_time(&advice).unwrap().svg;
         assert_eq!(svg.matches(">embree-morton<").count(), 1, "{svg}");
         assert!(svg.contains(&format!("stroke=\"{}\" stroke-width=\"2\"{DASHES}", COLOURS[0])), "{svg}");
-    }
-
-    #[test]
-    fn a_long_key_has_rows() {
-        let entry = (Line { colour: INK, width: 2.0, more: "" }, "phr-quality[max_cut=4096] / 8".to_owned());
-        let places = places(&vec![entry; 9]);
-        assert!(places.iter().all(|(x, _)| *x < SHEET[0] - 150.0), "{places:?}");
-        assert!(places.windows(2).any(|pair| pair[0].1 < pair[1].1), "{places:?}");
     }
 }
