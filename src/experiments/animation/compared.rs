@@ -3,7 +3,12 @@
 
 use super::entrant::{Entrant, Update};
 use super::records::FrameRow;
-use crate::bench::statistics::median;
+use crate::bench::statistics::{Ratio, median};
+use crate::bench::turns::paired::PairedMean;
+use std::iter::once;
+
+/// Frames of a span, of which ratios are taken: the noise of a machine lasts longer than a frame.
+const SPAN: usize = 10;
 
 /// Frames to either side of one whose median stands for it: single frames are noise.
 const AROUND: usize = 2;
@@ -90,6 +95,18 @@ pub fn loses_from(track: &Track<'_>, base: &Track<'_>, rays: Option<f64>) -> Opt
     above_from(&smoothed(&track.totals(rays)), &smoothed(&base.totals(rays)))
 }
 
+/// The geometric mean of `of` relative to `base` over spans of ten frames, the first frame left out, with Student's
+/// 95 % interval over the spans; `None` for fewer than two of these.
+pub fn ratio(of: &[f64], base: &[f64]) -> Option<Ratio> {
+    let sums = |values: &[f64]| -> Vec<f64> {
+        let spans = values.get(1..).unwrap_or(&[]).chunks(SPAN);
+        // A span of few frames at the end counts for nothing.
+        spans.filter(|span| 2 * span.len() >= SPAN).map(|span| span.iter().sum()).collect()
+    };
+    let logarithms: Vec<f64> = sums(of).iter().zip(sums(base)).map(|(of, base)| (of / base).ln()).collect();
+    (logarithms.len() > 1).then(|| PairedMean::of(once(&logarithms[..])).ratio())
+}
+
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
@@ -137,6 +154,21 @@ pub(super) mod tests {
         let mut rows = rows("lbvh", Update::Refit, &[(2.0, 10.0), (1.0, 20.0)]);
         rows.pop();
         assert!(tracks(&rows, "s").is_empty());
+    }
+
+    #[test]
+    fn ratios_leave_the_first_frame_out_and_have_intervals_over_spans() {
+        let base = [2.0; 31];
+        let mut of = [3.0; 31];
+        of[0] = 1000.0;
+        let all_alike = ratio(&of, &base).unwrap();
+        assert!([all_alike.value, all_alike.low, all_alike.high].iter().all(|x| (x - 1.5).abs() < 1e-12));
+        of[11..21].fill(6.0);
+        // Spans of 1.5, 3 and 1.5: a mean logarithm of ln(1.5) + ln(2) / 3 and a deviation of ln(2) / sqrt(3).
+        let varied = ratio(&of, &base).unwrap();
+        let (mean, error) = (1.5_f64.ln() + 2.0_f64.ln() / 3.0, 4.303 * 2.0_f64.ln() / 3.0);
+        assert!((varied.value.ln() - mean).abs() < 1e-12 && (varied.high.ln() - mean - error).abs() < 1e-12);
+        assert_eq!((ratio(&of[..11], &base), ratio(&[], &base)), (None, None));
     }
 
     #[test]

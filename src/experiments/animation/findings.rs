@@ -1,9 +1,10 @@
 //! What following an animation found, in words made from its rows.
 
-use super::compared::{Track, above_from, loses_from, rebuilt, tracks};
+use super::compared::{Track, above_from, loses_from, ratio, rebuilt, tracks};
 use super::entrant::{Entrant, Update};
 use super::records::FrameRow;
-use crate::bench::statistics::arithmetic_mean;
+use crate::bench::statistics::{Ratio, arithmetic_mean};
+use crate::report::figures::interval::Interval;
 use crate::report::figures::scenes_of;
 use crate::report::grid::{Grid, short};
 
@@ -28,8 +29,8 @@ fn of_scene(rows: &[FrameRow], scene: &str) -> String {
     let mut text = format!(
         "## {scene}\n\n{} triangles, {} of which never move; {} frames of about {} rays ({} x {} pixels, {}), {}-wide trees, {} \
          threads, traces under {}, medians of {} rounds; every answer of every frame verified. Means over the frames after \
-         the first, in which every tree is built. loses from: the frame from which on a frame takes longer than with the same \
-         builder's rebuilding, medians of five frames, in brackets all frames so far together.\n\n",
+         the first, in which every tree is built; ratios are geometric means over spans of ten frames, in brackets 95 % intervals over these. loses from: the frame from which on a frame takes longer than with the same \
+         builder's rebuilding, medians of five frames, in brackets all frames so far together. More rays than were recorded are taken to be as fast as those.\n\n",
         first.triangles,
         first.fixed,
         first.frames,
@@ -50,8 +51,16 @@ fn of_scene(rows: &[FrameRow], scene: &str) -> String {
 
 /// Means over the frames after the first, and the whole.
 fn table(tracks: &[Track<'_>]) -> String {
-    let header =
-        ["tree", "update, ms", "trace, ms", "steps of a ray, first frame", "last frame", "all frames, s"];
+    let header = [
+        "tree",
+        "update, ms",
+        "trace, ms",
+        "steps of a ray, first frame",
+        "last frame",
+        "all frames, s",
+        "update / its rebuild's",
+        "trace / its rebuild's",
+    ];
     let loses = RAYS.map(|(_, rays)| format!("loses from, {rays}"));
     let mut grid = Grid::new(header.into_iter().map(String::from).chain(loses));
     for track in tracks {
@@ -67,6 +76,8 @@ fn table(tracks: &[Track<'_>]) -> String {
         ];
         let base = rebuilt(tracks, &track.entrant).filter(|_| track.entrant.update != Update::Rebuild);
         if let Some(base) = base {
+            cells.push(relative(&track.builds(), &base.builds()));
+            cells.push(relative(&track.traces(None), &base.traces(None)));
             cells.extend(RAYS.map(|(rays, _)| {
                 let told = |frame: Option<usize>| frame.map_or("never".to_owned(), |frame| frame.to_string());
                 let together = above_from(&track.cumulated(rays), &base.cumulated(rays));
@@ -76,6 +87,12 @@ fn table(tracks: &[Track<'_>]) -> String {
         grid.push(cells);
     }
     grid.markdown()
+}
+
+/// A ratio with its interval.
+fn relative(of: &[f64], base: &[f64]) -> String {
+    let shown = |Ratio { value, low, high }| format!("{value:.2} {}", Interval { low, high }.shown(2));
+    ratio(of, base).map_or_else(String::new, shown)
 }
 
 /// The mean over the frames after the first; of the first where there is no other.
@@ -119,7 +136,9 @@ mod tests {
         let text = findings(&all);
         let refit = text.lines().find(|line| line.starts_with("| lbvh, refit")).unwrap();
         let cells: Vec<&str> = refit.split('|').map(str::trim).collect();
-        assert_eq!((cells[2], &cells[7..9]), ("1.00", &["8 (15)", "0 (1)"][..]), "{text}");
+        assert_eq!((cells[2], &cells[9..11]), ("1.00", &["8 (15)", "0 (1)"][..]), "{text}");
+        // Spans of frames 1 to 10 and 11 to 19 over ten and nine frames of ten milliseconds.
+        assert_eq!(cells[7..9], ["0.13 [0.13, 0.13]", "1.97 [0.09, 41.03]"], "{text}");
         assert!(text.contains("with the recorded rays lbvh, rebuild (0.360 s)"), "{text}");
         assert!(text.contains("of Embree's embree-sah, rebuild"), "{text}");
     }

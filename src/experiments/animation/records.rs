@@ -1,6 +1,9 @@
 //! The records of an animation: `animation.csv`, a row for each frame of each contestant. `results/README.md`
 //! describes the columns for readers of the file.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 use super::entrant::{Entrant, Update};
 use crate::bench::files::{self, RecordsError};
 use serde::{Deserialize, Serialize};
