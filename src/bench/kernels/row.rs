@@ -1,7 +1,10 @@
 //! The records of kernels: `kernels.csv`, one row per scene x builder x width x kernel x ray kind x threads.
 //! `results/README.md` describes the columns for readers of the file.
 
-use crate::bench::files::{self, RecordsError};
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
+use crate::bench::files::{self, MOST, RecordsError};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -101,7 +104,17 @@ pub fn write(path: &Path, rows: &[KernelRow]) -> Result<(), RecordsError> {
 /// # Errors
 /// No such file, other columns, no rows.
 pub fn read(results: &Path) -> Result<Vec<KernelRow>, RecordsError> {
-    files::read_csv(results, KERNELS, (|row: &KernelRow| row.schema, SCHEMA), "run `phr kernels` first")
+    let remedy = "run `phr kernels` first";
+    let rows = files::read_csv(results, KERNELS, (|row: &KernelRow| row.schema, SCHEMA), remedy)?;
+    for (row, line) in rows.iter().zip(2..) {
+        let of = |pass: &str| pass.parse().unwrap_or(f64::NAN);
+        let is_one = |ms: &f64| (0.0..=MOST).contains(ms);
+        if let Some(value) = row.pass_ms.split_whitespace().map(of).find(|ms| !is_one(ms)) {
+            let path = if results.is_dir() { results.join(KERNELS) } else { results.to_owned() };
+            return Err(RecordsError::Figure { path, line, column: "pass_ms".into(), value, remedy });
+        }
+    }
+    Ok(rows)
 }
 
 #[cfg(test)]
@@ -124,6 +137,17 @@ mod tests {
         let rows = [row.clone(), KernelRow { ratio: None, verified: true, ..row }];
         write(&folder.path().join(KERNELS), &rows).unwrap();
         assert_eq!(read(folder.path()).unwrap(), rows);
+    }
+
+    #[test]
+    fn passes_that_cannot_be_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        for pass_ms in ["1.5 -2", "NaN", "1.5 two"] {
+            let row = KernelRow { schema: SCHEMA, pass_ms: pass_ms.into(), ..KernelRow::default() };
+            write(&folder.path().join(KERNELS), &[row]).unwrap();
+            let error = read(folder.path()).unwrap_err().to_string();
+            assert!(error.contains("kernels.csv") && error.contains("pass_ms"), "{error}");
+        }
     }
 
     #[test]

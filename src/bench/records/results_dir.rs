@@ -131,6 +131,8 @@ mod tests {
             scene: scene.into(),
             view: view.into(),
             ray_kind: ray_kind.into(),
+            width: 4,
+            threads: 2,
             ..Row::default()
         }
     }

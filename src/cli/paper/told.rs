@@ -1,6 +1,6 @@
 //! What an experiment leaves in its folder beside its records: findings and drawings.
 
-use crate::bench::files::write_whole;
+use crate::bench::files::{text, write_whole};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
 use crate::cli::verbs::plot::{check, draw};
@@ -28,7 +28,7 @@ pub fn write(findings: &str, drawings: &[Drawing], folder: &Path) -> Result<(), 
 /// The first such file.
 pub fn compare(findings: &str, drawings: &[Drawing], folder: &Path) -> Result<(), Failure> {
     let path = folder.join(FINDINGS);
-    if std::fs::read_to_string(&path).unwrap_or_default() != findings {
+    if text(&path).unwrap_or_default() != findings {
         let path = path.display();
         return Err(Failure::Wrong(format!(
             "{path}: not what these rows tell; write it again with --redraw"

@@ -95,6 +95,8 @@ mod tests {
     fn a_heat_map_is_the_same_every_time_and_tells_its_counts_apart() {
         let panel = |builder: &str, most: u16| {
             let row = HeatmapRow {
+                git_rev: "1234".into(),
+                cpu: "a".into(),
                 scene: "s".into(),
                 triangles: 10,
                 view: 0,

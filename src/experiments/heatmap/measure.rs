@@ -3,6 +3,7 @@
 use super::records::{HeatmapRow, Panel};
 use crate::bench::cell::{Cell, Kernel};
 use crate::bench::contender::{self, BuildRequest, Contender, TreeUnderKernel};
+use crate::bench::environment::{Machine, Program};
 use crate::bench::pools::Pools;
 use crate::bench::statistics::{Summary, figures};
 use crate::geometry::{Hit, Ray, Tracer};
@@ -76,6 +77,8 @@ fn panel(request: &Request<'_>, cell: &Cell, rays: &[Ray], reference: &[Hit]) ->
     let last = sorted.len() - 1;
     let build_ms = Summary::of(&built.times.fresh.ms).map_or(0.0, |builds| builds.median);
     let row = HeatmapRow {
+        git_rev: Program::this().git_rev,
+        cpu: Machine::this("").cpu,
         scene: scene.name.clone(),
         triangles: mesh.len() as u64,
         view: view as u32,

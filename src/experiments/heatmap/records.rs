@@ -4,13 +4,22 @@
 #![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
-use crate::bench::files::{RecordsError, read_csv_file, write_csv, write_whole};
+use crate::bench::files::{RecordsError, content, read_csv_file, write_csv, write_whole};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+
+/// Pixels across and down, at most.
+pub const MOST_PIXELS: u32 = 1 << 12;
+/// Panels, at most.
+const MOST_PANELS: usize = 256;
 
 /// A line of the CSV. A step is the visit of an inner node or the test of a leaf block.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeatmapRow {
+    /// Revision of this program, `-dirty` if the sources differed from it.
+    pub git_rev: String,
+    /// Processor model.
+    pub cpu: String,
     /// Scene name.
     pub scene: String,
     /// Triangles of the scene.
@@ -106,6 +115,11 @@ pub fn read(png: &Path) -> Result<Vec<Panel>, HeatmapError> {
     let size = rows.first().map_or(0, |row| row.size);
     let failed = |reason: String| HeatmapError::Counts { path: counts_path.clone(), reason };
     let (count, are_alike) = (rows.len(), rows.iter().all(|row| row.size == size));
+    if !(1..=MOST_PIXELS).contains(&size) || count > MOST_PANELS {
+        return Err(failed(format!(
+            "{count} panels of {size} x {size} pixels; a heat map has at most {MOST_PANELS} of {MOST_PIXELS} x {MOST_PIXELS}"
+        )));
+    }
     let samples = decoded(&counts_path, |across, down| {
         let panels = u64::from(size).checked_mul(count as u64);
         (are_alike && across == size && Some(u64::from(down)) == panels)
@@ -121,15 +135,17 @@ pub fn read(png: &Path) -> Result<Vec<Panel>, HeatmapError> {
 
 /// Samples of a grey PNG of 16 bits, of a width and height that `check` accepts: memory is taken afterwards.
 fn decoded(path: &Path, check: impl Fn(u32, u32) -> Result<(), String>) -> Result<Vec<u16>, String> {
-    let file = std::fs::File::open(path).map_err(|error| error.to_string())?;
+    let file = content(path).map_err(|error| error.to_string())?;
     let mut reader =
-        png::Decoder::new(std::io::BufReader::new(file)).read_info().map_err(|error| error.to_string())?;
+        png::Decoder::new(std::io::Cursor::new(file)).read_info().map_err(|error| error.to_string())?;
     if reader.output_color_type() != (png::ColorType::Grayscale, png::BitDepth::Sixteen) {
         return Err("not a grey picture of 16 bits".into());
     }
     let (across, down) = reader.info().size();
     check(across, down)?;
-    let mut bytes = vec![0; reader.output_buffer_size().ok_or("too large")?];
+    let (mut bytes, size) = (Vec::new(), reader.output_buffer_size().ok_or("too large")?);
+    bytes.try_reserve_exact(size).map_err(|_| format!("no memory for its {size} bytes"))?;
+    bytes.resize(size, 0);
     reader.next_frame(&mut bytes).map_err(|error| error.to_string())?;
     Ok(bytes.as_chunks().0.iter().map(|pair| u16::from_be_bytes(*pair)).collect())
 }
@@ -141,6 +157,8 @@ mod tests {
     fn panel(builder: &str, size: u32) -> Panel {
         let steps: Vec<u16> = (0..size * size).map(|i| (i * 77 % 1031) as u16).collect();
         let row = HeatmapRow {
+            git_rev: "1234".into(),
+            cpu: "a".into(),
             scene: "s".into(),
             triangles: 10,
             view: 0,
@@ -171,6 +189,16 @@ mod tests {
         std::fs::copy(folder.path().join("other.counts.png"), counts).unwrap();
         let error = read(&png).unwrap_err().to_string();
         assert!(error.contains("map.counts.png: 4 x 4 pixels are not 2 panels of 8 x 8"), "{error}");
+        // More pixels than any heat map has, and a file that might never end.
+        let [csv, counts] = places(&png);
+        let text = std::fs::read_to_string(&csv).unwrap();
+        std::fs::write(&csv, text.replace(",8,a,", ",1000000,a,").replace(",8,b,", ",1000000,b,")).unwrap();
+        let error = read(&png).unwrap_err().to_string();
+        assert!(error.contains("1000000 x 1000000 pixels"), "{error}");
+        std::fs::write(&csv, text).unwrap();
+        std::fs::remove_file(&counts).unwrap();
+        std::fs::create_dir(&counts).unwrap();
+        assert!(read(&png).unwrap_err().to_string().contains("not a regular file"));
         std::fs::remove_file(folder.path().join("map.csv")).unwrap();
         assert!(matches!(read(&png), Err(HeatmapError::Records(RecordsError::Io { .. }))));
     }

@@ -84,7 +84,13 @@ pub fn read_csv<T: for<'a> Deserialize<'a> + Serialize>(
         let record = record.map_err(malformed)?;
         let row = record.deserialize(Some(&headers)).map_err(malformed)?;
         if let Some((column, value)) = absurd(&row, headers.iter().zip(&record)) {
-            return Err(RecordsError::Figure { path, line: rows.len() + 2, column: column.into(), value });
+            return Err(RecordsError::Figure {
+                path,
+                line: rows.len() + 2,
+                column: column.into(),
+                value,
+                remedy,
+            });
         }
         rows.push(row);
     }
@@ -102,9 +108,9 @@ pub fn read_csv<T: for<'a> Deserialize<'a> + Serialize>(
     }
 }
 
-/// The first number among the fields of a row that no figure can be: NaN, beyond [`MOST`], or a negative time
-/// (`ms`). Fields that the row keeps as text are none, nor are coordinates of boxes, which are infinite where a box
-/// is empty.
+/// The first number among the fields of a row that no figure can be: NaN, beyond [`MOST`], or negative, but for the
+/// place of a plane. Fields that the row keeps as text are none, nor are coordinates of boxes, which are infinite
+/// where a box is empty.
 fn absurd<'a, T: Serialize>(
     row: &T,
     mut fields: impl Iterator<Item = (&'a str, &'a str)>,
@@ -112,7 +118,7 @@ fn absurd<'a, T: Serialize>(
     let row = serde_json::to_value(row).ok()?;
     fields.find_map(|(column, field)| {
         let value: f64 = field.parse().ok()?;
-        let least = if column.split('_').any(|word| word == "ms") { 0.0 } else { -MOST };
+        let least = if column == "plane" { -MOST } else { 0.0 };
         let is_other = row.get(column).is_none_or(serde_json::Value::is_string)
             || column.starts_with("min_")
             || column.starts_with("max_");
@@ -164,6 +170,26 @@ mod tests {
         let names: Vec<String> = read(&path, &text).unwrap().into_iter().map(|line| line.name).collect();
         assert_eq!(names, ["a", "#b", "c\n# rows: 1\n"]);
         assert!(read(&path, &text.replace('\n', "\r\n")).is_ok(), "as some systems end lines");
+    }
+
+    #[test]
+    fn figures_that_cannot_be_are_refused() {
+        let (_keep, path, text) = written(&["a", "b"]);
+        for figure in ["-1", "NaN", "inf", "1e308"] {
+            let error = read(&path, &text.replacen("1.5", figure, 1)).unwrap_err();
+            assert!(error.contains("lines.csv") && error.contains("ms"), "{error}");
+        }
+        #[derive(Debug, PartialEq, Serialize, Deserialize)]
+        struct Box {
+            min_x: f64,
+            plane: f64,
+            rays_per_s: f64,
+        }
+        let write = |rays_per_s| write_csv(&path, &[Box { min_x: -f64::INFINITY, plane: -2.0, rays_per_s }]);
+        write(3.0).unwrap();
+        assert_eq!(read_csv_file::<Box>(&path, REMEDY).unwrap()[0].plane, -2.0);
+        write(-3.0).unwrap();
+        assert!(read_csv_file::<Box>(&path, REMEDY).unwrap_err().to_string().contains("rays_per_s"));
     }
 
     #[test]

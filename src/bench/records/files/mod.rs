@@ -125,7 +125,7 @@ pub enum RecordsError {
         row: String,
     },
     /// A figure that none can be.
-    #[error("{}: line {line}: {column} is {value:e}; run `phr bench` again", path.display())]
+    #[error("{}: line {line}: {column} is {value:e}; {remedy}", path.display())]
     Figure {
         /// The file.
         path: PathBuf,
@@ -135,6 +135,8 @@ pub enum RecordsError {
         column: String,
         /// Its value.
         value: f64,
+        /// The remedy.
+        remedy: &'static str,
     },
     /// Written with other columns.
     #[error("{}: schema {found}, this program reads {expected}; {remedy}", path.display())]

@@ -26,10 +26,22 @@ pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
             return Err(RecordsError::Schema { path, found: row.schema, expected: SCHEMA, remedy });
         }
         let unusable = |value: f64| !(0.0..=MOST).contains(&value);
-        if let Some((column, Some(value))) =
-            row.figures().into_iter().find(|(_, value)| value.is_some_and(unusable))
-        {
-            return Err(RecordsError::Figure { path, line: rows.len() + 2, column: column.into(), value });
+        let counts =
+            [("width", row.width, [4, 8].contains(&row.width)), ("threads", row.threads, row.threads > 0)];
+        let count =
+            counts.into_iter().find(|(.., is_one)| !is_one).map(|(column, count, _)| (column, count.into()));
+        let figure = row
+            .figures()
+            .into_iter()
+            .find_map(|(column, value)| Some((column, value.filter(|&it| unusable(it))?)));
+        if let Some((column, value)) = count.or(figure) {
+            return Err(RecordsError::Figure {
+                path,
+                line: rows.len() + 2,
+                column: column.into(),
+                value,
+                remedy,
+            });
         }
         rows.push(row);
     }

@@ -35,6 +35,7 @@ impl Row {
 fn row() -> Row {
     Row {
         schema: SCHEMA,
+        threads: 2,
         scene: "a, \"quoted\" scene".into(),
         builder: "phr-hq".into(),
         builder_config: r#"{"alpha":0.55,"delta":9}"#.into(),
@@ -86,6 +87,11 @@ fn figures_that_cannot_be_are_refused() {
     write(&path, &[row()]).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(text.contains(",12.5,"));
+    for (column, row) in [("width", Row { width: 5, ..row() }), ("threads", Row { threads: 0, ..row() })] {
+        write(&path, &[row]).unwrap();
+        let error = read(folder.path()).unwrap_err().to_string();
+        assert!(error.contains(&format!("line 2: {column} is")), "{error}");
+    }
     for figure in ["NaN", "inf", "-1", "1e308"] {
         std::fs::write(&path, text.replace(",12.5,", &format!(",{figure},"))).unwrap();
         let error = read(folder.path()).unwrap_err().to_string();
