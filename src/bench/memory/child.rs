@@ -34,8 +34,8 @@ pub fn answer(input: impl Read, cell: &Cell, pool: &ThreadPool) -> Result<BuildM
 
 /// A mesh of the first [`FEW`] triangles.
 fn beginning(mesh: &Mesh) -> Result<Mesh, String> {
-    let few = &mesh.triangles()[..mesh.len().min(FEW)];
-    let vertices = few.iter().flatten().map(|&i| mesh.vertices()[i as usize]).collect();
-    let triangles = (0..few.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let few = mesh.triangles().iter().take(FEW);
+    let vertices: Vec<_> = few.flatten().filter_map(|&i| mesh.vertices().get(i as usize).copied()).collect();
+    let triangles = (0..vertices.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     Mesh::new(vertices, triangles).map(|(mesh, _)| mesh).map_err(|error| error.to_string())
 }

@@ -1,5 +1,8 @@
 //! Bytes of a build, by one instrument for all contenders: the resident memory of a process that builds once.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 mod child;
 mod mesh_stream;
 mod parent;

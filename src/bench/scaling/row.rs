@@ -1,6 +1,9 @@
 //! The records of scaling: `scaling.csv`, one row per scene x builder x width x workers x phase.
 //! `results/README.md` describes the columns for readers of the file.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 use crate::bench::files::{self, RecordsError};
 use serde::{Deserialize, Serialize};
 use std::path::Path;

@@ -1,6 +1,9 @@
 //! A program that builds when told to: `phr turns SCENE` loads the scene and answers each line `BUILDER WIDTH` on its
 //! standard input by a line with the build's milliseconds, or `error REASON`.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 use crate::bench::build_times::{is_enough, ms};
 use crate::bench::cell::Cell;
 use crate::bench::contender::Contender;
@@ -68,7 +71,8 @@ impl Child {
         let failed = |source| ChildError::Start { program: program.to_owned(), source };
         let mut process = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().map_err(failed)?;
         let (Some(input), Some(output)) = (process.stdin.take(), process.stdout.take()) else {
-            unreachable!("both were asked for")
+            // Both were asked for.
+            return Err(failed(std::io::ErrorKind::BrokenPipe.into()));
         };
         let output = BufReader::new(output);
         let mut child = Self { program: program.to_owned(), process, input, output, sha: String::new() };

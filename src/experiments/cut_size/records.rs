@@ -1,5 +1,8 @@
 //! Cut sizes as CSV.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 use crate::bench::statistics::figures;
 use crate::builders::cuts_of;
 use crate::builders::steps::watch::cut_sizes;

@@ -1,5 +1,8 @@
 //! The boxes of splits as CSV, from which the pictures are drawn.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 use super::{Kind, Picture};
 use crate::builders::steps::split_boxes::{OpenedNode, SideBoxes, SplitBoxes};
 use crate::geometry::Aabb;

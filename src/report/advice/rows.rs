@@ -1,6 +1,9 @@
 //! Advice as CSV: one row per tree, with what was measured and what is made of it, so that an estimate that is made
 //! otherwise needs no new measurement.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 use super::estimate::{Traced, estimates};
 use super::{Advice, Known};
 use crate::bench::files::{RecordsError, read_csv, write_csv};

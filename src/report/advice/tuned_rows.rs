@@ -1,6 +1,9 @@
 //! A search of parameters as CSV, one row per configuration and stage, and the table of what searches in several
 //! scenes gained.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 use crate::bench::files::{RecordsError, read_csv, write_csv};
 use crate::bench::quick::line::TotalTime;
 use crate::bench::tune::{Trial, Tuned, mean_ratios};
