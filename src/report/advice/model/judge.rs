@@ -4,6 +4,7 @@ use super::Model;
 use super::observed::Observed;
 use crate::bench::quick::line::{TotalTime, least_at};
 use crate::bench::quick::survey::BUDGETS;
+use crate::bench::statistics::Ratio;
 use crate::bench::turns::paired::PairedMean;
 
 /// Advice for one scene and number of rays.
@@ -24,11 +25,10 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether the advised tree is more than `factor` times as slow as the best beyond the noise of the rounds:
-    /// Student's 95 % interval of the ratio lies above it. Nothing is known below three rounds.
-    pub fn is_surely_above(&self, factor: f64) -> Option<bool> {
+    /// Student's 95 % interval of the ratio over the rounds, about their mean; `None` below three rounds.
+    pub fn over_rounds(&self) -> Option<Ratio> {
         let logs: Vec<f64> = self.by_round.iter().map(|ratio| ratio.ln()).collect();
-        (logs.len() >= 3).then(|| PairedMean::of(std::iter::once(&logs[..])).ratio().low > factor)
+        (logs.len() >= 3).then(|| PairedMean::of(std::iter::once(&logs[..])).ratio())
     }
 }
 
@@ -120,8 +120,9 @@ mod tests {
             ratio: 1.1,
             by_round: by_round.to_vec(),
         };
-        assert_eq!(of(&[1.1, 1.11, 1.09]).is_surely_above(1.05), Some(true));
-        assert_eq!(of(&[1.3, 1.1, 0.9]).is_surely_above(1.05), Some(false));
-        assert_eq!(of(&[1.1, 1.1]).is_surely_above(1.05), None);
+        let Ratio { value, low, high } = of(&[1.1, 1.11, 1.09]).over_rounds().unwrap();
+        assert!(1.05 < low && low < value && value < high && high < 1.15, "{low} {high}");
+        assert!(of(&[1.3, 1.1, 0.9]).over_rounds().is_some_and(|it| it.low < 1.05 && it.high > 1.05));
+        assert_eq!(of(&[1.1, 1.1]).over_rounds(), None);
     }
 }

@@ -1,7 +1,7 @@
 //! The table of how good advice in files is, measured most often, by a run over the same scenes, which has to have
 //! every tree that the advice names as the best.
 
-use super::judge::{fair_loss, judge, one_round};
+use super::judge::{Outcome, fair_loss, judge, one_round};
 use super::judged::{Judged, RIGHT, misses, table};
 use super::observed::{Observed, observed};
 use super::perfect::perfect_share;
@@ -9,8 +9,10 @@ use super::pooled::pooled;
 use crate::bench::quick::line::{TotalTime, least_at};
 use crate::bench::quick::survey::BUDGETS;
 use crate::bench::row::Row;
+use crate::bench::statistics::{Ratio, arithmetic_mean};
 use crate::report::advice::rays_in_words;
 use crate::report::advice::rows::{AdviceRow, lines};
+use crate::report::figures::interval::{Noise, SceneRatio, of_arithmetic_mean};
 use crate::report::figures::tree_name;
 
 /// The table for some files of advice, by the total times of a run, with the rounds of `more` runs added.
@@ -47,13 +49,15 @@ pub fn page(run: &[Row], more: &[Vec<Row>], advice: &[Vec<AdviceRow>]) -> Result
         advice.len(),
         trees.len()
     );
-    let sure: Option<Vec<bool>> = outcomes.iter().map(|outcome| outcome.is_surely_above(RIGHT)).collect();
-    if let Some(sure) = sure {
-        let wrong = sure.iter().filter(|wrong| **wrong).count();
+    let over_rounds: Option<Vec<Ratio>> = outcomes.iter().map(Outcome::over_rounds).collect();
+    if let Some(ratios) = over_rounds {
+        let count = |is_one: fn(&Ratio) -> bool| ratios.iter().filter(|ratio| is_one(ratio)).count();
+        let (within, above) = (count(|ratio| ratio.high <= RIGHT), count(|ratio| ratio.low > RIGHT));
+        let all = ratios.len();
         about += &format!(
-            " In {wrong} of {} pairs of scene and number of rays it is surely more than 5 %: the 95 % interval over the run's \
-             rounds lies above it.",
-            sure.len()
+            " Of {all} pairs of scene and number of rays it is surely within 5 % in {within}, surely beyond in {above}, by the \
+             whole 95 % interval over the run's rounds; {} are undecided.",
+            all - within - above
         );
     }
     if let Some(share) = perfect_share(&scenes, RIGHT) {
@@ -65,9 +69,16 @@ pub fn page(run: &[Row], more: &[Vec<Row>], advice: &[Vec<AdviceRow>]) -> Result
     }
     if let Some(losses) = losses.into_iter().collect::<Option<Vec<f64>>>() {
         let mean = 100.0 * ((losses.iter().sum::<f64>() / losses.len() as f64).exp() - 1.0);
+        let shares = fair_shares(&scenes, &losses);
+        let share = 100.0
+            * arithmetic_mean(&shares.iter().map(|scene| scene.value).collect::<Vec<_>>()).unwrap_or(0.0);
+        let interval = of_arithmetic_mean(&shares).filter(|interval| interval.high.is_finite());
+        let interval = interval.map_or_else(String::new, |it| {
+            format!(" [{:.0}, {:.0}] (95 % over scenes)", 100.0 * it.low.max(0.0), 100.0 * it.high.min(1.0))
+        });
         about += &format!(
             " The best of many noisy figures looks better than it is: in rounds by which it was not chosen, the advice loses \
-             {mean:.1} % against it in the mean."
+             {mean:.1} % against it in the mean, and is within 5 % in {share:.0} %{interval} of the pairs."
         );
     }
     let mut all = vec![Judged { name: "advice", trees: trees.clone(), outcomes }];
@@ -77,6 +88,16 @@ pub fn page(run: &[Row], more: &[Vec<Row>], advice: &[Vec<AdviceRow>]) -> Result
     }
     about.push('\n');
     Ok(table(&all) + "\n" + &about + &misses(&all[0]))
+}
+
+/// Of each scene the share of pairs in which the fair loss is within 5 %; the losses stand scene by scene.
+fn fair_shares(scenes: &[&Observed], losses: &[f64]) -> Vec<SceneRatio> {
+    let of = |(scene, losses): (&&Observed, &[f64])| {
+        let right = losses.iter().filter(|loss| **loss <= RIGHT.ln()).count();
+        let value = right as f64 / losses.len() as f64;
+        SceneRatio { scene: scene.scene.clone(), value, noise: Noise::NONE }
+    };
+    scenes.iter().zip(losses.chunks(BUDGETS.len())).map(of).collect()
 }
 
 /// Whether the run has every tree that the advice takes for the best.
