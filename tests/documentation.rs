@@ -99,9 +99,16 @@ fn results(folder: &str) -> Vec<PathBuf> {
 fn plots_are_drawn_from_the_rows() {
     let has_figures =
         |run: &str| results(run).iter().any(|file| file.extension().is_some_and(|ending| ending == "svg"));
-    let runs = ["reference", "reference/growth", "reference/threads", "paper-protocol"];
+    let runs = [
+        "reference",
+        "reference/growth",
+        "reference/threads",
+        "paper-protocol",
+        "experiments/phases",
+        "scaling",
+    ];
     let runs: Vec<&str> = runs.into_iter().filter(|run| has_figures(run)).collect();
-    assert!(runs.len() >= 3, "{runs:?}");
+    assert!(runs.len() >= 5, "{runs:?}");
     for run in runs {
         phr(&["plot", &format!("results/{run}"), "--check"]);
     }
@@ -126,8 +133,8 @@ fn the_animation_is_drawn_and_told_from_its_frames() {
 fn figures_of_experiments_are_drawn_from_their_records() {
     let all = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/experiments");
     let names = std::fs::read_dir(&all).unwrap().map(|it| it.unwrap().file_name().into_string().unwrap());
-    // Heat maps are made by a verb of their own.
-    let names: Vec<String> = names.filter(|name| name != "heatmap").collect();
+    // Heat maps are made by a verb of their own, phases by a run.
+    let names: Vec<String> = names.filter(|name| !["heatmap", "phases"].contains(&name.as_str())).collect();
     assert!(!names.is_empty());
     let check = |name: &String| {
         // Those over stand-ins for the paper's scenes have folders of their own.
@@ -136,9 +143,12 @@ fn figures_of_experiments_are_drawn_from_their_records() {
         // Those of the paper's methods are told from the reference run, or from the paper's protocol.
         let has_records =
             ["rows.csv", &format!("{name}.csv")].iter().any(|file| all.join(name).join(file).is_file());
-        let run = if experiment == name { "results/reference" } else { "results/paper-protocol" };
-        let rows = if has_records { &[][..] } else { &["--rows", run] };
-        phr(&[&["experiment", experiment, "--check", "--out", &folder], rows].concat());
+        let runs: &[&str] = match (has_records, experiment == name) {
+            (true, _) => &[],
+            (false, true) => &["--rows", "results/reference"],
+            (false, false) => &["--rows", "results/paper-protocol", "--rows", "results/paper-steps"],
+        };
+        phr(&[&["experiment", experiment, "--check", "--out", &folder], runs].concat());
     };
     // Two at a time: each draws its pixels on one thread.
     let check = &check;

@@ -4,8 +4,10 @@ use super::failure::Failure;
 use crate::bench::cell::{Cell, Kernel};
 use crate::bench::chosen::Chosen;
 use crate::bench::contender;
+use crate::bench::error::PlanError;
+use crate::bench::planned_scene::{PlannedScene, plain_name};
 use crate::bench::pools::Pools;
-use crate::bench::settings::MOST_THREADS;
+use crate::bench::settings::{MOST_SECONDS, MOST_THREADS};
 use crate::scene::{Scene, View};
 use std::path::{Path, PathBuf};
 use std::slice::from_ref;
@@ -31,19 +33,48 @@ pub fn pools(threads: usize) -> Result<Pools, Failure> {
     Ok(pool.into())
 }
 
-/// The cells that `--builder`, `--config` and `--width` ask for, builder by builder in the order of the command
-/// line: of the `widths` that it has, or without any its smallest.
+/// Builders that are made from others; alone they stand in place of the default.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct Made {
+    /// Also a builder with this field of its configuration changed (repeatable): BUILDER.FIELD=VALUE, as
+    /// phr-hq.delta=8; it is called phr-hq[delta=8]
+    #[arg(long = "set", value_name = "CHANGE")]
+    pub changes: Vec<String>,
+    /// Also the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    #[arg(long = "config", value_name = "FILE")]
+    pub configs: Vec<PathBuf>,
+}
+
+impl Made {
+    /// These beside the builders of `--builder`.
+    ///
+    /// # Errors
+    /// Those of [`Chosen::new`].
+    pub fn chosen(&self, builders: &[String]) -> Result<Chosen, PlanError> {
+        Chosen::new(builders, &self.changes, &self.configs)
+    }
+
+    /// True where none is asked for.
+    pub fn is_empty(&self) -> bool {
+        self.changes.is_empty() && self.configs.is_empty()
+    }
+}
+
+/// The cells that `--builder`, `--set`, `--config` and `--width` ask for, builder by builder in the order of the
+/// command line: of the `widths` that it has, or without any its smallest.
 ///
 /// # Errors
 /// No such builder, none of the widths, a file that cannot be used.
-pub fn cells(builders: &[String], configs: &[PathBuf], widths: &[u32]) -> Result<Vec<Cell>, Failure> {
+pub fn cells(builders: &[String], made: &Made, widths: &[u32]) -> Result<Vec<Cell>, Failure> {
+    let Made { changes, configs } = made;
     // All together, since no two may have one name.
-    Chosen::new(builders, &[], configs)?;
+    made.chosen(builders)?;
     let none: [&Path; 0] = [];
     let named = builders.iter().map(|name| Chosen::new(from_ref(name), &[], &none));
+    let changed = (!changes.is_empty()).then(|| Chosen::new(&[], changes, &none));
     let in_files = configs.iter().map(|file| Chosen::new(&[], &[], from_ref(file)));
     let mut cells = Vec::new();
-    for chosen in named.chain(in_files) {
+    for chosen in named.chain(changed).chain(in_files) {
         let (chosen, before) = (chosen?, cells.len());
         cells.extend(chosen.cells(false)?.into_iter().filter(|cell| widths.contains(&cell.width)));
         if cells.len() == before {
@@ -158,6 +189,37 @@ pub fn size(text: &str) -> Result<u64, String> {
     let number = text.strip_suffix(unit).and_then(|number| number.parse::<u64>().ok());
     let size = number.zip(factor).and_then(|(number, factor): (u64, u64)| number.checked_mul(factor));
     size.filter(|size| *size > 0).ok_or_else(|| "give a size, as 512M or 4G".into())
+}
+
+/// Reads a number of seconds, at most a day.
+///
+/// # Errors
+/// Anything else.
+pub fn seconds(text: &str) -> Result<u64, String> {
+    let value = text.parse().ok().filter(|value| *value <= MOST_SECONDS);
+    value.ok_or_else(|| format!("give a whole number of seconds, at most {MOST_SECONDS}"))
+}
+
+/// Refuses the name that `option` asks for where it is none in a folder or a table.
+///
+/// # Errors
+/// The name, in one line.
+pub fn check_name(option: &str, name: &str) -> Result<(), Failure> {
+    if !name.is_empty() && name == plain_name(name) && !name.contains(['/', '\\']) && !name.starts_with('.') {
+        return Ok(());
+    }
+    let name = name.escape_debug();
+    Err(Failure::Bad(format!("--{option} {name}: give a name of letters, digits, - and _")))
+}
+
+/// Loads a scene, telling what of its file is not in the mesh.
+///
+/// # Errors
+/// A file that cannot be used.
+pub fn loaded(planned: &PlannedScene) -> Result<Scene, Failure> {
+    let scene = planned.load()?;
+    scene.remarks().iter().for_each(|remark| eprintln!("phr: {remark}"));
+    Ok(scene)
 }
 
 /// The view that `--view` asks for.

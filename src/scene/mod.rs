@@ -13,7 +13,7 @@ mod views;
 
 pub use catalog::{PaperScene, paper, paper_scene_in};
 #[cfg(feature = "files")]
-pub use files::{Limits, SceneError, load, load_within};
+pub use files::{Limits, SceneError, load, load_within, stem};
 pub(crate) use fingerprint::value as mesh_fingerprint;
 pub use generate::{Animated, Animation, animated, animated_by_name};
 pub use generate::{Generator, builtin, generator, generators, scalable, scalable_name, scalable_triangles};

@@ -72,7 +72,8 @@ impl Scene {
             let first = place.map_or_else(String::new, |place| format!(", first: {place}"));
             format!("{}{first}; export the file again", self.dropped)
         });
-        let called = self.called();
+        // A name may hold a line's end.
+        let called = self.called().replace(char::is_control, "_");
         dropped.into_iter().chain(self.contents.told()).map(|line| format!("{called}: {line}")).collect()
     }
 

@@ -1,5 +1,6 @@
 //! Images of linear light.
 
+use crate::memory::huge_pages;
 use glam::Vec3;
 
 /// An image of linear RGB, rows from the top.
@@ -16,7 +17,11 @@ pub struct Image {
 impl Image {
     /// A black image.
     pub fn new(width: u32, height: u32) -> Self {
-        Self { width, height, rgb: vec![[0.0; 3]; width as usize * height as usize] }
+        Self {
+            width,
+            height,
+            rgb: huge_pages::filled(width as usize * height as usize, [0.0; 3], "an image"),
+        }
     }
 
     /// Adds `weight` times `other`, pixel by pixel: averages images of several seeds. Pixels that only one

@@ -247,6 +247,12 @@ fn pipes_and_devices_are_refused() {
     ] {
         assert!(refused(&phr(folder.path(), all)).contains("not a regular file"), "{all:?}");
     }
+    let map = "git_rev,cpu,scene,triangles,view,size,builder,width,threads,build_ms,steps_mean,steps_p95,steps_p99,\
+               steps_max,scale\n1,a,s,1,0,8,lbvh,4,1,1.0,1.0,1,1,1,20\n# rows: 1\n";
+    std::fs::write(folder.path().join("heat.csv"), map).unwrap();
+    std::fs::rename(folder.path().join("pipe"), folder.path().join("heat.counts.png")).unwrap();
+    let told = refused(&phr(folder.path(), &["heatmap", "--redraw", "-o", "heat.png"]));
+    assert!(told.contains("heat.counts.png: not a regular file"), "{told}");
 }
 
 /// A build for which there is no memory ends in one line, not in a signal. The limit is what the scene takes, and a

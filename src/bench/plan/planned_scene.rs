@@ -101,7 +101,8 @@ impl PlannedScene {
         let compressed = path.extension().is_some_and(|ending| ending == "gz" || ending == "zst");
         let bytes = path.metadata().map_or(0, |metadata| metadata.len() as usize);
         let file = path.file_name().unwrap_or_default().to_string_lossy();
-        let name = plain_name(file.split('.').next().unwrap_or_default());
+        let stem = scene::stem(path).unwrap_or_else(|| file.split('.').next().unwrap_or_default().into());
+        let name = plain_name(&stem);
         let triangles = bytes / if compressed { 6 } else { 30 };
         Self { name, source: Source::File(path.to_owned()), triangles }
     }
@@ -115,25 +116,34 @@ impl PlannedScene {
         }
     }
 
-    /// Loads or generates it.
+    /// Loads or generates it, under its name in the records.
     ///
     /// # Errors
     /// Those of [`scene::load_within`].
     pub fn load(&self) -> Result<Scene, SceneError> {
-        match &self.source {
-            Source::File(path) => scene::load_within(path, LIMITS.get().unwrap_or(&Limits::of_machine())),
+        let scene = match &self.source {
+            Source::File(path) => scene::load_within(path, LIMITS.get().unwrap_or(&Limits::of_machine()))?,
             // It was found when the plan was made.
             Source::Generated(name) => scene::generator(name)
                 .map(scene::Generator::generate)
-                .ok_or_else(|| SceneError::UnknownFormat(name.into())),
-            Source::Scalable(triangles) => Ok(scene::scalable(*triangles, SCALABLE_SEED)),
-        }
+                .ok_or_else(|| SceneError::UnknownFormat(name.into()))?,
+            Source::Scalable(triangles) => scene::scalable(*triangles, SCALABLE_SEED),
+        };
+        Ok(Scene { name: self.name.clone(), ..scene })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_scene_is_loaded_under_its_plain_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("=a|b.obj");
+        std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        assert_eq!(PlannedScene::file(&path).load().unwrap().name, "_=a_b");
+    }
 
     #[test]
     fn names_break_no_table() {
@@ -145,6 +155,7 @@ mod tests {
             ("", "_"),
             (" ", "_ "),
             ("San Miguel-2", "San Miguel-2"),
+            ("San.Miguel", "San.Miguel"),
             ("Häuser", "Häuser"),
         ] {
             assert_eq!(plain_name(name), plain);

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 /// Threads of any verb.
 pub const MOST_THREADS: usize = 1 << 10;
-/// A day.
-const MOST_SECONDS: u64 = 24 * 60 * 60;
+/// Seconds of a day, the most that anything may go on.
+pub const MOST_SECONDS: u64 = 24 * 60 * 60;
 
 /// The settings of a run. A resumed run must have the same, except for those that say when it ends.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -4,7 +4,7 @@ use super::told;
 use crate::bench::files::new_folder;
 use crate::bench::settings::Settings;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, cells, kernel, pools, width};
+use crate::cli::options::{Made, all_threads, cells, kernel, pools, width};
 use crate::experiments::animation::{
     self, ANIMATION, AnimationSettings, FrameRow, entrants, measure, records,
 };
@@ -29,9 +29,8 @@ pub struct Arguments {
     /// Builder of ours (repeatable) [default: lbvh, phr-fast, phr-speed]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
-    /// The builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
-    #[arg(long = "config", value_name = "FILE")]
-    configs: Vec<PathBuf>,
+    #[command(flatten)]
+    made: Made,
     /// Frames of each scene
     #[arg(long, default_value_t = 100, value_name = "N")]
     frames: u32,
@@ -99,9 +98,9 @@ fn measured(arguments: &Arguments) -> Result<Vec<FrameRow>, Failure> {
     let trace = trace(arguments)?;
     let kernel = kernel(arguments.kernel.as_deref())?;
     let pools = pools(trace.threads)?;
-    let is_default = arguments.builders.is_empty() && arguments.configs.is_empty();
+    let is_default = arguments.builders.is_empty() && arguments.made.is_empty();
     let builders = if is_default { BUILDERS.map(String::from).into() } else { arguments.builders.clone() };
-    let cells = cells(&builders, &arguments.configs, &[arguments.width])?;
+    let cells = cells(&builders, &arguments.made, &[arguments.width])?;
     // Refused before anything is measured or written.
     entrants(&cells, true).map_err(Failure::Bad)?;
     new_folder(&arguments.out)?;

@@ -48,9 +48,10 @@ pub struct Arguments {
     /// Remove the results of an earlier run in the folder
     #[arg(long, conflicts_with = "resume")]
     pub replace: bool,
-    /// Measure nothing: take the rows of this results folder, of `phr bench` for instance
+    /// Measure nothing: take the rows of this results folder, of `phr bench` for instance (repeatable: of several,
+    /// such as times of one and steps of another)
     #[arg(long, value_name = "DIR", conflicts_with_all = ["resume", "replace", "scenes"])]
-    pub rows: Option<PathBuf>,
+    pub rows: Vec<PathBuf>,
     /// List what would be run
     #[arg(long)]
     pub list: bool,
@@ -70,6 +71,6 @@ impl Arguments {
 
     /// Whether nothing is to be measured.
     pub fn only_reads(&self) -> bool {
-        self.redraw || self.check || self.rows.is_some()
+        self.redraw || self.check || !self.rows.is_empty()
     }
 }

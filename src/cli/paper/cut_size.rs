@@ -5,7 +5,7 @@ use super::told;
 use crate::bench::files::{new_folder, read_csv_file, write_csv};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, pools};
+use crate::cli::options::{all_threads, loaded, pools};
 use crate::experiments::cut_size::{self, BUILDERS, CUT_SIZES, CutSizeRow};
 use crate::report::plot::Drawing;
 use crate::scene;
@@ -38,7 +38,7 @@ fn measure(arguments: &Arguments) -> Result<Vec<CutSizeRow>, Failure> {
     let planned = PlannedScene::find_all(&names)?;
     let mut rows = Vec::new();
     for scene in planned {
-        let scene = scene.load()?;
+        let scene = loaded(&scene)?;
         rows.extend(pools.all.install(|| cut_size::measure(&scene, &BUILDERS)).map_err(Failure::Bad)?);
     }
     Ok(rows)

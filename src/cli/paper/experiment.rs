@@ -10,11 +10,12 @@ use crate::bench::row;
 use crate::bench::settings::Settings;
 use crate::cli::failure::Failure;
 use crate::cli::measuring::{make, verdict};
-use crate::cli::options::{all_threads, command_line};
+use crate::cli::options::{all_threads, check_name, command_line};
 use crate::cli::output::say;
 use crate::cli::progress::Bar;
 use crate::experiments::contest::{self, EXPERIMENTS, Experiment};
 use std::path::Path;
+use std::slice::from_ref;
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -35,7 +36,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let folder = arguments.folder();
     if arguments.only_reads() {
-        let rows = row::read(arguments.rows.as_deref().unwrap_or(&folder))?;
+        let folders = if arguments.rows.is_empty() { from_ref(&folder) } else { &arguments.rows };
+        let mut rows = Vec::new();
+        for folder in folders {
+            rows.extend(row::read(folder)?);
+        }
+        if folders.len() > 1 {
+            check_alike(&rows)?;
+        }
         if !arguments.check {
             new_folder(&folder)?;
         }
@@ -45,6 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.list {
         return say(&plan.lines().collect::<Vec<_>>().join("\n"));
     }
+    check_name("host", &arguments.host)?;
     plan.check_files()?;
     let records = RecordOptions {
         folder: &folder,
@@ -57,6 +66,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let outcome = make(&plan, records, None, Bar::new(false))?;
     tell(experiment, arguments, &outcome.rows, &folder)?;
     verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)
+}
+
+/// Refuses rows of one scene that are of other geometry or threads: they cannot stand beside each other.
+fn check_alike(rows: &[row::Row]) -> Result<(), Failure> {
+    for row in rows {
+        let of_scene = rows.iter().find(|first| first.scene == row.scene);
+        let is_unlike =
+            |first: &&row::Row| (&first.scene_sha, first.threads) != (&row.scene_sha, row.threads);
+        if of_scene.filter(is_unlike).is_some() {
+            return Err(Failure::Bad(format!(
+                "{}: rows of other geometry or threads than others of it; give --rows of runs that are alike",
+                row.scene
+            )));
+        }
+    }
+    Ok(())
 }
 
 fn request(experiment: &Experiment, arguments: &Arguments) -> Result<Request, Failure> {

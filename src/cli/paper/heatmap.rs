@@ -1,10 +1,10 @@
 //! `phr heatmap`: Figure 1 of the paper, for any scene and builders.
 
 use crate::bench::cell::Cell;
-use crate::bench::files::write_whole;
+use crate::bench::files::{content, write_whole};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
-use crate::cli::options::{self, all_threads, check_place, pools, width};
+use crate::cli::options::{self, Made, all_threads, check_place, pools, width};
 use crate::cli::output::say;
 use crate::experiments::heatmap;
 use crate::report::plot::raster;
@@ -25,9 +25,8 @@ pub struct Arguments {
     /// Builder (repeatable) [default: those of the paper's figure]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
-    /// The builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
-    #[arg(long = "config", value_name = "FILE")]
-    configs: Vec<PathBuf>,
+    #[command(flatten)]
+    made: Made,
     /// Children per node: 4 or 8 [default: the builder's least]
     #[arg(long, value_name = "N", value_parser = width)]
     width: Option<u32>,
@@ -47,10 +46,10 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Measure nothing: draw again from the files beside the picture
-    #[arg(long, conflicts_with_all = ["scene", "builders", "configs"])]
+    #[arg(long, conflicts_with_all = ["scene", "builders", "changes", "configs"])]
     redraw: bool,
     /// Measure and draw nothing; fail if the picture is not that of the files beside it
-    #[arg(long, conflicts_with_all = ["scene", "builders", "configs", "redraw"])]
+    #[arg(long, conflicts_with_all = ["scene", "builders", "changes", "configs", "redraw"])]
     check: bool,
 }
 
@@ -71,14 +70,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             Ok(write_whole(&arguments.output, &drawn)?)
         };
     }
-    if arguments.size == 0 || arguments.size > 1 << 12 || arguments.scale == Some(0) {
+    if !(1..=heatmap::MOST_PIXELS).contains(&arguments.size) || arguments.scale == Some(0) {
         return Err(Failure::Bad(format!(
             "--size, --scale: give 1 to {} pixels and 1 or more steps",
-            1 << 12
+            heatmap::MOST_PIXELS
         )));
     }
     let pools = pools(arguments.threads.unwrap_or_else(all_threads))?;
-    let scene = PlannedScene::find(arguments.scene.as_deref().unwrap_or_default())?.load()?;
+    let scene = options::loaded(&PlannedScene::find(arguments.scene.as_deref().unwrap_or_default())?)?;
     let request = heatmap::Request {
         view: options::view(&scene, arguments.view).map(|_| arguments.view)?,
         scene: &scene,
@@ -102,7 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Fails if the file is not the picture `drawn`.
 fn check(output: &Path, drawn: &[u8]) -> Result<(), Failure> {
-    if std::fs::read(output).is_ok_and(|there| raster::are_alike(&there, drawn)) {
+    if content(output).is_ok_and(|there| raster::are_alike(&there, drawn)) {
         return Ok(());
     }
     let output = output.display();
@@ -112,9 +111,11 @@ fn check(output: &Path, drawn: &[u8]) -> Result<(), Failure> {
 /// The builders asked for, or those of Figure 1 that this program has.
 fn cells(arguments: &Arguments) -> Result<Vec<Cell>, Failure> {
     let widths = arguments.width.as_slice();
-    if arguments.builders.is_empty() && arguments.configs.is_empty() {
-        let known = FIGURE_1.iter().filter_map(|name| options::cells(&[(*name).into()], &[], widths).ok());
+    if arguments.builders.is_empty() && arguments.made.is_empty() {
+        let known = FIGURE_1
+            .iter()
+            .filter_map(|name| options::cells(&[(*name).into()], &Made::default(), widths).ok());
         return Ok(known.flatten().collect());
     }
-    options::cells(&arguments.builders, &arguments.configs, widths)
+    options::cells(&arguments.builders, &arguments.made, widths)
 }

@@ -5,7 +5,7 @@ use crate::bench::files::new_folder;
 use crate::bench::files::{read_csv_file, write_csv};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, pools};
+use crate::cli::options::{all_threads, loaded, pools};
 use crate::cli::output::say;
 use crate::cli::verbs::plot::{check, draw};
 use crate::experiments::split::{self, BoxRow, Kind, SPLITS};
@@ -51,7 +51,7 @@ fn find(arguments: &Arguments) -> Result<Vec<BoxRow>, Failure> {
         [scene] => scene,
         _ => return Err(Failure::Bad("split: a picture is of one scene; give one".into())),
     };
-    let scene = PlannedScene::find(name)?.load()?;
+    let scene = loaded(&PlannedScene::find(name)?)?;
     let mut rows = Vec::new();
     for kind in Kind::ALL {
         let found = pools.all.install(|| split::choose(&scene, BUILDER, kind)).map_err(Failure::Bad)?;

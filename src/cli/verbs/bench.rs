@@ -6,13 +6,12 @@ use crate::bench::contender::saved::{check, offer};
 use crate::bench::merge::SHARDS;
 use crate::bench::moment::Moment;
 use crate::bench::plan::{Plan, Request, Set};
-use crate::bench::planned_scene::plain_name;
 use crate::bench::recorder::RecordOptions;
 use crate::bench::settings::Settings;
 use crate::bench::shard::Shard;
 use crate::cli::failure::Failure;
 use crate::cli::measuring::{make, verdict};
-use crate::cli::options::{all_threads, command_line, percent, width};
+use crate::cli::options::{all_threads, check_name, command_line, percent, seconds, width};
 use crate::cli::output::say;
 use crate::cli::plan_outline::outline;
 use crate::cli::progress::Bar;
@@ -70,7 +69,7 @@ pub struct Arguments {
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     until: Option<f64>,
     /// Seconds per scene after which --until adds no more rounds
-    #[arg(long, default_value_t = 300, value_name = "N")]
+    #[arg(long, default_value_t = 300, value_name = "N", value_parser = seconds)]
     limit: u64,
     /// Refuse to start on a busy machine
     #[arg(long)]
@@ -184,17 +183,7 @@ impl Arguments {
     /// Refuses names that are none in a folder or a table.
     fn check_names(&self) -> Result<(), Failure> {
         for (option, name) in [("name", self.name.as_deref()), ("host", Some(&*self.host))] {
-            let Some(name) = name else { continue };
-            if name.is_empty()
-                || name != plain_name(name)
-                || name.contains(['/', '\\'])
-                || name.starts_with('.')
-            {
-                let name = name.escape_debug();
-                return Err(Failure::Bad(format!(
-                    "--{option} {name}: give a name of letters, digits, - and _"
-                )));
-            }
+            name.map_or(Ok(()), |name| check_name(option, name))?;
         }
         Ok(())
     }

@@ -1,12 +1,11 @@
 //! `phr build`: one scene, one builder, its phases and its tree.
 
-use crate::bench::chosen::Chosen;
 use crate::bench::contender::{self, BuildRequest, BuiltTree, Contender, Saving};
 use crate::bench::memory;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::statistics::Summary;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, check_place, held, pools};
+use crate::cli::options::{Made, all_threads, check_place, held, loaded, pools};
 use crate::cli::output::say;
 use crate::report::grid::short;
 use std::path::PathBuf;
@@ -19,13 +18,8 @@ pub struct Arguments {
     /// Builder (repeatable) [default: all]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
-    /// Also a builder with this field of its configuration changed (repeatable): BUILDER.FIELD=VALUE, as
-    /// phr-hq.delta=8; it is called phr-hq[delta=8]
-    #[arg(long = "set", value_name = "CHANGE")]
-    changes: Vec<String>,
-    /// Also the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
-    #[arg(long = "config", value_name = "FILE")]
-    configs: Vec<PathBuf>,
+    #[command(flatten)]
+    made: Made,
     /// Children per node, 4 or 8 [default: 4, or the one width that the builder has; of all builders, every width]
     #[arg(long, value_name = "N")]
     width: Option<u32>,
@@ -41,7 +35,7 @@ pub struct Arguments {
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pools = pools(arguments.threads.unwrap_or_else(all_threads))?;
-    let chosen = Chosen::new(&arguments.builders, &arguments.changes, &arguments.configs)?;
+    let chosen = arguments.made.chosen(&arguments.builders)?;
     let cells = if chosen.is_empty() {
         let all = contender::cells(true);
         all.into_iter().filter(|cell| arguments.width.is_none_or(|width| cell.width == width)).collect()
@@ -59,10 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(output) = &arguments.output {
         check_place(output)?;
     }
-    let scene = PlannedScene::find(&arguments.scene)?.load()?;
-    for remark in scene.remarks() {
-        eprintln!("phr: {remark}");
-    }
+    let scene = loaded(&PlannedScene::find(&arguments.scene)?)?;
     say(&format!("{}: {} ({})", scene.name, held(&scene), scene.source))?;
     let request =
         BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &[], wants_facts: true, fresh_only: false };

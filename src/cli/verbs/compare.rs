@@ -5,7 +5,7 @@ use crate::bench::planned_scene::PlannedScene;
 use crate::bench::run::Progress;
 use crate::bench::turns::Turns;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, cells, percent};
+use crate::cli::options::{Made, all_threads, cells, percent, seconds};
 use crate::cli::output::say;
 use crate::cli::progress::Bar;
 use crate::report::compare::by_turns::ByTurns;
@@ -33,6 +33,9 @@ pub struct Arguments {
     /// With --against: only this builder (repeatable) [default: ours in the tables]
     #[arg(long = "builder", value_name = "NAME", requires = "against")]
     builders: Vec<String>,
+    /// With --against: the builder with this field of its configuration changed (repeatable): BUILDER.FIELD=VALUE
+    #[arg(long = "set", value_name = "CHANGE", requires = "against")]
+    changes: Vec<String>,
     /// With --against: the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD":
     /// VALUE}}
     #[arg(long = "config", value_name = "FILE", requires = "against")]
@@ -41,7 +44,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", requires = "against")]
     threads: Option<usize>,
     /// With --against: sessions are added until every interval is within half the threshold, or this time is over
-    #[arg(long, default_value_t = 600, value_name = "N", requires = "against")]
+    #[arg(long, default_value_t = 600, value_name = "N", value_parser = seconds, requires = "against")]
     seconds: u64,
     /// Changes up to this count as the same [default: 5%; with --against 2%]
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
@@ -84,7 +87,8 @@ fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
     let ours = contender::cells(true)
         .into_iter()
         .filter(|cell| crate::builders::NAMES.contains(&cell.builder.as_str()) && cell.width == 4);
-    let named = cells(&arguments.builders, &arguments.configs, &[])?;
+    let made = Made { changes: arguments.changes.clone(), configs: arguments.configs.clone() };
+    let named = cells(&arguments.builders, &made, &[])?;
     let cells = if named.is_empty() { ours.collect() } else { named };
     let this = std::env::current_exe()?;
     let turns = Turns {

@@ -6,7 +6,7 @@ use crate::bench::scaling::row::{self, SCALING};
 use crate::bench::scaling::{ScalingSettings, measure};
 use crate::builders;
 use crate::cli::failure::Failure;
-use crate::cli::options;
+use crate::cli::options::{self, Made};
 use crate::cli::output::say;
 use crate::report::scaling::{means, scene_table};
 use std::path::PathBuf;
@@ -20,9 +20,8 @@ pub struct Arguments {
     /// Builder of ours (repeatable) [default: those of the tables]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
-    /// The builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
-    #[arg(long = "config", value_name = "FILE")]
-    configs: Vec<PathBuf>,
+    #[command(flatten)]
+    made: Made,
     /// Children per node (repeatable) [default: 4 and 8]
     #[arg(long = "width", value_name = "N")]
     widths: Vec<u32>,
@@ -43,7 +42,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scenes = PlannedScene::find_all(&arguments.scenes)?;
     let mut rows = Vec::new();
     for planned in scenes {
-        let scene = planned.load()?;
+        let scene = options::loaded(&planned)?;
         let of_scene = measure(&scene, &settings);
         rows.extend(of_scene.map_err(|why| Failure::Bad(format!("{}: {why}", scene.name)))?);
         say(&(scene_table(&rows, &scene.name) + "\n"))?;
@@ -58,11 +57,11 @@ fn settings(arguments: &Arguments) -> Result<ScalingSettings, Failure> {
         return Err(Failure::Bad("--rounds, --workers: nothing could run; give 1 or more".into()));
     }
     let names = || builders::NAMES.iter().map(|&name| name.to_owned()).collect();
-    let is_default = arguments.builders.is_empty() && arguments.configs.is_empty();
+    let is_default = arguments.builders.is_empty() && arguments.made.is_empty();
     let names: Vec<String> = if is_default { names() } else { arguments.builders.clone() };
     let widths = if arguments.widths.is_empty() { vec![4, 8] } else { arguments.widths.clone() };
     Ok(ScalingSettings {
-        cells: options::cells(&names, &arguments.configs, &widths)?,
+        cells: options::cells(&names, &arguments.made, &widths)?,
         workers: arguments.workers.clone(),
         rounds: arguments.rounds,
         most: options::all_threads(),

@@ -1,6 +1,5 @@
 //! `phr verify`: are the hits of all trees those of the reference?
 
-use crate::bench::chosen::Chosen;
 use crate::bench::contender::{self, REFERENCE_KERNEL, TreeUnderKernel};
 use crate::bench::plan::{Plan, Request};
 use crate::bench::rays;
@@ -8,10 +7,9 @@ use crate::bench::samples::KernelChecks;
 use crate::bench::settings::Settings;
 use crate::bench::visit::{Bench, SceneTraces};
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, pools};
+use crate::cli::options::{Made, all_threads, loaded, pools};
 use crate::cli::output::say;
 use crate::report::grid::Grid;
-use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 /// Compare every builder's hits with the reference's (Embree's, where it is there)
@@ -23,13 +21,8 @@ pub struct Arguments {
     /// Only this builder (repeatable)
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
-    /// Also a builder with this field of its configuration changed (repeatable): BUILDER.FIELD=VALUE, as
-    /// phr-hq.delta=8; it is called phr-hq[delta=8]
-    #[arg(long = "set", value_name = "CHANGE")]
-    changes: Vec<String>,
-    /// Also the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
-    #[arg(long = "config", value_name = "FILE")]
-    configs: Vec<PathBuf>,
+    #[command(flatten)]
+    made: Made,
     /// Views per scene, at most
     #[arg(long, default_value_t = 3, value_name = "N")]
     views: usize,
@@ -49,7 +42,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         scenes: arguments.scenes.clone(),
         set: None,
         folder: None,
-        builders: Chosen::new(&arguments.builders, &arguments.changes, &arguments.configs)?,
+        builders: arguments.made.chosen(&arguments.builders)?,
         width: None,
         shard: None,
         filter: None,
@@ -59,10 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pools = pools(plan.settings.threads)?;
     let mut wrong = 0;
     for (planned, cells) in &plan.scenes {
-        let scene = planned.load()?;
-        for remark in scene.remarks() {
-            eprintln!("phr: {remark}");
-        }
+        let scene = loaded(planned)?;
         let mut grid =
             Grid::new([&scene.name, "kernel", "rays", "equal", "ties", "edges", "near", "verdict"]);
         let stop = AtomicBool::new(false);

@@ -84,6 +84,11 @@ pub fn load_within(path: &Path, limits: &Limits) -> Result<Scene, SceneError> {
     Ok(Scene { contents: Contents { first_dropped: first, ..raw.contents }, ..scene })
 }
 
+/// The name of a scene file without its endings; `None` where they name no format.
+pub fn stem(path: &Path) -> Option<String> {
+    format_of(path).map(|(stem, ..)| stem)
+}
+
 /// Stem, format and compression by the file's name.
 fn format_of(path: &Path) -> Option<(String, Format, Compression)> {
     let name = path.file_name()?.to_string_lossy();

@@ -22,5 +22,5 @@ mod stl;
 pub(super) use error::Fault;
 pub use error::SceneError;
 pub use guard::Limits;
-pub use load::{load, load_within};
+pub use load::{load, load_within, stem};
 pub(super) use source::read_small;

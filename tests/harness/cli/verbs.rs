@@ -51,6 +51,14 @@ fn bad_input_is_one_line_and_code_2() {
         (&["bench", "sheet.ply", "--name", "../../x"], &["--name ../../x"]),
         (&["bench", "sheet.ply", "--name", ".."], &["--name .."]),
         (&["bench", "sheet.ply", "--host", "=cmd"], &["--host =cmd"]),
+        (&["experiment", "grid", "sheet.ply", "--host", "a|b"], &["--host a|b"]),
+        (
+            &["tune", "sheet.ply", "--rays", "1M", "--seconds", "18446744073709551615"],
+            &["--seconds", "86400"],
+        ),
+        (&["advise", "sheet.ply", "--seconds", "99999"], &["--seconds", "86400"]),
+        (&["kernels", "sheet.ply", "--rounds", "100000"], &["--rounds 100000", "65536"]),
+        (&["kernels", "sheet.ply", "--size", "0"], &["--size 0"]),
         (&["build", "sheet.ply", "--max-memory", "1k"], &["sheet.ply", "--max-memory"]),
         (&["render", generated, "-o", "x.png", "--view", "99"], &["--view 99", generated]),
         (&["render", "sheet.ply", "-o", "nowhere/x.png"], &["nowhere", "folder"]),
@@ -89,7 +97,11 @@ fn damaged_files_have_remedies_of_their_own() {
     for name in ["run", "tuned"] {
         std::fs::create_dir(folder.join(name)).unwrap();
     }
-    row::write(&folder.join("run").join(ROWS), &[Row { schema: row::SCHEMA, ..Row::default() }]).unwrap();
+    row::write(
+        &folder.join("run").join(ROWS),
+        &[Row { schema: row::SCHEMA, width: 4, threads: 2, ..Row::default() }],
+    )
+    .unwrap();
     std::fs::write(folder.join("run").join(ENVIRONMENT), "x").unwrap();
     std::fs::write(folder.join("tuned/tune.csv"), "a,b\n1,2\n").unwrap();
     std::fs::write(folder.join("old.json"), "{}").unwrap();
@@ -278,6 +290,14 @@ fn every_verb_with_builders_takes_a_configuration() {
         let fits = |code| code == 0 || arguments[0] == "compare" && matches!(code, 1 | 3);
         assert!(output.status.code().is_some_and(fits), "{arguments:?}: {}", text(&output.stderr));
         assert!(told.contains("mine") && !told.contains("phr-hq"), "{arguments:?}: {told}");
+    }
+    for arguments in cases.iter().filter(|it| ["heatmap", "scaling", "kernels", "animate"].contains(&it[0])) {
+        let output = phr(&folder, &[arguments, &["--set", "phr-fast.delta=7"][..]].concat());
+        let (told, wrong) = (text(&output.stdout), text(&output.stderr));
+        assert!(
+            output.status.success() && told.contains("phr-fast[delta=7]"),
+            "{arguments:?}: {told}{wrong}"
+        );
     }
     let help = text(&phr(&folder, &["--help"]).stdout);
     let verbs = help.lines().filter_map(|line| line.strip_prefix("  ")?.split(' ').next());

@@ -9,7 +9,7 @@ use crate::bench::files::write_whole;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::row;
 use crate::cli::failure::Failure;
-use crate::cli::options::{Widths, all_threads, pools, rays, widths};
+use crate::cli::options::{Widths, all_threads, loaded, pools, rays, seconds, widths};
 use crate::cli::output::say;
 use crate::cli::progress::Steps;
 use crate::cli::verbs::plot::draw;
@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, default_value = "both", value_name = "N", value_parser = widths)]
     width: Widths,
     /// Seconds to measure, from the loaded scene on
-    #[arg(long, default_value_t = 30, value_name = "N")]
+    #[arg(long, default_value_t = 30, value_name = "N", value_parser = seconds)]
     seconds: u64,
     /// Measure nothing: advise by the model over facts of the mesh
     #[arg(long)]
@@ -113,10 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = arguments.model.as_deref().map_or_else(|| Ok(Model::committed()), Model::read)?;
     let measurement = if arguments.instant { None } else { Some(measurement(arguments)?) };
     let planned = PlannedScene::find(arguments.scene.as_deref().unwrap_or_default())?;
-    let scene = planned.load()?;
-    for remark in scene.remarks() {
-        eprintln!("phr: {remark}");
-    }
+    let scene = loaded(&planned)?;
     let advice = match measurement {
         Some(measurement) => {
             let steps = Steps::new(&scene.name);

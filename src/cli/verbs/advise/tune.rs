@@ -5,7 +5,7 @@ use crate::bench::files::{new_folder, write_json};
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::tune::search::Search;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, check_place, kernel, pools, rays, width};
+use crate::cli::options::{all_threads, check_place, kernel, loaded, pools, rays, seconds, width};
 use crate::cli::output::say;
 use crate::cli::progress::Steps;
 use crate::report::advice::rays_in_words;
@@ -28,7 +28,7 @@ pub struct Arguments {
     #[arg(long, default_value = "1G", value_name = "N", value_parser = rays)]
     rays: f64,
     /// Seconds, from the loaded scene on
-    #[arg(long, default_value_t = 120, value_name = "N")]
+    #[arg(long, default_value_t = 120, value_name = "N", value_parser = seconds)]
     seconds: u64,
     /// Only trees of this width, 4 or 8; the anchor has it too [default: both, the anchor 8]
     #[arg(long, value_name = "N", value_parser = width)]
@@ -82,10 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         limit: Duration::from_secs(arguments.seconds),
         seed: arguments.seed,
     };
-    let scene = planned.load()?;
-    for remark in scene.remarks() {
-        eprintln!("phr: {remark}");
-    }
+    let scene = loaded(&planned)?;
     let named = || Path::new("results").join(format!("tune-{}", scene.name));
     let folder = arguments.out.clone().unwrap_or_else(named);
     new_folder(&folder)?;

@@ -2,7 +2,7 @@
 
 use crate::bench::memory::answer;
 use crate::cli::failure::Failure;
-use crate::cli::options::{cells, pools};
+use crate::cli::options::{Made, cells, pools};
 use crate::cli::output::say;
 use std::slice::from_ref;
 
@@ -24,7 +24,7 @@ pub struct Arguments {
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pools = pools(arguments.threads)?;
-    for cell in cells(from_ref(&arguments.builder), &[], &[arguments.width])? {
+    for cell in cells(from_ref(&arguments.builder), &Made::default(), &[arguments.width])? {
         let memory = answer(std::io::stdin().lock(), &cell, &pools.all).map_err(Failure::Wrong)?;
         say(&serde_json::json!(memory).to_string())?;
     }

@@ -7,9 +7,9 @@ use crate::bench::files::new_folder;
 use crate::bench::kernels::row::{self, KERNELS, KernelRow};
 use crate::bench::kernels::{KernelSettings, left_out, measure};
 use crate::bench::planned_scene::PlannedScene;
-use crate::bench::settings::MOST_THREADS;
+use crate::bench::settings::Settings;
 use crate::cli::failure::Failure;
-use crate::cli::options;
+use crate::cli::options::{self, Made};
 use crate::cli::output::say;
 use crate::report::kernels::{scene_table, summary};
 use crate::trace::PathSettings;
@@ -28,9 +28,8 @@ pub struct Arguments {
     /// [default: embree-sah, embree-fast-spatial, phr-speed, phr-quality, phr-best]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
-    /// The builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
-    #[arg(long = "config", value_name = "FILE")]
-    configs: Vec<PathBuf>,
+    #[command(flatten)]
+    made: Made,
     /// Children per node (repeatable) [default: 4 and 8]
     #[arg(long = "width", value_name = "N")]
     widths: Vec<u32>,
@@ -60,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scenes = PlannedScene::find_all(&arguments.scenes)?;
     let mut rows = Vec::new();
     for planned in scenes {
-        let scene = planned.load()?;
+        let scene = options::loaded(&planned)?;
         if scene.mesh.len() < arguments.least {
             say(&format!("{}: {} triangles, left out\n", scene.name, scene.mesh.len()))?;
             continue;
@@ -96,20 +95,14 @@ fn settings(arguments: &Arguments) -> Result<KernelSettings, Failure> {
     let or =
         |given: &[u32], default: &[u32]| if given.is_empty() { default.to_vec() } else { given.to_vec() };
     let widths = or(&arguments.widths, &[4, 8]);
-    let is_default = arguments.builders.is_empty() && arguments.configs.is_empty();
+    let is_default = arguments.builders.is_empty() && arguments.made.is_empty();
     let builders = if is_default { BUILDERS.map(String::from).into() } else { arguments.builders.clone() };
-    let cells = options::cells(&builders, &arguments.configs, &widths)?;
-    if arguments.rounds == 0 || arguments.threads.contains(&0) || arguments.size == 0 || arguments.views == 0
-    {
-        return Err(Failure::Bad(
-            "--rounds, --threads, --size, --views: nothing could run; give 1 or more".into(),
-        ));
-    }
-    if let Some(threads) = arguments.threads.iter().find(|&&threads| threads > MOST_THREADS) {
-        return Err(Failure::Bad(format!("--threads {threads}: more than {MOST_THREADS}; give less")));
-    }
+    let cells = options::cells(&builders, &arguments.made, &widths)?;
     let path = PathSettings { width: arguments.size, height: arguments.size, ..PathSettings::default() };
     let threads = if arguments.threads.is_empty() { vec![1] } else { arguments.threads.clone() };
+    for &threads in &threads {
+        Settings::new(arguments.size, arguments.views, arguments.rounds, threads).check()?;
+    }
     Ok(KernelSettings { cells, path, views: arguments.views, rounds: arguments.rounds, threads })
 }
 
