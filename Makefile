@@ -4,7 +4,8 @@
 # make bench-full   the same with more rays and rounds
 # make bench-paper  the paper's protocol: its eight methods over stand-ins for its nine scenes, whole frames of 1024 x 1024
 #                   pixels, into results/paper-run; reduced into results/paper-protocol, drawn, and told of beside its claims
-#                   of 5.1 and 5.2; stopped and resumed at will: two to three hours on two cores
+#                   of 5.1 and 5.2; then their steps under our kernel, once, into results/paper-steps; stopped and resumed
+#                   at will: three hours on two cores
 # make bench-experiments
 #                   the paper's experiments over the files SCENES, and that of its parameters over stand-ins for its scenes,
 #                   into results/experiments-run; reduced into results/experiments, drawn and told: some hours on two cores
@@ -20,7 +21,7 @@
 #                   the tasks of our builders on the files SCENES and the built-in scenes, timed one by one and scheduled on
 #                   up to 64 workers, into results/scaling: ten minutes
 # make bench-animation
-#                   trees that follow scenes that move, 100 frames each, 4-wide, into results/animation: an hour on two cores
+#                   trees that follow scenes that move, 100 frames each, 4-wide, into results/animation: a quarter of an hour on two cores
 # make bench-advice
 #                   what `phr advise` names for each of the files SCENES and the built-in scenes after half a minute, helped
 #                   by a model that has not seen the scene; judged by a longer run, into results/advice: an hour and a half on two cores
@@ -41,8 +42,8 @@
 #                   compiles the distribution's Embree from its source package, without assertions, into
 #                   target/embree-ndebug; then builds and traces the built-in scenes with either library by turns, the
 #                   program the same, into results/ndebug: half an hour on two cores
-# make test         everything that is checked before a change is taken: formatting, lints, documentation, the library
-#                   without any feature, the harness without Embree, all tests and the documentation's examples
+# make test         everything that is checked before a change is taken: formatting, lints (of the library without any
+#                   feature and of the harness without Embree too), documentation, all tests and its examples
 #
 # make faults       kills a run fifty times at random moments and resumes it, fills its disk, and cuts its results at every
 #                   byte: some minutes (the tests have a short version)
@@ -95,6 +96,10 @@ SCALED = lbvh phr-fast phr-hq phr-turbo phr-speed phr-quality phr-best
 # The paper's methods, and where its protocol is run.
 METHODS = embree-morton hunt-50 aac embree-sah hunt-500 embree-fast-spatial phr-fast phr-hq
 PAPER = results/paper-run
+# Scenes whose builds are divided into phases.
+PHASED = rooms hair $(filter %/kitchen_bitterli.ply.zst %/karhumaki_bridge.ply.zst,$(SCENES))
+# The scene of the heat map: the free part of the one in the paper's Figure 1.
+HEATMAP ?= $(or $(firstword $(filter %/sanmiguel_partial.ply.zst,$(SCENES))),sanmiguel-like)
 KERNEL_SCENES = rooms statue hair city pipes
 # All that an advice may name, and Embree's: one that names a tree which the run lacks cannot be judged.
 ADVISED = lbvh phr-fast phr-hq phr-turbo phr-speed phr-quality phr-best hunt-50 hunt-500 aac ploc embree-morton embree-sah embree-fast-spatial
@@ -162,10 +167,11 @@ bench-scaling: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr scaling $(KERNEL_SCENES) $(SCENES) $(addprefix --builder ,$(SCALED)) --width 8 \
 		$(addprefix --workers ,1 2 4 16 64) --out results/scaling $(ARGS)
+	./target/release/phr plot results/scaling
 
 bench-animation: packages
 	$(CARGO) build --release --bin phr
-	./target/release/phr animate --width 4 --out results/animation $(ARGS)
+	./target/release/phr animate --width 4 --size 128 --out results/animation $(ARGS)
 
 bench-advice: packages
 	$(CARGO) build --release --bin phr
@@ -214,8 +220,11 @@ bench-paper: packages
 		$(addprefix --builder ,$(METHODS)) $$(test -f $(PAPER)/samples.json && echo --resume) --out $(PAPER) $(ARGS)
 	./target/release/phr reduce $(PAPER) results/paper-protocol
 	./target/release/phr plot results/paper-protocol
+	./target/release/phr bench --set paper --size 256 --width 4 --rounds 1 --threads 2 --filter ' 4 phr' \
+		$(addprefix --builder ,$(METHODS)) $$(test -f $(PAPER)-steps/samples.json && echo --resume) --out $(PAPER)-steps $(ARGS)
+	./target/release/phr reduce $(PAPER)-steps results/paper-steps
 	for experiment in construction-speed trace-speed; do \
-		./target/release/phr experiment $$experiment --rows results/paper-protocol \
+		./target/release/phr experiment $$experiment --rows results/paper-protocol --rows results/paper-steps \
 			--out results/experiments/$$experiment-paper || exit 1; \
 	done
 
@@ -233,6 +242,12 @@ bench-experiments: packages
 	./target/release/phr reduce results/experiments-run/grid-paper results/experiments/grid-paper
 	./target/release/phr experiment grid --redraw --out results/experiments/grid-paper
 	./target/release/phr experiment cut-size $(SCENES)
+	./target/release/phr experiment split
+	./target/release/phr bench $(PHASED) --build-only --width 8 --rounds 5 --threads 2 --replace --out results/experiments-run/phases \
+		$(addprefix --builder ,$(SCALED) hunt-50 hunt-500 aac ploc) $(ARGS)
+	./target/release/phr reduce results/experiments-run/phases results/experiments/phases
+	./target/release/phr plot results/experiments/phases
+	./target/release/phr heatmap $(HEATMAP) --width 4 -o results/experiments/heatmap/$(basename $(notdir $(HEATMAP:.zst=))).png
 
 # One folder for each library; a round for the one, then one for the other.
 embree-ndebug: packages
@@ -262,7 +277,7 @@ ifeq ($(NEXTEST),yes)
 else
 	$(CARGO) test --workspace
 endif
-	@echo "tested: format, lints, documentation, the library alone, the harness without Embree, all tests, the documentation's examples"
+	@echo "checked: format, lints (of the library alone and of the harness without Embree too), documentation; all tests, the documentation's examples"
 
 fuzz:
 	sh .ci/fuzz
