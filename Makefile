@@ -8,7 +8,8 @@
 #                   at will: three hours on two cores
 # make bench-experiments
 #                   the paper's experiments over the files SCENES, and that of its parameters over stand-ins for its scenes,
-#                   into results/experiments-run; reduced into results/experiments, drawn and told: some hours on two cores
+#                   into results/experiments-run; reduced into results/experiments, drawn and told; sizes of
+#                   cuts, a split, phases of builds and the heat map of Figure 1: two hours on two cores
 # make bench-builders
 #                   what the targets are judged by (`phr targets`), into results/targets: all builders on the files
 #                   SCENES and the built-in scenes with two threads, their builds with one thread beside two, their

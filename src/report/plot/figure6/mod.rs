@@ -44,10 +44,11 @@ pub fn beside_paper(rows: &[Row], under: &Under) -> Option<String> {
 
 /// A panel per scene, all with the same axes; `None` if the run has no point for any.
 pub fn by_scene(rows: &[Row], under: &Under) -> Option<String> {
+    let traced = traced_by(rows, under);
     let all: Vec<(String, Vec<TreePoint<'_>>)> = scenes(rows)
         .into_iter()
         .map(|name| {
-            let points = scene_points(rows, &name, under);
+            let points = scene_points(rows, &name, traced, under);
             (name, points)
         })
         .filter(|(_, points)| !points.is_empty())
@@ -76,7 +77,7 @@ pub fn by_scene(rows: &[Row], under: &Under) -> Option<String> {
         let beside = paper::scene_of(&name).map_or_else(String::new, |scene| format!("; paper: {scene}"));
         let mut fronts = fronts(&points);
         // Axes are named once: at the left, and below the last panel of a column.
-        let (across, up) = axes(rows, under);
+        let (across, up) = axes(traced);
         let axes = (
             if index + ABREAST >= count { across } else { String::new() },
             if column == 0 { up } else { String::new() },
@@ -143,7 +144,7 @@ fn one_panel(
     let range = Range::of(&points);
     let panel = Panel {
         title: String::new(),
-        axes: axes(rows, under),
+        axes: axes(traced_by(rows, under)),
         range,
         across: Across::Logarithmic,
         fronts,
@@ -169,19 +170,22 @@ fn one_panel(
     Some(svg.finish())
 }
 
-fn axes(rows: &[Row], under: &Under) -> (String, String) {
-    let up = if traced_by(rows, under) == Figure::Frame { "frame" } else { "trace" };
-    ("build time / Embree SAH, 4-wide".into(), format!("{up} time / Embree SAH, 4-wide"))
+fn axes(traced: Figure) -> (String, String) {
+    ("build time / Embree SAH, 4-wide".into(), format!("{} time / Embree SAH, 4-wide", name_of(traced)))
+}
+
+/// The figure upwards in words.
+fn name_of(traced: Figure) -> &'static str {
+    if traced == Figure::Frame { "frame" } else { "trace" }
 }
 
 /// A sheet with title, what was measured and how, and the key.
 fn with_key(size: (f64, f64), rows: &[Row], under: &Under, means: &str, entries: &[Entry]) -> Svg {
-    let is_of_frames = traced_by(rows, under) == Figure::Frame;
-    let up = if is_of_frames { "frame" } else { "trace" };
-    let title = format!("Build time against {up} time, relative to Embree SAH at width 4");
+    let traced = traced_by(rows, under);
+    let title = format!("Build time against {} time, relative to Embree SAH at width 4", name_of(traced));
     let threads = rows.first().map_or(0, |row| row.threads);
     let about = format!("{means}, {threads} threads, both axes logarithmic");
-    let traces = if is_of_frames { "whole path-traced frames" } else { "traces" };
+    let traces = if traced == Figure::Frame { "whole path-traced frames" } else { "traces" };
     let mut svg = sheet(size, &title, &[&about, &format!("{traces}: {}", under.about())]);
     entries.iter().fold(26.0, |x, &entry| key(&mut svg, (x, 88.5), entry, SMALL) + 26.0);
     let builders: Vec<&str> = trees(rows).into_iter().map(|tree| tree.0).collect();
@@ -205,7 +209,10 @@ mod tests {
         let mut rows = vec![row("embree-sah", 10.0, 10.0), row("lbvh", 20.0, 15.0)];
         let under = Under::One("phr".into());
         let height = |rows: &[Row]| {
-            let points = [mean_points(rows, &under, |_| true), scene_points(rows, &rows[0].scene, &under)];
+            let points = [
+                mean_points(rows, &under, |_| true),
+                scene_points(rows, &rows[0].scene, traced_by(rows, &under), &under),
+            ];
             points.map(|points| points.iter().find(|point| point.tree.0 == "lbvh").unwrap().point.at.1)
         };
         assert_eq!(height(&rows), [1.5; 2]);

@@ -58,9 +58,14 @@ pub fn mean_points<'a>(
     trees(rows).into_iter().filter(|&tree| keep(tree)).filter_map(point).collect()
 }
 
-/// The trees of a scene.
-pub fn scene_points<'a>(rows: &'a [Row], scene: &str, under: &Under) -> Vec<TreePoint<'a>> {
-    let (figures, trace_figure) = (SceneFigures::of(rows, scene), traced_by(rows, under));
+/// The trees of a scene, with the figure upwards of the run, see [`traced_by`].
+pub fn scene_points<'a>(
+    rows: &'a [Row],
+    scene: &str,
+    trace_figure: Figure,
+    under: &Under,
+) -> Vec<TreePoint<'a>> {
+    let figures = SceneFigures::of(rows, scene);
     let point = |tree| {
         let ratio = |figure| Some(figures.ratio(tree, figure, under)?.value);
         let at = placed((ratio(Figure::Build)?, ratio(trace_figure)?))?;
