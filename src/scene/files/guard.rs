@@ -16,15 +16,21 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// What this machine has to give now: memory that is free or can be freed, of a control group of this process
-    /// where one has less. Without limit where the system does not tell (it does on Linux).
+    /// What this process may have now: memory of the machine that is free or can be freed, what its control groups
+    /// leave, and what is left of its address space (`ulimit -v`). Without limit where the system does not tell (it
+    /// does on Linux).
     pub fn of_machine() -> Self {
-        let kibibytes = text(Path::new("/proc/meminfo")).lines().find_map(|line| {
-            line.strip_prefix("MemAvailable:")?.split_whitespace().next()?.parse::<u64>().ok()
-        });
-        let machine = kibibytes.map(|kibibytes| kibibytes.saturating_mul(1024));
+        let kibibytes = |file: &str, key: &str| {
+            let text = text(Path::new(file));
+            let line = text.lines().find_map(|line| line.strip_prefix(key))?;
+            Some(line.split_whitespace().next()?.parse::<u64>().ok()?.saturating_mul(1024))
+        };
+        let machine = kibibytes("/proc/meminfo", "MemAvailable:");
+        let taken = kibibytes("/proc/self/status", "VmSize:").unwrap_or(0);
+        let addresses = of_addresses(&text(Path::new("/proc/self/limits")), taken);
         let groups = of_groups(Path::new("/sys/fs/cgroup"), &text(Path::new("/proc/self/cgroup")));
-        Self { memory: machine.into_iter().chain(groups).min().unwrap_or(u64::MAX) }
+        let least = machine.into_iter().chain(addresses).chain(groups).min();
+        Self { memory: least.unwrap_or(u64::MAX) }
     }
 }
 
@@ -32,25 +38,73 @@ fn text(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_default()
 }
 
-/// What the control groups (version 2) below `root` leave to a process: the least of its own, which the line `0::`
-/// of `own` names, and those around it. `None` where none of them has a limit.
-fn of_groups(root: &Path, own: &str) -> Option<u64> {
-    let own = own.lines().find_map(|line| line.strip_prefix("0::")).unwrap_or_default();
-    let own = root.join(own.trim_start_matches('/'));
-    own.ancestors().take_while(|group| group.starts_with(root)).filter_map(of_group).min()
+/// What `limits` leave of the address space to a process that has `taken` so much; `None` where it has no limit.
+fn of_addresses(limits: &str, taken: u64) -> Option<u64> {
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let most: u64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(most.saturating_sub(taken))
 }
 
-fn of_group(group: &Path) -> Option<u64> {
-    let number = |name: &str| text(&group.join(name)).trim().parse::<u64>().ok();
-    let most = number("memory.max")?;
-    // Files that are cached are given back where memory is short; what lies in memory files is not.
-    let stat = text(&group.join("memory.stat"));
-    let cached = stat.lines().filter_map(|line| {
-        let (name, bytes) = line.split_once(' ')?;
-        matches!(name, "inactive_file" | "active_file").then(|| bytes.trim().parse::<u64>().ok())?
-    });
-    let held = number("memory.current").unwrap_or(0).saturating_sub(cached.sum());
-    Some(most.saturating_sub(held))
+/// The files in which a version of control groups tells of memory.
+struct Names {
+    /// Where its groups are, below the root of all.
+    root: &'static str,
+    /// The controller in the line of a process's own group (`4:cpu,memory:/jobs`); version 2 has none.
+    controller: &'static str,
+    most: &'static str,
+    current: &'static str,
+    /// Of `memory.stat`.
+    cached: [&'static str; 2],
+}
+
+const VERSIONS: [Names; 2] = [
+    Names {
+        root: "",
+        controller: "",
+        most: "memory.max",
+        current: "memory.current",
+        cached: ["inactive_file", "active_file"],
+    },
+    Names {
+        root: "memory",
+        controller: "memory",
+        most: "memory.limit_in_bytes",
+        current: "memory.usage_in_bytes",
+        cached: ["total_inactive_file", "total_active_file"],
+    },
+];
+
+/// What the control groups below `root` leave to a process: the least of its own, which a line of `own` names, and
+/// those around it. `None` where none of them has a limit.
+fn of_groups(root: &Path, own: &str) -> Option<u64> {
+    let of_version = |names: &Names| {
+        let group = |line: &'_ str| {
+            let (_, line) = line.split_once(':')?;
+            let (controllers, group) = line.split_once(':')?;
+            controllers.split(',').any(|name| name == names.controller).then(|| group.to_owned())
+        };
+        let own = own.lines().find_map(group).unwrap_or_default();
+        let root = root.join(names.root);
+        let own = root.join(own.trim_start_matches('/'));
+        let groups = own.ancestors().take_while(|group| group.starts_with(&root));
+        groups.filter_map(|group| names.left_in(group)).min()
+    };
+    VERSIONS.iter().filter_map(of_version).min()
+}
+
+impl Names {
+    fn left_in(&self, group: &Path) -> Option<u64> {
+        let number = |name: &str| text(&group.join(name)).trim().parse::<u64>().ok();
+        let most = number(self.most)?;
+        // Files that are cached are given back where memory is short; what lies in memory files is not.
+        let stat = text(&group.join("memory.stat"));
+        let cached = stat.lines().filter_map(|line| {
+            let (name, bytes) = line.split_once(' ')?;
+            self.cached.contains(&name).then(|| bytes.trim().parse::<u64>().ok())?
+        });
+        let held = number(self.current).unwrap_or(0).saturating_sub(cached.sum());
+        Some(most.saturating_sub(held))
+    }
 }
 
 /// Keeps a reader within [`Limits`], and why it stopped.
@@ -173,6 +227,27 @@ mod tests {
         assert_eq!(of_groups(root, "0::/jobs/one\n"), Some(50));
         assert_eq!(of_groups(root, "0::/jobs\n"), Some(600));
         assert_eq!(of_groups(root, ""), None);
+        // The first version, in which each resource has its own groups.
+        let older = root.join("memory/jobs");
+        std::fs::create_dir_all(&older).unwrap();
+        write(&older, "memory.limit_in_bytes", "500\n");
+        write(&older, "memory.usage_in_bytes", "400\n");
+        write(&older, "memory.stat", "inactive_file 1\ntotal_inactive_file 100\n");
+        assert_eq!(
+            of_groups(root, "11:cpuset:/\n4:cpu,memory:/jobs/one\n1:name=systemd:/0::/jobs\n"),
+            Some(200)
+        );
+    }
+
+    #[test]
+    fn the_address_space_has_a_limit_where_one_is_set() {
+        let limits = |most: &str| {
+            format!("Limit  Soft Limit  Hard Limit  Units\nMax address space  {most}  unlimited  bytes\n")
+        };
+        assert_eq!(of_addresses(&limits("5000"), 2000), Some(3000));
+        assert_eq!(of_addresses(&limits("5000"), 9000), Some(0));
+        assert_eq!(of_addresses(&limits("unlimited"), 2000), None);
+        assert_eq!(of_addresses("", 0), None);
     }
 
     #[test]
