@@ -23,29 +23,36 @@ impl<'a> Lines<'a> {
         Self { inner, line: Vec::new(), number: 0, is_cut: false }
     }
 
-    /// Reads a line, with its continuation lines (backslash at the end) if `joined`; false at the end of the file. What
-    /// is beyond [`LONGEST`] is passed over.
-    pub fn next(&mut self, joined: bool) -> Result<bool, Fault> {
+    /// Reads a line; false at the end of the file. What is beyond [`LONGEST`] is passed over.
+    pub fn next(&mut self) -> Result<bool, Fault> {
+        self.line.clear();
+        self.is_cut = false;
+        self.append()
+    }
+
+    /// Reads a line with its continuation lines (backslash at the end); one whose first word `is_text` is not continued
+    /// beyond the line of that word.
+    pub fn next_joined(&mut self, is_text: fn(&[u8]) -> bool) -> Result<bool, Fault> {
         self.line.clear();
         self.is_cut = false;
         // Known from the first word on: to look for it in every line that is appended would take a time that is
         // quadratic in their number.
-        let mut is_text = None;
+        let mut known = None;
         loop {
             let before = self.line.len();
             if !self.append()? {
                 return Ok(!self.line.is_empty());
             }
-            let ends_here = is_text.unwrap_or_else(|| {
+            let ends_here = known.unwrap_or_else(|| {
                 let (word, is_continued) = first_word(self.line.get(before..).unwrap_or_default());
-                is_text = (!word.is_empty()).then(|| is_text_word(word));
+                known = (!word.is_empty()).then(|| is_text(word));
                 // A comment ends with its line, however it ends.
-                is_text == Some(true) && (!is_continued || word.starts_with(b"#"))
+                known == Some(true) && (!is_continued || word.starts_with(b"#"))
             });
             let Some(end) = self.line.trim_ascii_end().strip_suffix(b"\\").map(<[u8]>::len) else {
                 return Ok(true);
             };
-            if !joined || self.is_cut || ends_here {
+            if self.is_cut || ends_here {
                 return Ok(true);
             }
             self.line.truncate(end);
@@ -106,12 +113,6 @@ fn first_word(line: &[u8]) -> (&[u8], bool) {
     word.strip_suffix(b"\\").map_or((word, false), |word| (word, true))
 }
 
-/// True for the first words of comments and names of an OBJ file, such as folders, whose backslash at the end continues
-/// nothing.
-fn is_text_word(word: &[u8]) -> bool {
-    word.starts_with(b"#") || matches!(word, b"o" | b"g" | b"usemtl" | b"mtllib")
-}
-
 /// A number of a text file.
 pub(super) fn number(word: &[u8]) -> Option<f32> {
     std::str::from_utf8(word).ok()?.parse().ok()
@@ -121,13 +122,17 @@ pub(super) fn number(word: &[u8]) -> Option<f32> {
 mod tests {
     use super::*;
 
+    fn is_name(word: &[u8]) -> bool {
+        word.starts_with(b"#") || word == b"g"
+    }
+
     #[test]
     fn a_byte_order_mark_is_no_word() {
         let mut reader = std::io::BufReader::with_capacity(2, &b"\xEF\xBB\xBFv 1\n\xEF\xBB\xBFv"[..]);
         let mut lines = Lines::new(&mut reader);
-        assert!(lines.next(true).unwrap());
+        assert!(lines.next_joined(is_name).unwrap());
         assert_eq!(lines.words().collect::<Vec<_>>(), [&b"v"[..], b"1"]);
-        assert!(lines.next(true).unwrap());
+        assert!(lines.next_joined(is_name).unwrap());
         assert_eq!(lines.words().collect::<Vec<_>>(), [b"\xEF\xBB\xBFv"], "within a file it is data");
     }
 
@@ -137,7 +142,7 @@ mod tests {
         let mut reader = std::io::BufReader::new(text);
         let mut lines = Lines::new(&mut reader);
         let mut all = Vec::new();
-        while lines.next(true).unwrap() {
+        while lines.next_joined(is_name).unwrap() {
             let words: Vec<String> = lines.words().map(|word| String::from_utf8_lossy(word).into()).collect();
             all.push(words.join(" "));
         }
@@ -150,9 +155,9 @@ mod tests {
         let text = "\\\n".repeat(1 << 21) + "v 1\n";
         let mut reader = std::io::BufReader::new(text.as_bytes());
         let mut lines = Lines::new(&mut reader);
-        assert!(lines.next(true).unwrap());
+        assert!(lines.next_joined(is_name).unwrap());
         assert_eq!(lines.words().collect::<Vec<_>>(), [&b"v"[..], b"1"]);
-        assert!(!lines.next(true).unwrap());
+        assert!(!lines.next_joined(is_name).unwrap());
     }
 
     #[test]
@@ -161,13 +166,13 @@ mod tests {
         let mut reader = std::io::BufReader::new((&b"one \\\ntwo\n# "[..]).chain(long).chain(&b"\nlast"[..]));
         let mut lines = Lines::new(&mut reader);
         let words = |lines: &Lines<'_>| lines.words().map(<[u8]>::len).collect::<Vec<_>>();
-        assert!(lines.next(true).unwrap());
+        assert!(lines.next_joined(is_name).unwrap());
         assert_eq!(words(&lines), [3, 3]);
-        assert!(lines.next(true).unwrap());
+        assert!(lines.next_joined(is_name).unwrap());
         assert!(lines.check_whole().unwrap_err().place == "line 3" && lines.line.capacity() < 3 * LONGEST);
-        assert!(lines.next(true).unwrap());
+        assert!(lines.next_joined(is_name).unwrap());
         lines.check_whole().unwrap();
         assert_eq!((words(&lines), lines.number), (vec![4], 4));
-        assert!(!lines.next(true).unwrap());
+        assert!(!lines.next_joined(is_name).unwrap());
     }
 }

@@ -48,6 +48,11 @@ pub(super) fn read<'a>(reader: &mut dyn BufRead, guard: &'a Guard) -> Result<Raw
     Ok(raw)
 }
 
+/// True for the first words of comments and names, such as folders, whose backslash at the end continues nothing.
+fn is_text(word: &[u8]) -> bool {
+    word.starts_with(b"#") || matches!(word, b"o" | b"g" | b"usemtl" | b"mtllib")
+}
+
 /// The lines of an OBJ file that say `v` with three numbers or `f` with positive indices in range.
 struct Filter<'a> {
     lines: Lines<'a>,
@@ -90,7 +95,7 @@ impl<'a> Filter<'a> {
     fn next(&mut self) -> Result<bool, Fault> {
         self.kept.clear();
         self.consumed = 0;
-        if !self.lines.next(true)? {
+        if !self.lines.next_joined(is_text)? {
             return Ok(false);
         }
         let mut words = self.lines.words();

@@ -61,7 +61,7 @@ fn text<'a>(reader: &mut dyn BufRead, guard: &'a Guard) -> Result<RawMesh<'a>, F
     let mut raw = RawMesh::new(guard);
     let mut lines = Lines::new(reader);
     let (mut corners, mut in_solid) = (Vec::new(), false);
-    while lines.next(false)? {
+    while lines.next()? {
         let mut words = lines.words();
         let keyword = words.next().unwrap_or_default().to_ascii_lowercase();
         match &keyword[..] {
