@@ -69,6 +69,19 @@ impl TriangleBlock {
         self.prims[lane] = prim;
     }
 
+    /// Whether its data are those of triangles of `mesh`, of one at least, in lanes without gaps.
+    pub(crate) fn is_of(&self, mesh: &Mesh) -> bool {
+        let mut expected = Self::EMPTY;
+        for (lane, prim) in self.ids().enumerate() {
+            if prim as usize >= mesh.len() {
+                return false;
+            }
+            expected.set(lane, mesh.corners(prim), prim);
+        }
+        // Comparison finds gaps between lanes too.
+        expected.prims[0] != u32::MAX && *self == expected
+    }
+
     /// The ids in use.
     #[inline]
     pub fn ids(&self) -> impl Iterator<Item = u32> + '_ {

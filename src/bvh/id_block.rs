@@ -7,12 +7,25 @@ use std::fmt::Debug;
 pub trait LeafBlock: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// The primitives in use.
     fn ids(&self) -> impl Iterator<Item = u32> + '_;
+
+    /// The lanes; unused ones hold `u32::MAX`.
+    fn lanes(&self) -> [u32; 4];
+
+    /// Whether an unused lane stands before a used one.
+    fn is_gapped(&self) -> bool {
+        !self.lanes().is_sorted_by_key(|&prim| prim == u32::MAX)
+    }
 }
 
 impl LeafBlock for TriangleBlock {
     #[inline]
     fn ids(&self) -> impl Iterator<Item = u32> + '_ {
         self.ids()
+    }
+
+    #[inline]
+    fn lanes(&self) -> [u32; 4] {
+        self.prims
     }
 }
 
@@ -36,5 +49,10 @@ impl LeafBlock for IdBlock {
     #[inline(always)]
     fn ids(&self) -> impl Iterator<Item = u32> + '_ {
         self.prims.iter().copied().take_while(|&prim| prim != u32::MAX)
+    }
+
+    #[inline(always)]
+    fn lanes(&self) -> [u32; 4] {
+        self.prims
     }
 }

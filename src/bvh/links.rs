@@ -17,8 +17,9 @@ const GRAIN: usize = 1 << 12;
 
 impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
     /// Proves that the links form a tree of bounded depth that uses every node and block once, and that the leaves name
-    /// every one of so many primitives and no other. A fraction of [`WideBvh::validate`]: for trees of which boxes and
-    /// leaf data are trusted, as of a saved one whose checksum agrees. On the current rayon pool.
+    /// every one of so many primitives and no other, in blocks without gaps. A fraction of [`WideBvh::validate`]: for
+    /// trees of which boxes and leaf data are trusted, as of a saved one whose checksum agrees. On the current rayon
+    /// pool.
     ///
     /// # Errors
     /// One of the violations.
@@ -50,6 +51,9 @@ impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
         let prims = Seen::new("primitive", primitives)?;
         self.blocks.par_chunks(GRAIN).enumerate().try_for_each(|(chunk, blocks)| {
             for (i, block) in blocks.iter().enumerate() {
+                if block.is_gapped() {
+                    return Err(Invalid::Block(chunk * GRAIN + i));
+                }
                 for prim in block.ids() {
                     let there = prims.places.get(prim as usize).ok_or(Invalid::Block(chunk * GRAIN + i))?;
                     there.store(true, Relaxed);

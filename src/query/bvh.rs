@@ -97,12 +97,15 @@ impl Bvh {
         }
     }
 
-    /// Saves the tree, which was built over `mesh`, at `path`: [`saved`](crate::bvh::saved) describes the format. The
-    /// mesh is that of the build, not moved since: the file is taken for a tree of the mesh that is given here.
+    /// Saves the tree, which was built over `mesh`, at `path`: [`saved`](crate::bvh::saved) describes the format.
     ///
     /// # Errors
-    /// An unwritable place, or one that is no regular file.
+    /// Another mesh, or one that was moved since; an unwritable place, or one that is no regular file.
     pub fn save(&self, mesh: &Mesh, path: &Path) -> Result<(), SavedError> {
+        let is_of_mesh = self.places.len() == mesh.len();
+        if !is_of_mesh || self.blocks().par_iter().any(|block| !block.is_of(mesh)) {
+            return Err(SavedError::NotOfMesh { path: path.to_owned() });
+        }
         match &self.tree {
             Tree::Four(tree) => tree.get().save(mesh, "", path),
             Tree::Eight(tree) => tree.get().save(mesh, "", path),

@@ -48,6 +48,12 @@ fn a_loaded_tree_answers_as_the_saved_one() {
         assert!(rays.iter().all(|ray| loaded.intersect(ray) == bvh.intersect(ray)));
         let other = Bvh::load(&soup(500, 5), &path);
         assert!(matches!(other, Err(BvhError::Saved(why)) if why.contains("another mesh")));
+        let more = [mesh.triangles(), &mesh.triangles()[..1]].concat();
+        let more = Mesh::new(mesh.vertices().to_vec(), more).unwrap().0;
+        for other in [soup(500, 5), more] {
+            let refused = bvh.save(&other, &path).unwrap_err().to_string();
+            assert!(refused.contains("the tree is of another mesh") && !refused.contains('\n'), "{refused}");
+        }
     }
 }
 

@@ -5,7 +5,7 @@
 //! builders have put neighbours, into an array of their own, and then written to the nodes in the order of these.
 
 use crate::builders::api::config_error::ConfigError;
-use crate::bvh::{Child, Invalid, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
+use crate::bvh::{Child, Invalid, LeafBlock, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::{Aabb, Mesh};
 use crate::memory::{OutOfMemory, huge_pages, told};
 use crate::parallel;
@@ -54,9 +54,11 @@ impl<const N: usize> WideBvh<N> {
     }
 
     fn fit(&mut self, mesh: &Mesh) -> Result<(), RefitError> {
-        let is_gapped = |block: &TriangleBlock| !block.prims.is_sorted_by_key(|&prim| prim == u32::MAX);
         let (last, gaps): (Vec<_>, Vec<_>) = parallel::map(self.blocks.par_chunks(GRAIN), |blocks| {
-            (blocks.iter().flat_map(TriangleBlock::ids).max(), blocks.iter().position(is_gapped))
+            (
+                blocks.iter().flat_map(TriangleBlock::ids).max(),
+                blocks.iter().position(TriangleBlock::is_gapped),
+            )
         })
         .into_iter()
         .unzip();

@@ -85,6 +85,12 @@ pub enum SavedError {
         /// Fingerprint of its mesh.
         mesh: u64,
     },
+    /// A tree to be saved for a mesh that is not its own.
+    #[error("{}: the tree is of another mesh, or the mesh was moved since; give that which it was built over", path.display())]
+    NotOfMesh {
+        /// Where it was to be saved.
+        path: PathBuf,
+    },
     /// The links do not form a tree over the mesh.
     #[error("{}: {source}; save the tree again", path.display())]
     Invalid {

@@ -143,6 +143,10 @@ fn links_are_checked() {
         assert!(matches!(result, Err(SavedError::Invalid { .. })), "{i}: {result:?}");
     }
     assert_eq!(bad[6].validate(&mesh).unwrap_err(), Invalid::LongLeaf(0));
+    let fewer = self::mesh(39);
+    let mut gapped = chain(&fewer);
+    gapped.blocks[9].prims = [36, u32::MAX, 37, 38];
+    assert_eq!(gapped.validate_links(fewer.len()), Err(Invalid::Block(9)));
     let deep = self::mesh(4 * 200);
     chain(&deep).save(&deep, "by-hand", &path).unwrap();
     assert!(Bvh4::load(&deep, &path).unwrap_err().to_string().contains("deeper than"));

@@ -1,5 +1,5 @@
 use super::*;
-use crate::bvh::{Bvh4, WideNode};
+use crate::bvh::{Bvh4, TriangleBlock, WideNode};
 
 /// Two triangles, each in a leaf of its own below one node.
 fn whole() -> (Mesh, Bvh4) {
