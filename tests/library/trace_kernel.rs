@@ -204,5 +204,7 @@ fn invalid_rays_are_harmless() {
 #[test]
 #[should_panic(expected = "malformed tree: link to node 9 of 0")]
 fn malformed_trees_are_refused() {
-    let _ = BvhTracer::new(&WideBvh::<4> { root: phr::bvh::Link::inner(9), ..WideBvh::default() });
+    let tree = WideBvh::<4> { root: phr::bvh::Link::inner(9), ..WideBvh::default() };
+    assert!(BvhTracer::try_new(&tree).is_err_and(|flaw| flaw == "malformed tree: link to node 9 of 0"));
+    let _ = BvhTracer::new(&tree);
 }

@@ -8,6 +8,7 @@ use super::sound_tree::{ProvenTree, SoundTree};
 use super::traverse::{self, Query};
 use crate::bvh::WideBvh;
 use crate::geometry::{Hit, Ray, Tracer};
+use crate::memory::told;
 use crate::simd::Isa;
 use rayon::prelude::*;
 use std::ops::Add as _;
@@ -47,6 +48,16 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
     /// [`crate::bvh::MAX_DEPTH`] inner levels.
     pub fn new(tree: &'a WideBvh<N>) -> Self {
         Self::with_isa(tree, Isa::best())
+    }
+
+    /// As [`BvhTracer::new`], over a tree that may be malformed.
+    ///
+    /// # Errors
+    /// One line: a malformed tree, or no memory to walk it.
+    pub fn try_new(tree: &'a WideBvh<N>) -> Result<Self, String> {
+        let sound = told(|| SoundTree::new(tree)).map_err(|error| error.to_string())?;
+        let tree = sound.map_err(|flaw| format!("malformed tree: {flaw}"))?;
+        Ok(Self { tree, isa: Isa::best() })
     }
 
     /// As [`BvhTracer::new`] with instructions of choice. AVX-512 adds but its estimate of reciprocals to AVX2's.
