@@ -50,6 +50,7 @@ pub struct InstanceHit {
 pub struct InstanceBvh<B> {
     placed: Vec<Placed<B>>,
     top: PrimitiveBvh,
+    bounds: Aabb,
 }
 
 impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
@@ -61,7 +62,7 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
     pub fn build(instances: Vec<Instance<B>>, config: &BvhConfig<'_>) -> Result<Self, BvhError> {
         let placed = placed(instances)?;
         let top = PrimitiveBvh::build(&placed, config)?;
-        Ok(Self { placed, top })
+        Ok(Self { bounds: around(&placed), placed, top })
     }
 
     /// Builds the tree anew over other `instances`, or the same ones that moved, in the memory of this one; their
@@ -73,6 +74,7 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
     pub fn rebuild(&mut self, instances: Vec<Instance<B>>) -> Result<(), BvhError> {
         let placed = placed(instances)?;
         self.top.rebuild(&placed)?;
+        self.bounds = around(&placed);
         self.placed = placed;
         Ok(())
     }
@@ -128,10 +130,17 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
         self.placed.is_empty()
     }
 
-    /// The box of all instances; [empty](Aabb::is_empty) without any.
+    /// The box of all instances of objects that have a triangle; [empty](Aabb::is_empty) without any.
     pub fn bounds(&self) -> Aabb {
-        self.top.bounds()
+        // After a rebuild without memory there may be nothing any more.
+        self.bounds.intersection(self.top.bounds())
     }
+}
+
+/// The box of what rays may hit: objects without a triangle have a place, too, but nothing there.
+fn around<B: Borrow<Bvh>>(placed: &[Placed<B>]) -> Aabb {
+    let solid = placed.iter().filter(|placed| !placed.bvh.borrow().bounds().is_empty());
+    solid.fold(Aabb::EMPTY, |bounds, placed| bounds.union(placed.bounds))
 }
 
 /// The instances, ready for rays.

@@ -232,6 +232,11 @@ fn nothing_is_hit_where_nothing_is() {
         &BvhConfig::default(),
     )
     .unwrap();
+    let only = InstanceBvh::build(
+        instances(&[&some], &[Affine3A::from_translation(Vec3::splat(50.0))]),
+        &BvhConfig::default(),
+    );
+    assert_eq!(holes.bounds(), only.unwrap().bounds());
     for ray in &rays(100) {
         assert!(world.intersect(ray).is_none() && !world.occluded(ray));
         assert!(holes.intersect(ray).is_none() && !holes.occluded(ray));
