@@ -1,9 +1,27 @@
 //! Trees as bytes, walked as `examples/gpu/traverse.wgsl` walks them: the shader's steps in Rust give our kernel's
 //! hits.
 
+use phr::bvh::{TriangleBlock, WideNode};
 use phr::geometry::Ray;
 use phr::random::SplitMix64;
 use phr::{Bvh, BvhConfig, scene};
+
+/// No test runs the shader; it is one, at least, and its records are as long as ours.
+#[test]
+fn the_shader_is_valid_and_lies_over_the_trees_bytes() {
+    let source = include_str!("../../examples/gpu/traverse.wgsl");
+    let shader = naga::front::wgsl::parse_str(source)
+        .unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)));
+    let all = naga::valid::ValidationFlags::all();
+    naga::valid::Validator::new(all, naga::valid::Capabilities::empty()).validate(&shader).unwrap();
+    let bytes = |name: &str| {
+        let of_name = |ty: &naga::Type| ty.name.as_deref() == Some(name);
+        let (_, ty) = shader.types.iter().find(|(_, ty)| of_name(ty)).unwrap();
+        let naga::TypeInner::Struct { span, .. } = ty.inner else { panic!("{name} is no struct") };
+        span as usize
+    };
+    assert_eq!([bytes("Node"), bytes("Block")], [size_of::<WideNode<4>>(), size_of::<TriangleBlock>()]);
+}
 
 const NONE: u32 = u32::MAX;
 
