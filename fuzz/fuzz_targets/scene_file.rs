@@ -1,32 +1,7 @@
-//! Scene files of every format, plain or compressed: read whole or refused in one line. The first byte chooses the
-//! format.
+//! Bytes for [`phr_fuzz::scene_file`].
 
 #![no_main]
 
-use libfuzzer_sys::fuzz_target;
-use phr::scene::{Limits, load_within};
-use std::cell::OnceCell;
-
-const FORMATS: [&str; 8] = ["obj", "ply", "stl", "gltf", "glb", "obj.gz", "ply.zst", "ply.gz"];
-const LIMITS: Limits = Limits { memory: 1 << 26 };
-
-thread_local! {
-    static FOLDER: OnceCell<tempfile::TempDir> = const { OnceCell::new() };
-}
-
-fuzz_target!(init: phr_fuzz::one_thread(), |data: &[u8]| {
-    let Some((first, content)) = data.split_first() else { return };
-    FOLDER.with(|folder| {
-        let folder = folder.get_or_init(|| tempfile::tempdir().unwrap());
-        let path = folder.path().join(format!("x.{}", FORMATS[*first as usize % FORMATS.len()]));
-        std::fs::write(&path, content).unwrap();
-        match load_within(&path, &LIMITS) {
-            Ok(scene) => {
-                assert!(!scene.mesh.is_empty() && !scene.views.is_empty());
-                let bounds = scene.mesh.bounds();
-                assert!(bounds.min.is_finite() && bounds.max.is_finite());
-            }
-            Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{error}"),
-        }
-    });
+libfuzzer_sys::fuzz_target!(init: phr_fuzz::one_thread(), |input: &[u8]| {
+    phr_fuzz::scene_file::check(input);
 });

@@ -9,6 +9,7 @@ mod cut_files;
 mod experiments;
 #[cfg(unix)]
 mod faults;
+mod fuzzed;
 #[cfg(feature = "peers")]
 mod peers;
 mod reports;
