@@ -98,6 +98,8 @@ fn a_tuned_configuration_is_one_that_other_verbs_take() {
     }
     let built = told(folder.path(), &["build", "scalable-2k", "--config", "mine.json"]);
     assert!(built.contains("tuned-scalable-2k-1M, width 8"), "{built}");
+    let of_ploc = ["tune", "scalable-2k", "--builder", "ploc", "--rays", "1M", "--seconds", "2"];
+    assert!(told(folder.path(), &of_ploc).contains("ploc / 8, which all is relative to"));
 }
 
 #[test]
@@ -109,6 +111,10 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         (&["advise", "nowhere"], "nowhere"),
         (&["advise", "--judge", "nowhere"], "nowhere"),
         (&["tune", "scalable-2k", "--seconds", "0"], "--seconds 0"),
+        (
+            &["tune", "scalable-2k", "--builder", "embree-sah"],
+            "no parameters are known of it; give phr-quality",
+        ),
         (&["tune", "scalable-2k", "--width", "6"], "'6' for '--width <N>': give 4 or 8"),
         (&["tune", "scalable-2k", "--kernel", "embree-native"], "--kernel embree-native"),
         (&["tune", "scalable-2k", "-o", "no/where.json"], "no such folder"),

@@ -6,6 +6,7 @@ use crate::bench::tune::{Trial, Tuned, mean_ratios};
 use crate::report::figures::tree_name;
 use crate::report::grid::{Grid, short};
 use crate::report::plot::pareto::front;
+use crate::report::table::brief::{COLUMNS, filled};
 
 /// Everything that was found for `rays` in `scene`.
 pub fn page(tuned: &Tuned, scene: &str, rays: f64) -> String {
@@ -13,17 +14,12 @@ pub fn page(tuned: &Tuned, scene: &str, rays: f64) -> String {
         .join("\n")
 }
 
-/// The whole name of a configuration, which `--builder` takes.
-fn whole_name(trial: &Trial) -> String {
-    tree_name((&trial.cell.builder, trial.cell.width))
-}
-
-/// A preset's name, or the number of the trial: whole names are long.
+/// A builder's name, or the number of the trial: whole names are long.
 fn name(tuned: &Tuned, trial: &Trial) -> String {
     let place = tuned.trials.iter().position(|known| known.cell == trial.cell);
     match place.filter(|_| !trial.recipe.changes().is_empty()) {
         Some(place) => format!("trial {}", place + 1),
-        None => whole_name(trial),
+        None => tree_name((&trial.cell.builder, trial.cell.width)),
     }
 }
 
@@ -40,7 +36,10 @@ fn named(tuned: &Tuned, rays: f64) -> String {
     let shown = on_front(tuned, rays).into_iter().map(|(i, _)| &tuned.trials[i]).chain(&tuned.race);
     let mut lines: Vec<String> = Vec::new();
     for trial in shown.filter(|trial| !trial.recipe.changes().is_empty()) {
-        let line = format!("{}: {}\n", name(tuned, trial), whole_name(trial));
+        let fields = trial.recipe.changes();
+        let fields = fields.iter().map(|(field, value)| format!(", {field}={value}")).collect::<String>();
+        let tree = tree_name((trial.recipe.base(), trial.cell.width));
+        let line = filled(&format!("{}: {tree}{fields}", name(tuned, trial)));
         if !lines.contains(&line) {
             lines.push(line);
         }
@@ -64,11 +63,11 @@ fn heading(tuned: &Tuned, scene: &str, rays: f64) -> String {
         None => String::new(),
         Some((name, reason)) => format!(", {failed} failed (first {name}: {reason})"),
     };
-    format!(
-        "{scene}, {} rays: {tried} configurations tried{failed}, each right after {}, which all is relative to\n",
+    filled(&format!(
+        "{scene}, {} rays: {tried} configurations tried{failed}, each right after {}, which all is relative to",
         rays_in_words(rays),
         anchor(tuned)
-    )
+    ))
 }
 
 /// The winner as it was measured last.
@@ -87,7 +86,7 @@ fn fresh(tuned: &Tuned, rays: f64) -> String {
         push("total time", format!("{} s", short(1e-3 * line.at(rays))), total);
     }
     let (name, configuration) = (name(tuned, best), configuration(best));
-    let (grid, verdict, rounds) = (grid.markdown(), verdict(tuned, rays), best.pairs.len());
+    let (grid, verdict, rounds) = (grid.within(COLUMNS), verdict(tuned, rays), best.pairs.len());
     format!("best: {name}, {configuration}\n\n{grid}\nIt {verdict}. {rounds} rounds.\n")
 }
 
@@ -104,7 +103,7 @@ pub fn verdict(tuned: &Tuned, rays: f64) -> String {
     }
 }
 
-/// The fields that differ from the preset's.
+/// The fields that differ from the builder's own.
 fn configuration(trial: &Trial) -> String {
     let changes = trial.recipe.changes();
     let fields: String = changes.iter().map(|(field, value)| format!("\n  {field:<32} {value}")).collect();
@@ -123,7 +122,7 @@ fn race(tuned: &Tuned, rays: f64) -> String {
         let ratios = mean_ratios(&trial.pairs, rays).into_iter().flat_map(shown);
         grid.push(std::iter::once(name(tuned, trial)).chain(ratios).collect());
     }
-    grid.markdown()
+    grid.within(COLUMNS)
 }
 
 /// The front over all trials.
@@ -133,7 +132,7 @@ fn all(tuned: &Tuned, rays: f64) -> String {
         let figures = figures.map(|ratio| format!("{ratio:.2}"));
         grid.push(std::iter::once(name(tuned, &tuned.trials[i])).chain(figures).collect());
     }
-    grid.markdown()
+    grid.within(COLUMNS)
 }
 
 #[cfg(test)]
@@ -171,12 +170,12 @@ mod tests {
         for part in [
             "a, 100M rays: 3 configurations tried, 1 failed (first phr-fast / 4: it panicked)",
             "best: trial 1, phr-best, 8-wide, with\n  phr.delta                        5\n",
-            "trial 1: phr-best[phr.delta=5] / 8\n",
+            "trial 1: phr-best / 8, phr.delta=5\n",
             "| trial 2 ",
             "less time in all",
             "0.812",
             "1.250",
-            "trial 2: phr-quality[max_cut=4096] / 8",
+            "trial 2: phr-quality / 8, max_cut=4096",
         ] {
             assert!(text.contains(part), "no {part:?} in\n{text}");
         }

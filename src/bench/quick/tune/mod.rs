@@ -1,11 +1,12 @@
-//! Searches the parameters of PHR for a scene and a number of rays: what takes the least time in all, relative to
+//! Searches the parameters of a builder for a scene and a number of rays: what takes the least time in all, relative to
 //! an anchor that is measured right before each trial, so that drift hits both.
 //!
-//! [`space`] holds the parameters, [`proposals`] chooses points by a tree-structured Parzen estimator, [`search`]
-//! measures: the presets, then points, then a race of the best, and last the winner and the anchor with rays that
-//! no choice was made by, so that the gain is not that of the luckiest draw.
+//! [`space`] holds the parameters, of which [`scale`] makes numbers, [`proposals`] chooses points by a tree-structured
+//! Parzen estimator, [`search`] measures: the builders of the space, then points, then a race of the best, and last the
+//! winner and the anchor with rays that no choice was made by, so that the gain is not that of the luckiest draw.
 
 pub mod proposals;
+pub mod scale;
 pub mod search;
 pub mod space;
 

@@ -1,7 +1,7 @@
 //! Points to be tried next, by a tree-structured Parzen estimator (Bergstra et al. 2011; the crate `tpe`): it takes
 //! numbers and lists alike, bears noise, and needs no more trials than there is time for.
 
-use super::space::{PARAMETERS, Point, effective};
+use super::space::{Point, Space};
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use tpe::density_estimation::DefaultEstimatorBuilder;
@@ -12,6 +12,7 @@ const GOOD: f64 = 0.2;
 
 /// Proposes points; a seed determines them, as far as the answers do.
 pub struct Proposals {
+    space: Space,
     optimisers: Vec<TpeOptimizer<DefaultEstimatorBuilder>>,
     random: StdRng,
     /// Numbers that stay as they are.
@@ -19,8 +20,8 @@ pub struct Proposals {
 }
 
 impl Proposals {
-    /// Of points with `fixed` numbers by index.
-    pub fn new(seed: u64, fixed: Vec<(usize, f64)>) -> Self {
+    /// Of points of `space` with `fixed` numbers by index.
+    pub fn new(space: Space, seed: u64, fixed: Vec<(usize, f64)>) -> Self {
         let optimiser = |parameter: &super::space::Parameter| {
             let (low, high) = parameter.scale.range();
             let range = tpe::range(low, high).expect("ranges are finite");
@@ -29,13 +30,13 @@ impl Proposals {
             let built = TpeOptimizerBuilder::new().gamma(GOOD).build(estimator, range);
             built.expect("a share is within 0 to 1")
         };
-        let optimisers = PARAMETERS.iter().map(optimiser).collect();
-        Self { optimisers, random: StdRng::seed_from_u64(seed), fixed }
+        let optimisers = space.parameters.iter().map(optimiser).collect();
+        Self { space, optimisers, random: StdRng::seed_from_u64(seed), fixed }
     }
 
     /// The next point.
     pub fn propose(&mut self) -> Point {
-        let mut point = [0.0; PARAMETERS.len()];
+        let mut point = vec![0.0; self.optimisers.len()];
         for (number, optimiser) in point.iter_mut().zip(&mut self.optimisers) {
             let Ok(asked) = optimiser.ask(&mut self.random);
             *number = asked;
@@ -43,7 +44,7 @@ impl Proposals {
         for &(index, number) in &self.fixed {
             point[index] = number;
         }
-        effective(point)
+        self.space.effective(point)
     }
 
     /// The value of a point, less is better; infinite for one that failed.
@@ -58,12 +59,13 @@ impl Proposals {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::tune::space::point_of;
 
     /// Noisy, of one list and two numbers; all other parameters have no say.
     #[test]
     fn the_search_comes_near_the_best_of_a_noisy_function() {
-        let at = |field: &str| PARAMETERS.iter().position(|parameter| parameter.field == field).unwrap();
+        let space = Space::of("phr-quality").unwrap();
+        let at =
+            |field: &str| space.parameters.iter().position(|parameter| parameter.field == field).unwrap();
         let (delta, threshold, sweep) = (at("delta"), at("spatial_threshold"), at("subtree_sweep"));
         let value = |point: &Point| {
             let list = if point[sweep].floor() == 3.0 { 0.0 } else { 0.3 };
@@ -71,7 +73,7 @@ mod tests {
         };
         let mut better = 0;
         for seed in 0..5 {
-            let mut proposals = Proposals::new(seed, vec![(0, 1.5)]);
+            let mut proposals = Proposals::new(space, seed, vec![(0, 1.5)]);
             let mut random = crate::random::SplitMix64::new(seed);
             let mut last = Vec::new();
             for _ in 0..120 {
@@ -84,7 +86,7 @@ mod tests {
             better += usize::from(mean(&last[90..]) < 0.6 * mean(&last[..15]));
         }
         assert!(better >= 4, "{better} of 5 searches came nearer");
-        let start = point_of("phr-quality", 8);
-        Proposals::new(1, Vec::new()).tell(&start, f64::INFINITY);
+        let start = space.point_of("phr-quality", 8);
+        Proposals::new(space, 1, Vec::new()).tell(&start, f64::INFINITY);
     }
 }

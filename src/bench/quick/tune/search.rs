@@ -1,7 +1,7 @@
-//! The search itself: presets, proposals, a race of the best, and a last measurement with other rays.
+//! The search itself: the builders of the space, proposals, a race of the best, and a last measurement with other rays.
 
 use super::proposals::Proposals;
-use super::space::{Point, point_of, recipe_of, width_of};
+use super::space::{Point, Space, width_of};
 use super::{Pair, Trial, Tuned, mean_ratios};
 use crate::bench::cell::{Cell, Kernel};
 use crate::bench::quick::{Quick, quickly};
@@ -10,10 +10,6 @@ use crate::random::SplitMix64;
 use crate::scene::Scene;
 use std::time::{Duration, Instant};
 
-/// What all is relative to.
-pub const ANCHOR: &str = "phr-quality";
-/// Tried first.
-const PRESETS: [&str; 4] = ["phr-quality", "phr-best", "phr-speed", "phr-turbo"];
 /// Configurations in the race, at least and at most: as many as there is time for.
 const RACERS: [usize; 2] = [2, 5];
 /// Shares of the time: until the race begins, and until it ends.
@@ -24,6 +20,8 @@ const ROUNDS: usize = 3;
 /// What is searched, and how long.
 #[derive(Clone, Debug)]
 pub struct Search {
+    /// The parameters, and what all is relative to.
+    pub space: Space,
     /// The number of rays that a tree is for.
     pub rays: f64,
     /// Children per node, where they are given.
@@ -48,7 +46,7 @@ impl Search {
         let start = Instant::now();
         let until = |share: f64| start + self.limit.mul_f64(share);
         // 8-wide trees are the faster ones: the harder anchor.
-        let anchor = self.cell(&recipe(ANCHOR), self.width.unwrap_or(8));
+        let anchor = self.cell(&recipe(self.space.anchor), self.width.unwrap_or(8));
         let under = |seed| (self.threads, self.kernel, seed);
         let searched = quickly(scene, under(self.seed), |quick| {
             let (trials, mut failures) = self.trials(quick, &anchor, until(RACE[0]), progress)?;
@@ -71,7 +69,7 @@ impl Search {
         Cell::new(&recipe.name(), width, &[self.kernel])
     }
 
-    /// The presets, then proposals until the time is over; those that failed apart.
+    /// The builders of the space, then proposals until the time is over; those that failed apart.
     #[allow(clippy::type_complexity)]
     fn trials(
         &self,
@@ -81,17 +79,18 @@ impl Search {
         progress: &mut dyn FnMut(&str),
     ) -> Result<(Vec<Trial>, Vec<(String, String)>), String> {
         let widths: Vec<u32> = self.width.map_or_else(|| vec![8, 4], |width| vec![width]);
-        let presets = widths.iter().flat_map(|&width| PRESETS.map(|preset| (preset, width)));
+        let builders =
+            widths.iter().flat_map(|&width| self.space.builders.iter().map(move |builder| (*builder, width)));
         let mut queue: Vec<(Recipe, Point)> =
-            presets.map(|(preset, width)| (recipe(preset), point_of(preset, width))).collect();
+            builders.map(|(builder, width)| (recipe(builder), self.space.point_of(builder, width))).collect();
         queue.reverse();
-        let fixed = self.width.map(|_| (0, point_of(ANCHOR, widths[0])[0]));
-        let mut proposals = Proposals::new(self.seed, fixed.into_iter().collect());
+        let fixed = self.width.map(|_| (0, self.space.point_of(self.space.anchor, widths[0])[0]));
+        let mut proposals = Proposals::new(self.space, self.seed, fixed.into_iter().collect());
         let (mut trials, mut failures): (Vec<Trial>, Vec<(String, String)>) = (Vec::new(), Vec::new());
         while Instant::now() < until {
             let (recipe, point) = queue.pop().unwrap_or_else(|| {
                 let point = proposals.propose();
-                (recipe_of(&point), point)
+                (self.space.recipe_of(&point), point)
             });
             let cell = self.cell(&recipe, width_of(&point));
             let best = trials.iter().map(|trial| self.total(trial)).fold(f64::INFINITY, f64::min);

@@ -4,6 +4,7 @@ use crate::bench::chosen::ConfigFile;
 use crate::bench::files::{new_folder, write_json};
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::tune::search::Search;
+use crate::bench::tune::space::Space;
 use crate::cli::failure::Failure;
 use crate::cli::options::{all_threads, check_place, kernel, loaded, pools, rays, seconds, width};
 use crate::cli::output::say;
@@ -11,14 +12,15 @@ use crate::cli::progress::Steps;
 use crate::report::advice::rays_in_words;
 use crate::report::advice::tuned::{page, verdict};
 use crate::report::advice::tuned_rows::{self, TUNE};
+use crate::report::table::brief::filled;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Search the parameters of PHR for a scene and a number of rays
+/// Search the parameters of a builder for a scene and a number of rays
 ///
-/// Tries configurations of phr-quality and phr-best, each measured right after phr-quality, chosen by a Parzen
-/// estimator; races the best of them, and measures the winner again with other rays. With -o, writes a file for
-/// --config.
+/// Tries configurations (of phr-quality and phr-best, unless --builder names another), each measured right after the
+/// builder as it is, chosen by a Parzen estimator; races the best of them, and measures the winner again with other
+/// rays. With -o, writes a file for --config.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene file or name of a generated scene
@@ -27,6 +29,10 @@ pub struct Arguments {
     /// Number of rays that a tree is for: 50M, 1G, 3e8
     #[arg(long, default_value = "1G", value_name = "N", value_parser = rays)]
     rays: f64,
+    /// The builder whose parameters are searched, and which all is relative to: one of our presets (all of them are
+    /// tried), phr-fast or phr-hq (the paper's parameters), hunt-50, hunt-500, aac or ploc
+    #[arg(long, default_value = "phr-quality", value_name = "BUILDER")]
+    builder: String,
     /// Seconds, from the loaded scene on
     #[arg(long, default_value_t = 120, value_name = "N", value_parser = seconds)]
     seconds: u64,
@@ -74,7 +80,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         format!("tuned-{scene}-{}", rays_in_words(arguments.rays))
     });
     ConfigFile::check_name(&name).map_err(Failure::Bad)?;
+    let refused = |reason| Failure::Bad(format!("--builder {}: {reason}", arguments.builder));
     let search = Search {
+        space: Space::of(&arguments.builder).map_err(refused)?,
         rays: arguments.rays,
         width: arguments.width,
         kernel: kernel(arguments.kernel.as_deref())?,
@@ -102,7 +110,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             verdict(&tuned, arguments.rays)
         );
         write_json(file, &ConfigFile::new(&name, &tuned.fresh.recipe, cell.width, about.clone()))?;
-        say(&format!("{}: {name}, for --config; {about}", file.display()))?;
+        say(filled(&format!("{}: {name}, for --config; {about}", file.display())).trim_end())?;
     }
     Ok(())
 }
