@@ -5,7 +5,7 @@ use crate::bench::quick::line::{Estimate, TotalTime};
 use crate::bench::quick::survey::DROPPED;
 use crate::report::figures::Under;
 use crate::report::grid::{Grid, short};
-use crate::report::table::brief::COLUMNS;
+use crate::report::table::brief::{COLUMNS, filled};
 
 /// Trees named as not told apart from the best.
 const NEAR: usize = 4;
@@ -15,9 +15,10 @@ const BUSY: f64 = 0.1;
 /// The whole advice.
 pub fn page(advice: &Advice) -> String {
     let Advice { scene, triangles, origin, .. } = advice;
-    let heading = format!("{scene}: {triangles} triangles; {origin}\n\n");
-    let parts = [table(advice), legend(advice), verdict(advice) + &unmeasured(advice), ranges(advice)];
-    heading + &parts.join("\n")
+    let heading = filled(&format!("{scene}: {triangles} triangles; {origin}"));
+    let told = [legend(advice), verdict(advice) + &unmeasured(advice)].map(|text| filled(text.trim_end()));
+    let [legend, verdict] = told;
+    [heading, table(advice), legend, verdict, ranges(advice)].join("\n")
 }
 
 /// What traced the trees, what the note in the table means, and whether the machine was busy.
