@@ -11,7 +11,7 @@ use std::time::Duration;
 
 /// Numbers of rays over which a tree may win.
 pub const BUDGETS: [f64; 11] = [1e5, 3e5, 1e6, 3e6, 1e7, 3e7, 1e8, 3e8, 1e9, 3e9, 1e10];
-/// Visits before a tree may be dropped, and rounds before trees without a prospect have their turn.
+/// Visits before a tree with a prospect may be dropped, and rounds before those without one have their turn.
 pub const LEAST_ROUNDS: usize = ENOUGH_SAMPLES;
 /// The share of the time after which only trees that compete are measured, however few visits others had.
 const LAST: f64 = 0.75;
@@ -27,6 +27,13 @@ pub struct Candidate {
     pub expected_ms: f64,
     /// Whether it may be the best for some number of rays, as far as is known.
     pub has_prospect: bool,
+}
+
+impl Candidate {
+    /// Visits before it may be dropped: where nothing is expected of it, one that bears that out is enough.
+    fn least_visits(&self) -> usize {
+        if self.has_prospect { LEAST_ROUNDS } else { 1 }
+    }
 }
 
 /// What a survey found of a tree.
@@ -76,7 +83,7 @@ impl Contest<'_> {
 }
 
 /// Measures `candidates` by turns until the time is over: first those with a prospect, the best first, the others
-/// when there were some rounds of these or half the time is over. The first visit is made whatever the time.
+/// after [`LEAST_ROUNDS`] rounds of these. The first visit is made whatever the time.
 pub fn survey(visitor: &mut dyn Visitor, candidates: &[Candidate], contest: &Contest<'_>) -> Vec<Surveyed> {
     let none = |candidate: &Candidate| Surveyed {
         cell: candidate.cell.clone(),
@@ -89,11 +96,10 @@ pub fn survey(visitor: &mut dyn Visitor, candidates: &[Candidate], contest: &Con
     let mut random = SplitMix64::new(1);
     let mut is_first = true;
     for round in 0.. {
-        let elapsed = visitor.elapsed();
-        let has_turn = round >= LEAST_ROUNDS || 2 * elapsed > contest.limit;
-        let is_last = elapsed > contest.limit.mul_f64(LAST);
+        let has_turn = round >= LEAST_ROUNDS;
+        let is_last = visitor.elapsed() > contest.limit.mul_f64(LAST);
         let takes_part = |&i: &usize| {
-            let is_hardly_known = found[i].visits.len() < LEAST_ROUNDS;
+            let is_hardly_known = found[i].visits.len() < candidates[i].least_visits();
             found[i].note.is_empty()
                 && (has_turn || candidates[i].has_prospect)
                 && (competes[i] || (is_hardly_known && !is_last))
@@ -133,10 +139,13 @@ pub fn survey(visitor: &mut dyn Visitor, candidates: &[Candidate], contest: &Con
         }
     }
     // By the last estimates, which the advice is made of: what is the best there is never called dropped.
-    for (surveyed, competes) in found.iter_mut().zip(competes).filter(|(one, _)| one.note.is_empty()) {
+    for ((surveyed, candidate), competes) in found.iter_mut().zip(candidates).zip(competes) {
+        if !surveyed.note.is_empty() {
+            continue;
+        }
         if surveyed.visits.is_empty() {
             surveyed.note = "no time".into();
-        } else if !competes && surveyed.visits.len() >= LEAST_ROUNDS {
+        } else if !competes && surveyed.visits.len() >= candidate.least_visits() {
             surveyed.note = DROPPED.into();
         }
     }
@@ -199,18 +208,19 @@ mod tests {
                 "quick" => (10.0, 200.0),
                 "good" => (100.0, 100.0),
                 "near" => (11.0, 201.0),
-                "bad" => (400.0, 300.0),
+                "slow" | "bad" => (400.0, 300.0),
                 _ => return Err("wrong hits".to_owned()),
             };
             let noise = [0.9, 1.0, 1.1][earlier % 3];
             Ok(QuickVisit { build_ms: noise * build_ms, ns_per_ray: noise * ns_per_ray })
         };
-        let (found, _) = surveyed(of, &["quick", "good", "near", "bad", "failed", "late"], 40);
+        let (found, _) = surveyed(of, &["quick", "good", "near", "slow", "bad", "failed", "late"], 40);
         let notes: Vec<&str> = found.iter().map(|one| one.note.as_str()).collect();
-        assert_eq!(notes, ["", "", "", DROPPED, "wrong hits", "no time"]);
+        assert_eq!(notes, ["", "", "", DROPPED, DROPPED, "wrong hits", "no time"]);
         let visits: Vec<usize> = found.iter().map(|one| one.visits.len()).collect();
         assert!(visits[..3].iter().all(|&count| count > 2 * LEAST_ROUNDS), "{visits:?}");
-        assert_eq!(visits[3..], [LEAST_ROUNDS, 0, 0]);
+        // Of the bad one nothing was expected: the first interval, after two visits, is enough.
+        assert_eq!(visits[3..], [LEAST_ROUNDS, 2, 0, 0]);
         assert_eq!(found[0].nodes_per_ray, Some(20.0));
     }
 

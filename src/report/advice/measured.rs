@@ -2,7 +2,7 @@
 
 use super::model::Model;
 use super::model::facts::SceneFacts;
-use super::{Advice, Known, rays_in_words};
+use super::{Advice, Known, NEAR, rays_in_words};
 use crate::bench::cell::{Cell, Kernel};
 use crate::bench::cpu_time::CpuClock;
 use crate::bench::quick::line::TotalTime;
@@ -10,9 +10,6 @@ use crate::bench::quick::survey::{BUDGETS, Candidate, Contest, Surveyed, Visitor
 use crate::bench::quick::{Quick, QuickVisit, quickly};
 use crate::scene::Scene;
 use std::time::{Duration, Instant};
-
-/// A tree that a model has nowhere within this factor of the best is measured late.
-const PROSPECT: f64 = 1.15;
 
 /// How a scene is measured.
 #[derive(Clone, Debug)]
@@ -106,6 +103,7 @@ impl Measurement {
     }
 
     /// The trees in the order of their prospects by the model: how near to the best they come for some number of rays.
+    /// Those that are nowhere within [`NEAR`] are measured late: time is short, and most trees never win.
     /// Of trees that it does not know, changed ones among them, nothing is expected, and they come first.
     fn candidates(&self, model: &Model, facts: &SceneFacts) -> Vec<Candidate> {
         let lines = model.lines(facts);
@@ -126,7 +124,7 @@ impl Measurement {
             let expected_ms = line.map_or(0.0, |line| line.build_ms.value);
             found.push((
                 prospect,
-                Candidate { cell: cell.clone(), expected_ms, has_prospect: prospect <= PROSPECT },
+                Candidate { cell: cell.clone(), expected_ms, has_prospect: prospect <= NEAR },
             ));
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
