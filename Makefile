@@ -25,7 +25,8 @@
 #                   trees that follow scenes that move, 100 frames each, 4-wide, into results/animation: a quarter of an hour on two cores
 # make bench-advice
 #                   what `phr advise` names for each of the files SCENES and the built-in scenes after half a minute, helped
-#                   by a model that has not seen the scene; judged by a longer run, into results/advice: an hour and a half on two cores
+#                   by a model that has not seen the scene; judged by a longer run, to which the committed model is
+#                   fitted, into results/advice: two hours and a half on two cores
 # make bench-tune   what `phr tune` gains over phr-quality for 10^9 rays in the same scenes, two minutes each, into
 #                   results/tune: an hour
 # make bench-reference
@@ -50,9 +51,10 @@
 #                   byte: some minutes (the tests have a short version)
 # make fuzz         changed and made-up scene files, cameras, saved trees, configurations, rays and results, a minute each, under
 #                   AddressSanitizer (nightly toolchain and cargo-fuzz); SECONDS_EACH=600 for ten minutes each
-# make sanitize     the library's tests under AddressSanitizer and, where the nightly toolchain has rust-src, under
-#                   ThreadSanitizer; those of our kernels and of the library's queries under valgrind, and the portable
-#                   kernel's under Miri where the nightly toolchain has it: half an hour
+# make sanitize     the library's tests, those beside its code included, under AddressSanitizer and, where the nightly
+#                   toolchain has rust-src, under ThreadSanitizer; those of our kernels, of the library's queries and of
+#                   the containers with unsafe code under valgrind, and the portable kernel's under Miri where the
+#                   nightly toolchain has it: half an hour
 # make test-platforms
 #                   the library and the benchmark checked for aarch64 Linux and macOS, everything under the oldest compiler,
 #                   and the library's tests under qemu on aarch64 and on x86-64 with less than this machine has; the parts
@@ -111,8 +113,12 @@ GROWTH = $(foreach size,1 2 4 8 16 32,scalable-$(size)M)
 PACKAGES = libembree-dev libclang-dev
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 KERNEL_TESTS = --test library -- trace_agreement trace_batches trace_kernel trace_watertight query:: primitives:: instances::
-# The library's tests, but for those that take minutes without a sanitizer.
-LIBRARY_TESTS = --test library -- $(addprefix --skip ,tree_hashes configurations_are_refused huge_scenes)
+# The library's tests and those beside its code, but for those that take minutes without a sanitizer.
+LIBRARY_TESTS = --lib --test library -- $(addprefix --skip ,tree_hashes configurations_are_refused huge_scenes)
+# Those of the containers with unsafe code.
+CONTAINER_TESTS = --lib -- parallel:: memory:: builders::lbvh:: builders::wide::
+VALGRIND = CARGO_TARGET_$(shell echo $(HOST) | tr a-z- A-Z_)_RUNNER="valgrind --quiet --error-exitcode=1" \
+	$(CARGO) test -p phr --no-default-features --target $(HOST) --target-dir target/valgrind
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
@@ -177,15 +183,16 @@ bench-animation: packages
 bench-advice: packages
 	$(CARGO) build --release --bin phr
 	./target/release/phr bench $(KERNEL_SCENES) $(SCENES) --size 128 $(addprefix --builder ,$(ADVISED)) --filter grafted \
-		--rounds 5 --threads 2 --replace --out results/advice-run $(ARGS)
+		--rounds 8 --threads 2 --replace --out results/advice-run $(ARGS)
 	./target/release/phr reduce results/advice-run results/advice
 	for scene in $(KERNEL_SCENES) $(SCENES); do \
 		name=$$(basename $$scene .ply.zst); \
-		./target/release/phr advise --fit $(REFERENCE) --without $$name --model target/without.json && \
+		./target/release/phr advise --fit results/advice --without $$name --model target/without.json && \
 			./target/release/phr advise $$scene --threads 2 --model target/without.json --out results/advice/$$name \
 			|| exit 1; \
 	done
-	./target/release/phr advise --judge results/advice --advice results/advice --pool $(REFERENCE)
+	./target/release/phr advise --judge results/advice --advice results/advice
+	./target/release/phr advise --fit results/advice --model src/report/advice/model/model.json
 
 bench-tune: packages
 	$(CARGO) build --release --bin phr
@@ -209,7 +216,6 @@ bench-reference: packages
 	./target/release/phr plot $(REFERENCE)
 	./target/release/phr plot $(REFERENCE)/growth
 	./target/release/phr plot $(REFERENCE)/threads
-	./target/release/phr advise --fit $(REFERENCE) --model src/report/advice/model/model.json
 	for experiment in construction-speed trace-speed; do \
 		./target/release/phr experiment $$experiment --rows $(REFERENCE) || exit 1; \
 	done
@@ -287,17 +293,18 @@ faults: packages
 	PHR_KILLS=50 $(CARGO) test -p phr --test harness -- faults:: cut_files:: --nocapture
 
 # Rust's stable compiler has AddressSanitizer, but not the switch for it. ThreadSanitizer has to see the locks of the
-# standard library, which is therefore compiled with it; four threads on fewer processors are interrupted anywhere.
+# standard library, which is therefore compiled with it; four threads on fewer processors are interrupted anywhere. A test
+# asks for more memory than there is.
 sanitize: PACKAGES = valgrind
 sanitize: packages
-	RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address $(CARGO) test -p phr --no-default-features --target $(HOST) \
+	ASAN_OPTIONS=allocator_may_return_null=1 RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address $(CARGO) test -p phr --no-default-features --target $(HOST) \
 		--target-dir target/sanitized $(LIBRARY_TESTS)
 	if [ -d "$$(rustc +nightly --print sysroot)/lib/rustlib/src" ]; then \
-		RAYON_NUM_THREADS=4 RUSTFLAGS=-Zsanitizer=thread $(CARGO) +nightly test -Zbuild-std -p phr --no-default-features \
+		TSAN_OPTIONS=allocator_may_return_null=1 RAYON_NUM_THREADS=4 RUSTFLAGS=-Zsanitizer=thread $(CARGO) +nightly test -Zbuild-std -p phr --no-default-features \
 			--target $(HOST) --target-dir target/thread-sanitized $(LIBRARY_TESTS); \
 	else echo "ThreadSanitizer left out: rustup component add rust-src --toolchain nightly"; fi
-	CARGO_TARGET_$(shell echo $(HOST) | tr a-z- A-Z_)_RUNNER="valgrind --quiet --error-exitcode=1" \
-		$(CARGO) test -p phr --no-default-features --target $(HOST) --target-dir target/valgrind $(KERNEL_TESTS)
+	$(VALGRIND) $(KERNEL_TESTS)
+	$(VALGRIND) $(CONTAINER_TESTS)
 	if $(CARGO) +nightly miri --version; then \
 		PHR_ISA=scalar MIRIFLAGS=-Zmiri-disable-isolation $(CARGO) +nightly miri test -p phr --no-default-features \
 			--test library query::; \
