@@ -114,7 +114,7 @@ PACKAGES = libembree-dev libclang-dev
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 KERNEL_TESTS = --test library -- trace_agreement trace_batches trace_kernel trace_watertight query:: primitives:: instances::
 # The library's tests and those beside its code, but for those that take minutes without a sanitizer.
-LIBRARY_TESTS = --lib --test library -- $(addprefix --skip ,tree_hashes configurations_are_refused huge_scenes)
+LIBRARY_TESTS = --lib --test library -- $(addprefix --skip ,tree_hashes configurations_are_refused huge_scenes wide_trees_are_the_naive_ones)
 # Those of the containers with unsafe code.
 CONTAINER_TESTS = --lib -- parallel:: memory:: builders::lbvh:: builders::wide::
 VALGRIND = CARGO_TARGET_$(shell echo $(HOST) | tr a-z- A-Z_)_RUNNER="valgrind --quiet --error-exitcode=1" \
