@@ -176,9 +176,6 @@ fn advice_in_files_is_judged_by_a_run() {
     // 10 + 10 ms against 300 + 5; for 10 G rays phr-best is right.
     assert_eq!([share("100k"), share("10G")], ["50 %", "100 %"], "{page}");
     assert!(page.contains("| yard  | 100k | phr-best |      lbvh | 15.25 |"), "{page}");
-    // Rows of one round have none to add.
-    let pooled = told(folder.path(), &[&arguments[..], &["--pool", "run"]].concat());
-    assert!(pooled.contains("over all rounds of the runs") && pooled.contains("15.25"), "{pooled}");
 
     known("cellar", &trees);
     let output = phr(folder.path(), &arguments);

@@ -48,7 +48,7 @@ pub(super) const KINDS: [(&str, &str); 24] = [
     ("scaling", "RESULTS"),
     ("findings", "EXPERIMENT"),
     ("advice", "RESULTS..."),
-    ("measured-advice", "RESULTS..."),
+    ("measured-advice", "RESULTS"),
     ("tuned", "SEARCHES"),
 ];
 /// Kinds with fixed kernels, which take no `--kernel`.
@@ -156,10 +156,7 @@ impl<'a> Marker<'a> {
                 let records = |source| ReadmeError::Records { line: self.line, source };
                 let advice = advice::rows::read_all(&results).map_err(records)?;
                 let run = row::read(&results).map_err(records)?;
-                let more: Result<Vec<_>, _> =
-                    self.words[1..].iter().map(|more| row::read(&folder.join(more))).collect();
-                judged_files::page(&run, &more.map_err(records)?, &advice)
-                    .map_err(|reason| self.wrong(reason))
+                judged_files::page(&run, &advice).map_err(|reason| self.wrong(reason))
             }
             "tuned" => tuned_rows::page(&folder.join(self.words[0]))
                 .map_err(|source| ReadmeError::Records { line: self.line, source }),

@@ -77,9 +77,6 @@ pub struct Arguments {
     /// With --judge: how good the advice in the subfolders of this folder is instead, by the run's total times
     #[arg(long, value_name = "DIR", requires = "judge", conflicts_with = "withheld")]
     advice: Option<PathBuf>,
-    /// With --advice: judge also by the rounds of this folder's run over the same trees (repeatable)
-    #[arg(long = "pool", value_name = "RESULTS", requires = "advice")]
-    pooled: Vec<PathBuf>,
     /// With --judge: also for the scenes of this folder, by a model of all of the first
     #[arg(long, value_name = "RESULTS", requires = "judge")]
     withheld: Option<PathBuf>,
@@ -104,8 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             say(&page.map_err(|reason| Failure::Bad(format!("{}: {reason}", results.display())))?)
         };
         if let Some(folder) = &arguments.advice {
-            let more: Result<Vec<_>, _> = arguments.pooled.iter().map(|more| row::read(more)).collect();
-            return told(judged_files::page(&row::read(results)?, &more?, &rows::read_all(folder)?));
+            return told(judged_files::page(&row::read(results)?, &rows::read_all(folder)?));
         }
         let withheld = arguments.withheld.as_deref().map(row::read).transpose()?;
         return told(judged::page(&row::read(results)?, withheld.as_deref()));

@@ -5,7 +5,6 @@ use super::judge::{Outcome, fair_loss, judge, one_round};
 use super::judged::{Judged, RIGHT, misses, table};
 use super::observed::{Observed, observed};
 use super::perfect::perfect_share;
-use super::pooled::pooled;
 use crate::bench::quick::line::{TotalTime, least_at};
 use crate::bench::quick::survey::BUDGETS;
 use crate::bench::row::Row;
@@ -15,12 +14,12 @@ use crate::report::advice::rows::{AdviceRow, lines};
 use crate::report::figures::interval::{Noise, SceneRatio, of_arithmetic_mean};
 use crate::report::figures::tree_name;
 
-/// The table for some files of advice, by the total times of a run, with the rounds of `more` runs added.
+/// The table for some files of advice, by the total times of a run.
 ///
 /// # Errors
 /// Advice for a scene or a tree that the run does not have, in one line.
-pub fn page(run: &[Row], more: &[Vec<Row>], advice: &[Vec<AdviceRow>]) -> Result<String, String> {
-    let run = more.iter().fold(observed(run), |run, more| pooled(run, &observed(more)));
+pub fn page(run: &[Row], advice: &[Vec<AdviceRow>]) -> Result<String, String> {
+    let run = observed(run);
     let trees =
         run.first().map(|scene| scene.trees.clone()).ok_or("no scene has lbvh under embree-grafted")?;
     let (mut outcomes, mut noise, mut losses) = (Vec::new(), Vec::new(), Vec::new());
@@ -38,14 +37,9 @@ pub fn page(run: &[Row], more: &[Vec<Row>], advice: &[Vec<AdviceRow>]) -> Result
         outcomes.extend(judged);
         noise.extend(one_round(std::slice::from_ref(scene)).unwrap_or_default());
     }
-    let medians = if more.is_empty() {
-        "the run's medians"
-    } else {
-        "the medians over all rounds of the runs (further ones scaled to the first one's level in each scene)"
-    };
     let mut about = format!(
-        "Share of {} scenes in which the advised tree takes at most 5 % more time in all than the best by {medians}, \
-         and the mean loss, among the {} trees that the run has.",
+        "Share of {} scenes in which the advised tree takes at most 5 % more time in all than the best by the run's \
+         medians, and the mean loss, among the {} trees that the run has.",
         advice.len(),
         trees.len()
     );

@@ -2,7 +2,7 @@
 //! time per triangle and of its time per ray are linear in the logarithms of a few facts, by ridge regression over
 //! the scenes of a run ([`fit`], [`choose`]). Few scenes bear few parameters: which facts, and how strongly weights
 //! are held down, is chosen by leaving one scene out at a time ([`judge`], [`judged`]); [`judged_files`] judges
-//! advice that was measured likewise, by one run or several ([`pooled`]), beside what could be reached ([`perfect`]).
+//! advice that was measured likewise, beside what could be reached ([`perfect`]).
 //! The times are those of the machine of that run.
 
 pub mod choose;
@@ -13,7 +13,6 @@ pub mod judged;
 pub mod judged_files;
 pub mod observed;
 pub mod perfect;
-pub mod pooled;
 
 use super::{Advice, Known};
 use crate::bench::files::{RecordsError, read_json};

@@ -1,9 +1,9 @@
 //! How often even a perfect adviser would be called wrong by a judge of a few noisy rounds.
 
 use super::observed::Observed;
-use super::pooled::medians;
 use crate::bench::quick::line::{TotalTime, least_at};
 use crate::bench::quick::survey::BUDGETS;
+use crate::bench::statistics::median;
 use crate::random::SplitMix64;
 
 /// Judges drawn in each scene.
@@ -37,10 +37,40 @@ pub fn perfect_share(scenes: &[&Observed], factor: f64) -> Option<f64> {
     (all > 0).then(|| within as f64 / all as f64)
 }
 
+/// The median of each figure of each tree over some rounds; `None` without any.
+fn medians<T: AsRef<[TotalTime]>>(rounds: &[T]) -> Option<Vec<TotalTime>> {
+    let trees = rounds.first()?.as_ref().len();
+    let of = |tree: usize, figure: fn(&TotalTime) -> f64| {
+        median(&rounds.iter().filter_map(|lines| lines.as_ref().get(tree)).map(figure).collect::<Vec<_>>())
+    };
+    (0..trees).map(|tree| Some(TotalTime::exact(of(tree, build)?, of(tree, ray)?))).collect()
+}
+
+fn build(line: &TotalTime) -> f64 {
+    line.build_ms.value
+}
+
+fn ray(line: &TotalTime) -> f64 {
+    line.ns_per_ray.value
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::pooled::tests::scene;
     use super::*;
+    use crate::report::advice::model::facts::SceneFacts;
+
+    /// A scene of two trees, `a` and `b`, with builds of so many ms in its rounds; rays take ten times as many ns.
+    fn scene(rounds: &[[f64; 2]]) -> Observed {
+        let by_round: Vec<Vec<TotalTime>> =
+            rounds.iter().map(|round| round.map(|ms| TotalTime::exact(ms, 10.0 * ms)).to_vec()).collect();
+        Observed {
+            scene: "hall".into(),
+            facts: SceneFacts { triangles: 1e5, sah: 40.0, epo: 5.0, leaf_fill: 0.8 },
+            trees: ["a", "b"].map(|builder| (builder.to_owned(), 4)).to_vec(),
+            lines: medians(&by_round).unwrap(),
+            by_round,
+        }
+    }
 
     #[test]
     fn only_noise_calls_a_perfect_adviser_wrong() {
