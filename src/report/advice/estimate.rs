@@ -12,7 +12,7 @@
 //! that happen to be alike make nothing sure. Build times stay as measured, and times per ray of trees whose nodes were
 //! not counted; the variance behind their intervals is `v/n`, `v` averaged likewise, with `BUILD_NOISE` for builds.
 //!
-//! The constants come from the rows of `results/reference` alone, to which a test holds them, not from any advice.
+//! The constants come from the rows of `results/reference-epyc` alone, to which a test holds them, not from any advice.
 
 use crate::bench::quick::line::{Estimate, TotalTime};
 use crate::bench::statistics::student95;
@@ -28,7 +28,7 @@ const NOISE: f64 = 0.09;
 /// The same of its build time.
 const BUILD_NOISE: f64 = 0.14;
 /// Degrees of freedom that [`NOISE`] has beside a scene's visits, and a scene's noise beside a tree's. Not from the
-/// reference, a choice: 2 and 8 change the advice for one pair each of the 209 of `results/advice`.
+/// run, a choice: 2 and 8 change the advice for one pair each of the 209 of `results/advice`.
 const VISITS: usize = 4;
 
 /// What was found of a tree that was traced.
@@ -216,8 +216,8 @@ mod tests {
     }
 
     #[test]
-    fn the_constants_are_those_of_the_reference() {
-        let rows = row::read(Path::new("results/reference")).unwrap();
+    fn the_constants_are_those_of_the_run() {
+        let rows = row::read(Path::new("results/reference-epyc")).unwrap();
         let of_scene = |name: &String| {
             let figures = SceneFigures::of(&rows, name);
             let of_tree =
@@ -251,7 +251,7 @@ mod tests {
             (NOISE, noise, 0.02),
             (BUILD_NOISE, builds, 0.02),
         ] {
-            assert!((constant - found).abs() < within, "{constant} is {found} by the reference");
+            assert!((constant - found).abs() < within, "{constant} is {found} by the run");
         }
     }
 }
