@@ -111,9 +111,12 @@ impl<'a, G: Geometry> Leaves<'a, G> {
     ) -> Subtree {
         let positions = run.first as usize..(run.first + run.node.count()) as usize;
         let bounds = run.node.bounds();
-        if !self.may_repeat && positions.len() <= BLOCK as usize {
+        if positions.len() <= BLOCK as usize {
             let prim = |lane: usize| source.prim((positions.start + lane).min(positions.end - 1));
-            return Some((bounds, treelet.block(self.geometry, positions.len(), std::array::from_fn(prim))));
+            let prims = std::array::from_fn(prim);
+            let (count, prims) =
+                if self.may_repeat { without_repeats(prims) } else { (positions.len(), prims) };
+            return Some((bounds, treelet.block(self.geometry, count, prims)));
         }
         let mut prims: ArrayVec<u32, { MAX_LEAF as usize }> =
             positions.map(|position| source.prim(position)).collect();
@@ -125,6 +128,22 @@ impl<'a, G: Geometry> Leaves<'a, G> {
         }
         treelet.leaf(self.geometry, &prims).map(|link| (bounds, link))
     }
+}
+
+/// In ascending order, each once, and how many they are; the last fills the places left. No branch depends on them.
+#[inline]
+fn without_repeats(mut prims: [u32; BLOCK as usize]) -> (usize, [u32; BLOCK as usize]) {
+    for [a, b] in [[0, 1], [2, 3], [0, 2], [1, 3], [1, 2]] {
+        (prims[a], prims[b]) = (prims[a].min(prims[b]), prims[a].max(prims[b]));
+    }
+    let [first, .., last] = prims;
+    let mut once = [first, last, last, last];
+    let mut count = 1;
+    for i in 1..prims.len() {
+        once[count] = prims[i];
+        count += usize::from(prims[i] > prims[i - 1]);
+    }
+    (count, once)
 }
 
 /// A child of a wide node in the making.
@@ -140,5 +159,23 @@ impl OpenChild {
     #[inline(always)]
     fn new(run: NodeRun, kind: Kind, levels: u32) -> Self {
         Self { run, kind, priority: Priority::new(kind, run.node.bounds().half_area()), levels }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_primitive_is_once_in_a_block() {
+        for number in 0..256 {
+            let prims = [0, 2, 4, 6].map(|shift| number >> shift & 3);
+            let mut expected = prims.to_vec();
+            expected.sort_unstable();
+            expected.dedup();
+            let (count, once) = without_repeats(prims);
+            assert_eq!(once[..count], expected);
+            assert!(once[count..].iter().all(|prim| Some(prim) == expected.last()));
+        }
     }
 }
