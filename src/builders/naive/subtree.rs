@@ -3,7 +3,7 @@
 use super::member::Member;
 use super::splits::unions;
 use crate::builders::split::cost::Weight;
-use crate::builders::split::subtree_sweep::STEPS;
+use crate::builders::split::step_order::STEPS;
 use crate::bvh::limits::SUBTREE_DEPTH;
 use crate::geometry::Aabb;
 use glam::Vec3A;

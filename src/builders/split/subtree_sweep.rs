@@ -8,6 +8,7 @@
 //! after cut makes.
 
 use super::cost::{Weight, step_scale};
+use super::step_order::{LANES, STEPS, order_by_step, steps};
 use super::three_axes::{AxisCosts, order, sweep_axes};
 use crate::builders::binary::node::Node;
 use crate::builders::binary::subtrees::Subtrees;
@@ -16,10 +17,6 @@ use crate::geometry::Aabb;
 use crate::simd::Isa;
 use arrayvec::ArrayVec;
 use glam::Vec3A;
-
-/// Centroids are ordered by steps along each axis of their bounds; within a step they keep their given order, that
-/// of the Morton codes.
-pub(crate) const STEPS: usize = 64;
 
 /// `BLOCKS[n]`: the leaf blocks that n references fill.
 const BLOCKS: [f32; MOST + 1] = {
@@ -39,6 +36,10 @@ pub(crate) struct SubtreeSweep {
     prims: [u32; MOST],
     /// The references in the order of their centroids along each axis; splits reorder ranges of all three.
     order: [[u8; MOST]; 3],
+    /// By axis and reference: where its centroid lies.
+    steps: [[i8; MOST]; 3],
+    /// One of the orders before it is partitioned.
+    came: [u8; MOST],
     /// By reference: whether it goes to the right.
     is_right: [u8; MOST],
     /// By place in the orders: half areas of the right sides, by axis.
@@ -52,6 +53,8 @@ impl Default for SubtreeSweep {
             boxes: [Aabb::EMPTY; MOST],
             prims: [0; MOST],
             order: [[0; MOST]; 3],
+            steps: [[0; MOST]; 3],
+            came: [0; MOST],
             is_right: [0; MOST],
             areas: [Vec3A::ZERO; MOST],
         }
@@ -94,13 +97,7 @@ impl SubtreeSweep {
 
     /// The tree over the references, appended to `done`; `None` without references.
     pub fn build(&mut self, isa: Isa, done: &mut Subtrees) -> Option<Node> {
-        if self.len == 0 {
-            return None;
-        }
-        if self.len > BLOCK as usize {
-            self.order_by_steps();
-        }
-        Some(self.compiled::<false>(isa, SUBTREE_DEPTH, done))
+        (self.len > 0).then(|| self.compiled::<false>(isa, SUBTREE_DEPTH, done))
     }
 
     /// The tree that splitting the references as a cut of leaves makes, one or more, to `levels` levels of
@@ -116,7 +113,12 @@ impl SubtreeSweep {
     fn compiled<const AS_CUT: bool>(&mut self, isa: Isa, levels: u32, done: &mut Subtrees) -> Node {
         isa.run(
             #[inline(always)]
-            move || self.tree::<AS_CUT>(levels, done),
+            move || {
+                if !AS_CUT && self.len > BLOCK as usize {
+                    self.order_by_steps();
+                }
+                self.tree::<AS_CUT>(levels, done)
+            },
         )
     }
 
@@ -171,34 +173,20 @@ impl SubtreeSweep {
         order(isa, &centers[..self.len], &mut self.order);
     }
 
-    /// Orders the references by the steps in which centroids lie, by counting sorts.
+    /// Orders the references by the steps in which centroids lie.
     #[inline(always)]
     fn order_by_steps(&mut self) {
         let boxes = &self.boxes[..self.len];
         let centers = boxes.iter().fold(Aabb::EMPTY, |all, b| all.grow(b.center2()));
         let scale = step_scale(centers.extent(), STEPS);
-        let mut begin = [[0u8; STEPS]; 3];
-        let mut steps = [[0u8; 3]; MOST];
-        for (b, steps) in boxes.iter().zip(&mut steps) {
-            let place = ((b.center2() - centers.min) * scale).to_array();
+        for (i, b) in boxes.iter().enumerate() {
+            let steps = steps((b.center2() - centers.min) * scale);
             for axis in 0..3 {
-                let step = place[axis] as i32 as usize % STEPS;
-                steps[axis] = step as u8;
-                begin[axis][step] = begin[axis][step].wrapping_add(1);
+                self.steps[axis][i] = steps[axis];
             }
         }
-        for begin in &mut begin {
-            let mut sum = 0u8;
-            for begin in begin {
-                (*begin, sum) = (sum, sum.wrapping_add(*begin));
-            }
-        }
-        for (i, steps) in steps[..boxes.len()].iter().enumerate() {
-            for axis in 0..3 {
-                let place = &mut begin[axis][usize::from(steps[axis]) % STEPS];
-                self.order[axis][usize::from(*place)] = i as u8;
-                *place = place.wrapping_add(1);
-            }
+        for (steps, order) in self.steps.iter().zip(&mut self.order) {
+            order_by_step(steps, self.len, order);
         }
     }
 
@@ -221,42 +209,55 @@ impl SubtreeSweep {
     fn halve(&mut self, first: usize, end: usize) -> [Aabb; 2] {
         let mut came: ArrayVec<u8, MOST> = self.order[0][first..end].iter().copied().collect();
         came.sort_unstable();
+        let middle = first + came.len() / 2;
         let bounds = sides(&self.boxes, &mut self.is_right, came.split_at(came.len() / 2));
-        (0..3).for_each(|axis| self.partition_order(axis, first, end));
+        (0..3).for_each(|axis| self.partition_order(axis, [first, middle, end]));
         bounds
     }
 
     /// Moves the left side to the front of each order, both sides otherwise in order; returns their boxes.
     #[inline(always)]
     fn partition(&mut self, first: usize, end: usize, split: Split) -> [Aabb; 2] {
+        let middle = first + split.left;
         let halves = self.order[split.axis][first..end].split_at(split.left);
         let bounds = sides(&self.boxes, &mut self.is_right, halves);
-        (0..3).filter(|&axis| axis != split.axis).for_each(|axis| self.partition_order(axis, first, end));
+        // The first order tells the references of leaves; they need no other.
+        let are_leaves = split.left.max(end - middle) <= BLOCK as usize;
+        for axis in 0..if are_leaves { 1 } else { 3 } {
+            if axis != split.axis {
+                self.partition_order(axis, [first, middle, end]);
+            }
+        }
         bounds
     }
 
-    /// Moves the left side to the front of an order.
+    /// Moves the left side, up to `middle`, to the front of an order.
     #[inline(always)]
-    fn partition_order(&mut self, axis: usize, first: usize, end: usize) {
-        let order = &mut self.order[axis][first..end];
-        let mut on_right = [0; MOST];
-        let (mut left, mut right) = (0, 0);
-        for at in 0..order.len() {
-            let i = order[at];
-            let is_right = usize::from(self.is_right[usize::from(i)]);
-            order[left] = i;
-            on_right[right] = i;
+    fn partition_order(&mut self, axis: usize, [first, middle, end]: [usize; 3]) {
+        let Self { order, came, is_right, .. } = self;
+        let order = &mut order[axis];
+        // Whole vectors: the length of a copy could not be predicted.
+        let vectors = first / LANES..end.div_ceil(LANES);
+        came.as_chunks_mut::<LANES>().0[vectors.clone()].copy_from_slice(&order.as_chunks().0[vectors]);
+        let (mut left, mut right) = (first, middle);
+        for &i in &came[first..end] {
+            let is_right = usize::from(is_right[usize::from(i)]);
+            order[if is_right == 1 { right } else { left } % MOST] = i;
             left += 1 - is_right;
             right += is_right;
         }
-        order[left..].copy_from_slice(&on_right[..right]);
     }
 }
 
 /// Marks which references are on the right; returns the boxes of both sides.
 #[inline(always)]
 fn sides(boxes: &[Aabb; MOST], is_right: &mut [u8; MOST], (left, right): (&[u8], &[u8])) -> [Aabb; 2] {
-    left.iter().for_each(|&i| is_right[usize::from(i)] = 0);
-    right.iter().for_each(|&i| is_right[usize::from(i)] = 1);
-    [left, right].map(|side| side.iter().map(|&i| boxes[usize::from(i)]).collect())
+    let mut bounds = [Aabb::EMPTY; 2];
+    for (on, side) in [left, right].into_iter().enumerate() {
+        for &i in side {
+            is_right[usize::from(i)] = on as u8;
+            bounds[on] = bounds[on].union(boxes[usize::from(i)]);
+        }
+    }
+    bounds
 }

@@ -26,6 +26,7 @@ pub(crate) fn sweep_axes<const MOST: usize>(
     weight: impl Fn(usize) -> f32,
 ) -> AxisCosts {
     let n = x.len();
+    let (y, z) = (&y[..n], &z[..n]);
     let grow = |sides: &mut [Aabb; 3], i: usize| {
         for (side, order) in sides.iter_mut().zip([x, y, z]) {
             *side = side.union(boxes[usize::from(order[i]) % MOST]);
@@ -33,18 +34,20 @@ pub(crate) fn sweep_axes<const MOST: usize>(
     };
     let areas = &mut areas[..n];
     let mut sides = [Aabb::EMPTY; 3];
-    for (i, area) in areas.iter_mut().enumerate().skip(1).rev() {
+    for i in (1..n).rev() {
         grow(&mut sides, i);
-        *area = half_areas(&sides);
+        areas[i] = half_areas(&sides);
     }
     let mut sides = [Aabb::EMPTY; 3];
     let mut costs = AxisCosts { least: Vec3A::splat(limit), left: Vec3A::ZERO };
-    for (i, &area) in areas.iter().enumerate().skip(1) {
+    let mut on_left = Vec3A::ZERO;
+    for i in 1..n {
         grow(&mut sides, i - 1);
-        let cost = half_areas(&sides) * weight(i) + area * weight(n - i);
+        on_left += Vec3A::ONE;
+        let cost = half_areas(&sides) * weight(i) + areas[i] * weight(n - i);
         let is_less = cost.cmplt(costs.least);
-        costs.least = Vec3A::select(is_less, cost, costs.least);
-        costs.left = Vec3A::select(is_less, Vec3A::splat(i as f32), costs.left);
+        costs.least = cost.min(costs.least);
+        costs.left = Vec3A::select(is_less, on_left, costs.left);
     }
     costs
 }
@@ -97,11 +100,13 @@ pub(crate) fn order_by_ranks<L: Lanes, const MOST: usize>(
     let positions = v.load(&positions);
     for first in (0..n).step_by(L::N) {
         let end = (first + L::N).min(n);
-        let own = [0, 1, 2].map(|axis| {
-            let mut own = [0.0; 16];
-            own.iter_mut().zip(&centers[first..end]).for_each(|(own, center)| *own = center[axis]);
-            v.load(&own)
-        });
+        // Not by `map`, which is not always inlined.
+        let mut own = [v.splat(0.0); 3];
+        for (axis, own) in own.iter_mut().enumerate() {
+            let mut places = [0.0; 16];
+            places.iter_mut().zip(&centers[first..end]).for_each(|(place, center)| *place = center[axis]);
+            *own = v.load(&places);
+        }
         let mut ranks = [v.splat(0.0); 3];
         let count = |rank: &mut L::F, is_before| *rank = v.select(is_before, v.add(*rank, one), *rank);
         // Of equal centroids the first comes first.
