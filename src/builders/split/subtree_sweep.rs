@@ -180,10 +180,8 @@ impl SubtreeSweep {
         let centers = boxes.iter().fold(Aabb::EMPTY, |all, b| all.grow(b.center2()));
         let scale = step_scale(centers.extent(), STEPS);
         for (i, b) in boxes.iter().enumerate() {
-            let steps = steps((b.center2() - centers.min) * scale);
-            for axis in 0..3 {
-                self.steps[axis][i] = steps[axis];
-            }
+            let own = steps((b.center2() - centers.min) * scale);
+            self.steps.iter_mut().zip(own).for_each(|(steps, own)| steps[i] = own);
         }
         for (steps, order) in self.steps.iter().zip(&mut self.order) {
             order_by_step(steps, self.len, order);

@@ -41,10 +41,10 @@ pub(crate) fn sweep_axes<const MOST: usize>(
     let mut sides = [Aabb::EMPTY; 3];
     let mut costs = AxisCosts { least: Vec3A::splat(limit), left: Vec3A::ZERO };
     let mut on_left = Vec3A::ZERO;
-    for i in 1..n {
+    for (i, &area) in areas.iter().enumerate().skip(1) {
         grow(&mut sides, i - 1);
         on_left += Vec3A::ONE;
-        let cost = half_areas(&sides) * weight(i) + areas[i] * weight(n - i);
+        let cost = half_areas(&sides) * weight(i) + area * weight(n - i);
         let is_less = cost.cmplt(costs.least);
         costs.least = cost.min(costs.least);
         costs.left = Vec3A::select(is_less, on_left, costs.left);
