@@ -43,7 +43,8 @@ pub struct Arguments {
     /// With --against: threads [default: all processors]
     #[arg(long, value_name = "N", requires = "against")]
     threads: Option<usize>,
-    /// With --against: sessions are added until every interval is within half the threshold, or this time is over
+    /// With --against: sessions are added to the first five until every interval is within half the threshold, or this
+    /// time is over
     #[arg(long, default_value_t = 600, value_name = "N", value_parser = seconds, requires = "against")]
     seconds: u64,
     /// Changes up to this count as the same [default: 5%; with --against 2%]
