@@ -24,6 +24,8 @@ pub(super) const LANES: usize = 32;
 /// at once.
 #[inline(always)]
 pub(super) fn order_by_step<const MOST: usize>(steps: &[i8; MOST], len: usize, order: &mut [u8; MOST]) {
+    // Whole vectors, references numbered by bytes.
+    const { assert!(MOST.is_multiple_of(LANES) && MOST <= 256) };
     for (first, own) in (0..len).step_by(LANES).zip(steps.as_chunks::<LANES>().0) {
         let mut ranks = [0u8; LANES];
         for (i, &step) in steps[..len].iter().enumerate() {
