@@ -1,5 +1,5 @@
 //! A program that builds when told to: `phr turns SCENE` loads the scene and answers each line `BUILDER WIDTH` on its
-//! standard input by a line with the build's milliseconds, or `error REASON`.
+//! standard input by a line with the build's milliseconds, or `error REASON`, and `revision` by `revision REVISION`.
 
 #![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -7,6 +7,7 @@
 use crate::bench::build_times::{is_enough, ms};
 use crate::bench::cell::Cell;
 use crate::bench::contender::Contender;
+use crate::bench::environment::Program;
 use crate::bench::pools::Pools;
 use crate::bench::statistics::median;
 use crate::scene::Scene;
@@ -18,6 +19,8 @@ use std::time::Instant;
 /// Begins the first line, before the hash of the scene.
 const READY: &str = "ready ";
 const ERROR: &str = "error ";
+/// The question for a program's revision, and what its answer begins with.
+const REVISION: &str = "revision";
 
 /// Why two programs could not be measured by turns.
 #[derive(Debug, thiserror::Error)]
@@ -86,21 +89,34 @@ impl Child {
         &self.sha
     }
 
+    /// Its revision; empty of older programs, which do not know the question.
+    ///
+    /// # Errors
+    /// Its end.
+    pub fn revision(&mut self) -> Result<String, ChildError> {
+        let line = self.asked(REVISION)?;
+        Ok(line.strip_prefix(REVISION).unwrap_or_default().trim_start().to_owned())
+    }
+
     /// Has it build `cell`; milliseconds.
     ///
     /// # Errors
     /// Its builder's, or its end.
     pub fn build(&mut self, cell: &Cell) -> Result<f64, ChildError> {
-        let asked =
-            writeln!(self.input, "{} {}", cell.made_by(), cell.width).and_then(|()| self.input.flush());
-        asked.map_err(|_| self.silent())?;
-        let line = self.line()?;
+        let line = self.asked(&format!("{} {}", cell.made_by(), cell.width))?;
         match line.strip_prefix(ERROR) {
             Some(reason) => {
                 Err(ChildError::Failed { program: self.program.clone(), reason: reason.to_owned() })
             }
             None => line.parse().ok().filter(|ms| *ms > 0.0).ok_or_else(|| self.silent()),
         }
+    }
+
+    /// Its answer to a line.
+    fn asked(&mut self, question: &str) -> Result<String, ChildError> {
+        let asked = writeln!(self.input, "{question}").and_then(|()| self.input.flush());
+        asked.map_err(|_| self.silent())?;
+        self.line()
     }
 
     fn line(&mut self) -> Result<String, ChildError> {
@@ -137,7 +153,13 @@ pub fn answer(
     writeln!(output, "{READY}{}", scene.sha)?;
     output.flush()?;
     for line in input.lines() {
-        match build(scene, pools, &line?) {
+        let line = line?;
+        if line == REVISION {
+            writeln!(output, "{REVISION} {}", Program::this().git_rev)?;
+            output.flush()?;
+            continue;
+        }
+        match build(scene, pools, &line) {
             Ok(ms) => writeln!(output, "{ms}")?,
             Err(reason) => writeln!(output, "{ERROR}{reason}")?,
         }

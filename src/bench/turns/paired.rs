@@ -1,9 +1,10 @@
-//! The mean of paired ratios with its 95 % interval, from a few sessions per scene.
+//! The mean of paired ratios with its 95 % interval, from a few samples per scene.
 
+use super::row::TurnRow;
 use crate::bench::statistics::{Ratio, student95};
 
 /// The logarithm of a ratio.
-pub type Log = f64;
+type Log = f64;
 
 /// A mean of logarithms over scenes, with its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,15 +15,28 @@ pub struct PairedMean {
 }
 
 impl PairedMean {
-    /// Of each scene's samples by session. Scenes count alike; their sessions' deviations from the scene's mean are the
-    /// noise, Student's factor has their degrees of freedom. With one session nothing is known of the noise.
+    /// Of a builder's sessions, in one scene or several.
+    pub fn of_rows<'a>(rows: impl Iterator<Item = &'a TurnRow>) -> Self {
+        let mut scenes: Vec<(&str, Vec<Log>)> = Vec::new();
+        for row in rows {
+            let log = row.ratio.ln();
+            match scenes.iter_mut().find(|(scene, _)| *scene == row.scene) {
+                Some((_, logs)) => logs.push(log),
+                None => scenes.push((&row.scene, vec![log])),
+            }
+        }
+        Self::of(scenes.iter().map(|(_, logs)| &logs[..]))
+    }
+
+    /// Of each scene's samples. Scenes count alike; their samples' deviations from the scene's mean are the noise,
+    /// Student's factor has their degrees of freedom. With one sample nothing is known of the noise.
     pub fn of<'a>(scenes: impl Iterator<Item = &'a [Log]>) -> Self {
         let (mut count, mut sum, mut variance, mut degrees) = (0.0, 0.0, 0.0, 0);
         for logs in scenes {
-            let sessions = logs.len() as f64;
-            let mean = logs.iter().sum::<f64>() / sessions;
+            let samples = logs.len() as f64;
+            let mean = logs.iter().sum::<f64>() / samples;
             let squares: f64 = logs.iter().map(|log| (log - mean).powi(2)).sum();
-            variance += squares / (sessions - 1.0) / sessions;
+            variance += squares / (samples - 1.0) / samples;
             degrees += logs.len().saturating_sub(1);
             sum += mean;
             count += 1.0;

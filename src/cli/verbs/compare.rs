@@ -1,14 +1,15 @@
 //! `phr compare`: two runs, figure by figure, or two programs by turns.
 
 use crate::bench::contender;
+use crate::bench::files::new_folder;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::run::Progress;
-use crate::bench::turns::Turns;
+use crate::bench::turns::{Measured, Turns};
 use crate::cli::failure::Failure;
-use crate::cli::options::{Made, all_threads, cells, percent, seconds};
+use crate::cli::options::{Made, all_threads, cells, percent, seconds, width};
 use crate::cli::output::say;
 use crate::cli::progress::Bar;
-use crate::report::compare::by_turns::ByTurns;
+use crate::report::compare::by_turns::{ByTurns, THRESHOLD};
 use crate::report::compare::{Outcome, Recorded, Verdict};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -40,6 +41,9 @@ pub struct Arguments {
     /// VALUE}}
     #[arg(long = "config", value_name = "FILE", requires = "against")]
     configs: Vec<PathBuf>,
+    /// With --against: children per node (repeatable) [default: 4, or the one width that a builder has]
+    #[arg(long = "width", value_name = "N", value_parser = width, requires = "against")]
+    widths: Vec<u32>,
     /// With --against: threads [default: all processors]
     #[arg(long, value_name = "N", requires = "against")]
     threads: Option<usize>,
@@ -47,6 +51,9 @@ pub struct Arguments {
     /// time is over
     #[arg(long, default_value_t = 600, value_name = "N", value_parser = seconds, requires = "against")]
     seconds: u64,
+    /// With --against: folder that keeps every session, as turns.csv [default: none]
+    #[arg(long, value_name = "DIR", requires = "against")]
+    out: Option<PathBuf>,
     /// Changes up to this count as the same [default: 5%; with --against 2%]
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     threshold: Option<f64>,
@@ -81,16 +88,20 @@ fn results(arguments: &Arguments, a: &Path, b: &Path) -> Result<(), Failure> {
 }
 
 fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
-    let threshold = arguments.threshold.unwrap_or(0.02);
+    let threshold = arguments.threshold.unwrap_or(THRESHOLD);
     let scenes = PlannedScene::find_all(&arguments.places)?;
     PlannedScene::check_names(&scenes)?;
     let names: Vec<String> = scenes.into_iter().map(|scene| scene.name).collect();
-    let ours = contender::cells(true)
-        .into_iter()
-        .filter(|cell| crate::builders::NAMES.contains(&cell.builder.as_str()) && cell.width == 4);
+    let widths = if arguments.widths.is_empty() { &[4][..] } else { &arguments.widths };
+    let ours = contender::cells(true).into_iter().filter(|cell| {
+        crate::builders::NAMES.contains(&cell.builder.as_str()) && widths.contains(&cell.width)
+    });
     let made = Made { changes: arguments.changes.clone(), configs: arguments.configs.clone() };
-    let named = cells(&arguments.builders, &made, &[])?;
+    let named = cells(&arguments.builders, &made, &arguments.widths)?;
     let cells = if named.is_empty() { ours.collect() } else { named };
+    if let Some(out) = &arguments.out {
+        new_folder(out)?;
+    }
     let this = std::env::current_exe()?;
     let turns = Turns {
         programs: [before, &this],
@@ -100,6 +111,7 @@ fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
         threads: arguments.threads.unwrap_or_else(all_threads),
         precision: 0.5 * threshold,
         limit: Duration::from_secs(arguments.seconds),
+        out: arguments.out.as_deref(),
     };
     let mut bar = Bar::new(false);
     bar.begin(arguments.seconds);
@@ -110,8 +122,15 @@ fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
         shown = spent.as_secs();
     });
     bar.finish();
-    let judged = ByTurns::of(&measured?, &cells, &names, threshold);
+    let Measured { rows, is_precise, spent } = measured?;
+    let judged = ByTurns::of(&rows, threshold);
     say(&judged.document())?;
+    if !is_precise {
+        let seconds = spent.as_secs();
+        say(&format!(
+            "The time was over after {seconds} s, before every interval was narrow; --seconds N gives more.\n"
+        ))?;
+    }
     verdict(judged.count(Verdict::Slower), judged.count(Verdict::Inconclusive), &judged.summary())
 }
 

@@ -7,9 +7,10 @@ use super::findings::findings;
 use crate::bench::environment::{Environment, State};
 use crate::bench::results_dir;
 use crate::bench::row::{self, Row};
-use crate::bench::{kernels, scaling};
+use crate::bench::{kernels, scaling, turns};
 use crate::report::ablation::Ablation;
 use crate::report::advice::{self, model::judged, model::judged_files, tuned_rows};
+use crate::report::compare::by_turns;
 use crate::report::evidence::assertions::assertions;
 use crate::report::evidence::constants::constants;
 use crate::report::evidence::fronts::fronts;
@@ -25,7 +26,7 @@ use crate::report::{self, targets};
 use std::path::Path;
 
 /// The kinds of markers, each with the words that follow; `...` stands for more of the last.
-pub(super) const KINDS: [(&str, &str); 24] = [
+pub(super) const KINDS: [(&str, &str); 25] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
@@ -46,13 +47,14 @@ pub(super) const KINDS: [(&str, &str); 24] = [
     ("kernel-targets", "RESULTS"),
     ("leaks", "RESULTS"),
     ("scaling", "RESULTS"),
+    ("turns", "RESULTS"),
     ("findings", "EXPERIMENT"),
     ("advice", "RESULTS..."),
     ("measured-advice", "RESULTS"),
     ("tuned", "SEARCHES"),
 ];
 /// Kinds with fixed kernels, which take no `--kernel`.
-const OF_FIXED_KERNELS: [&str; 15] = [
+const OF_FIXED_KERNELS: [&str; 16] = [
     "targets",
     "bars",
     "growth",
@@ -64,6 +66,7 @@ const OF_FIXED_KERNELS: [&str; 15] = [
     "kernel-targets",
     "leaks",
     "scaling",
+    "turns",
     "findings",
     "advice",
     "measured-advice",
@@ -147,6 +150,11 @@ impl<'a> Marker<'a> {
                 let rows = scaling::row::read(&folder.join(self.words[0]));
                 let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
                 Ok(report::scaling::page(&rows))
+            }
+            "turns" => {
+                let rows = turns::row::read(&folder.join(self.words[0]));
+                let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
+                Ok(by_turns::page(&rows))
             }
             "findings" => findings(&folder.join(self.words[0]))
                 .map_err(|source| ReadmeError::Records { line: self.line, source }),

@@ -2,6 +2,7 @@
 
 use super::*;
 use phr::bench::row::{self, ROWS, Row};
+use phr::bench::turns::row as turns;
 
 #[test]
 fn bad_input_is_one_line_and_code_2() {
@@ -248,7 +249,19 @@ fn two_programs_are_measured_by_turns() {
     assert_eq!(table.lines().filter(|line| line.starts_with("| lbvh / 4 ")).count(), 2, "{table}");
     assert!(table.contains("1 builders: ") && table.contains(" sessions of fresh processes"), "{table}");
     assert!(table.contains("| lbvh / 4 | sheet |") && !table.contains(scene), "{table}");
-    let refused: [(&str, &[&str]); 5] = [
+    let output = compare(this, &["--width", "4", "--width", "8", "--out", "kept"]);
+    assert!(matches!(output.status.code(), Some(0 | 1 | 3)), "{}", text(&output.stderr));
+    let rows = turns::read(&folder.join("kept")).unwrap();
+    assert!(rows.len() >= 10 && rows.iter().all(|row| row.before_rev == row.after_rev && row.ratio > 0.0));
+    std::fs::write(folder.join("page.md"), "<!-- turns: kept -->\n<!-- end -->\n").unwrap();
+    assert!(phr(&folder, &["readme", "page.md"]).status.success());
+    let page = std::fs::read_to_string(folder.join("page.md")).unwrap();
+    assert!(
+        page.contains("| lbvh / 4 |") && page.contains("| lbvh / 8 |") && page.contains(&rows[0].cpu),
+        "{page}"
+    );
+    let refused: [(&str, &[&str]); 6] = [
+        (this, &["--out", "sheet.ply"]),
         ("/bin/true", &[]),
         ("/no/such/program", &[]),
         (this, &["--builder", "nobody"]),
