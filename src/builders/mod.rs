@@ -43,7 +43,10 @@ pub use optimise::config::OptimiseConfig;
 pub use optimise::optimised_phr::{OptimisedPhr, OptimisedPhrConfig};
 pub use phr::config::{Extensions, LocalThreshold, PhrConfig};
 pub use phr::extensions::{
-    auxiliary_tree::AuxiliaryTree, binned::config::BinnedSahConfig, merged::MergedPhr,
+    auxiliary_tree::AuxiliaryTree,
+    binned::config::BinnedSahConfig,
+    clustered::{ClusteredPhr, ClusteredPhrConfig},
+    merged::MergedPhr,
 };
 pub use phr::pipeline::Phr;
 pub use prims::boxes::{Boxes, BoxesError, Primitives};

@@ -42,6 +42,12 @@ pub(crate) const TRAVERSAL_STACK: usize = (MAX_WIDTH - 1) * MAX_DEPTH + 1;
 /// From this depth on, cuts are halved by count rather than split by the SAH.
 pub(crate) const CUT_DEPTH: u32 = 50;
 
+/// From this depth on, cuts over finished clusters, which are not opened, are halved by count.
+pub(crate) const CLUSTER_CUT_DEPTH: u32 = 32;
+
+/// Most inner levels of a finished cluster.
+pub(crate) const FINISHED_LEVELS: u32 = 22;
+
 /// From this depth on, subtrees of [`SUBTREE_MOST`] references or fewer are halved by count; it counts from the
 /// root of the subtree, which lies above [`CUT_DEPTH`].
 pub(crate) const SUBTREE_DEPTH: u32 = 12;
@@ -82,6 +88,10 @@ pub(crate) const fn followed_levels(depth: u32, references: usize) -> u32 {
 const _: () = assert!(MAX_REFERENCES <= MAX_BLOCKS);
 /// Trees of refined cuts.
 const _: () = assert!(CUT_DEPTH + halvings(MAX_REFERENCES) <= MAX_DEPTH as u32);
+/// Trees of refined cuts over finished clusters, of which there are no more than triangles: they are halved down to one.
+const _: () = assert!(
+    CLUSTER_CUT_DEPTH + halvings(Mesh::MAX_TRIANGLES * BLOCK as usize) + FINISHED_LEVELS <= MAX_DEPTH as u32
+);
 /// Trees of refined cuts whose lowest levels are built by one sweep.
 const _: () = assert!(CUT_DEPTH + SUBTREE_DEPTH + halvings(SUBTREE_MOST) <= MAX_DEPTH as u32);
 /// Linear trees.

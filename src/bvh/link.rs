@@ -29,6 +29,11 @@ impl Link {
     const COUNT_SHIFT: u32 = MAX_BLOCKS.trailing_zeros();
     const INDEX_MASK: u32 = MAX_BLOCKS as u32 - 1;
 
+    /// Of a link that has its place; there are never as many nodes.
+    const PLACED: u32 = 1 << 30;
+    /// Of such a link to a leaf, in place of [`Link::LEAF_BIT`].
+    const PLACED_LEAF: u32 = 1 << 29;
+
     /// The unused slot.
     pub const EMPTY: Self = Self(u32::MAX);
 
@@ -70,13 +75,25 @@ impl Link {
         self.0 & Self::LEAF_BIT == 0
     }
 
+    /// The same reference, of an inner node or of a leaf of one block, where it stays: [`Link::moved`] makes it a link like
+    /// others, to the same place. Nothing else may be asked of it before.
+    #[inline]
+    #[must_use]
+    pub(crate) fn placed(self) -> Self {
+        debug_assert!(self.is_inner() || matches!(self.get(), Child::Leaf { count: 1, .. }));
+        let leaf = if self.is_inner() { 0 } else { Self::PLACED_LEAF };
+        Self(self.0 & !Self::LEAF_BIT | Self::PLACED | leaf)
+    }
+
     /// The same reference after its node moved `nodes` or its blocks `blocks` places up.
     #[inline]
     #[must_use]
     pub fn moved(self, nodes: usize, blocks: usize) -> Self {
-        // Without branches: which of the three a link is, is hard to foresee.
+        // Without branches: which of them a link is, is hard to foresee.
         let places = if self.is_inner() { nodes } else { blocks };
-        Self(self.0.wrapping_add(if self.is_empty() { 0 } else { places as u32 }))
+        let moved = self.0.wrapping_add(if self.is_empty() { 0 } else { places as u32 });
+        let placed = self.0 & (Self::PLACED_LEAF - 1) | (self.0 & Self::PLACED_LEAF) << 2;
+        Self(if self.0 & (Self::LEAF_BIT | Self::PLACED) == Self::PLACED { placed } else { moved })
     }
 
     /// The reference, unpacked.
@@ -103,11 +120,22 @@ mod tests {
     fn links_round_trip() {
         assert_eq!(Link::EMPTY.get(), Child::Empty);
         assert_eq!(Link::inner(0).get(), Child::Inner(0));
-        assert_eq!(Link::inner((1 << 31) - 1).get(), Child::Inner((1 << 31) - 1));
+        assert_eq!(Link::inner(MAX_BLOCKS - 1).get(), Child::Inner(MAX_BLOCKS - 1));
         for count in 1..=MAX_LEAF_BLOCKS {
             for first in [0, 5, MAX_BLOCKS - 1] {
                 assert_eq!(Link::leaf(first, count).get(), Child::Leaf { first, count });
             }
+        }
+    }
+
+    #[test]
+    fn links_that_have_their_place_stay() {
+        assert_eq!(Link::EMPTY.moved(5, 7), Link::EMPTY);
+        for index in [0, 5, MAX_BLOCKS - 8] {
+            let [node, block] = [Link::inner(index), Link::leaf(index, 1)];
+            assert_eq!(node.moved(5, 7), Link::inner(index + 5));
+            assert_eq!(Link::leaf(index, 3).moved(5, 7), Link::leaf(index + 7, 3));
+            assert_eq!([node, block].map(|link| link.placed().moved(5, 7)), [node, block]);
         }
     }
 }

@@ -3,9 +3,10 @@
 
 use glam::Vec3;
 use phr::builders::{
-    Aac, AacConfig, AuxiliaryConfig, AuxiliaryTree, BinnedSahConfig, Build, Builder, Clusters, CollapseCosts,
-    ConfigError, Extensions, Hunt, HuntConfig, LocalThreshold, MergedPhr, NAMES, OptimiseConfig,
-    OptimisedPhr, OptimisedPhrConfig, Phr, PhrConfig, Ploc, PlocConfig, PresplitConfig, by_name,
+    Aac, AacConfig, AuxiliaryConfig, AuxiliaryTree, BinnedSahConfig, Build, Builder, ClusteredPhr,
+    ClusteredPhrConfig, Clusters, CollapseCosts, ConfigError, Extensions, Hunt, HuntConfig, LocalThreshold,
+    MergedPhr, NAMES, OptimiseConfig, OptimisedPhr, OptimisedPhrConfig, Phr, PhrConfig, Ploc, PlocConfig,
+    PresplitConfig, by_name,
 };
 use phr::geometry::{Hit, Mesh, Ray, Tracer};
 use phr::random::SplitMix64;
@@ -111,7 +112,7 @@ fn phr(random: &mut SplitMix64) -> PhrConfig {
 }
 
 fn builder<const N: usize>(random: &mut SplitMix64) -> Result<Box<dyn Builder<N>>, ConfigError> {
-    Ok(match random.below(9) {
+    Ok(match random.below(10) {
         0 => Box::new(Hunt::new(
             "hunt",
             HuntConfig {
@@ -136,6 +137,18 @@ fn builder<const N: usize>(random: &mut SplitMix64) -> Result<Box<dyn Builder<N>
         )?),
         3 => Box::new(Ploc::new(PlocConfig { radius: one(random, &[1, 2, 25, 128, 0, 129]) })?),
         4 => by_name(one(random, NAMES)).expect("a name of the list"),
+        5 => Box::new(ClusteredPhr::new(
+            "clustered",
+            ClusteredPhrConfig {
+                alpha: float(random, &[0.45, 0.0, 3.0]),
+                delta: float(random, &[5.0, 0.0, 20.0]),
+                max_cut: one(random, &[2048, 1, 50, 0]),
+                clusters: Clusters {
+                    most: one(random, &[512, 1, 32, 4096, 0, 4097]),
+                    area: float(random, &[3e-3, 1.0, 0.0]),
+                },
+            },
+        )?),
         _ => Box::new(Phr::new("phr", phr(random))?),
     })
 }

@@ -36,11 +36,17 @@ impl Kind {
         if count <= BLOCK { Self::Leaf } else { Self::Inner }
     }
 
+    /// The kind of a single node as a cut: by its number of references, but finished leaves are leaves.
+    #[inline(always)]
+    pub fn of_lone(node: &Node) -> Self {
+        if node.is_finished() { Self::Leaf } else { Self::of_count(node.count()) }
+    }
+
     /// The kind of `node`, where leaves hold at most `max_leaf` triangles. `children` is called only if the answer
     /// depends on them.
     #[inline(always)]
     pub fn of(node: &Node, max_leaf: u32, children: impl FnOnce() -> [Node; 2]) -> Self {
-        if node.count() <= BLOCK {
+        if node.count() <= BLOCK || node.is_finished() {
             return Self::Leaf;
         }
         if node.count() > max_leaf {

@@ -17,6 +17,9 @@ impl Node {
     /// Of a link to a pair that has no place yet; there are never as many pairs.
     const UNPLACED: u32 = 1 << 30;
 
+    /// Of the link of a finished leaf; there are never as many references.
+    const FINISHED: u32 = 1 << 30;
+
     /// A node without meaning, to size arrays with.
     pub const ZERO: Self = Self(TaggedBox::ZERO);
 
@@ -78,6 +81,18 @@ impl Node {
     #[inline]
     pub fn corners(&self) -> [&[f32; 4]; 2] {
         self.0.corners()
+    }
+
+    /// A finished leaf, whose wide nodes and blocks have been made, of the `count` references from position `first` on.
+    #[inline]
+    pub fn finished(bounds: Aabb, first: usize, count: u32) -> Self {
+        Self::leaf(bounds, Self::FINISHED as usize | first, count)
+    }
+
+    /// Whether it is one.
+    #[inline]
+    pub fn is_finished(&self) -> bool {
+        self.link() & (Self::LEAF | Self::FINISHED) == Self::LEAF | Self::FINISHED
     }
 
     /// The same subtree with another box: the part of it inside a clip box.
@@ -142,7 +157,7 @@ impl Node {
     #[inline]
     pub fn run(&self) -> std::ops::Range<usize> {
         debug_assert!(self.is_leaf());
-        let first = (self.link() & !Self::LEAF) as usize;
+        let first = (self.link() & !(Self::LEAF | Self::FINISHED)) as usize;
         first..first + self.count() as usize
     }
 

@@ -59,7 +59,7 @@ impl AuxiliaryConfig {
         self.clusters.map_or(0, |clusters| clusters.most).max(self.leaf())
     }
 
-    pub(super) fn rule(&self, scale: &AreaScale) -> LeafRule {
+    pub(in crate::builders) fn rule(&self, scale: &AreaScale) -> LeafRule {
         let area = self.clusters.map_or(0.0, |clusters| clusters.area * scale.scale);
         LeafRule { always: self.leaf(), most: self.max_leaf(), area }
     }

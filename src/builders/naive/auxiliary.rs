@@ -5,7 +5,7 @@ use crate::builders::lbvh::area_scale::{PART, PARTS, STEP};
 use crate::builders::lbvh::config::{AuxiliaryConfig, Clusters};
 use crate::builders::lbvh::morton::MortonEncoder;
 use crate::builders::prims::presplit::Presplit;
-use crate::bvh::limits::MIDDLE_DEPTH;
+use crate::bvh::limits::{FINISHED_LEVELS, MIDDLE_DEPTH};
 use crate::geometry::{Aabb, Mesh};
 use std::rc::Rc;
 
@@ -29,6 +29,8 @@ pub struct Tree {
 
 pub enum Content {
     Leaf(Vec<Reference>),
+    /// A leaf that becomes this tree, widened.
+    Finished(Rc<Tree>),
     Node([Rc<Tree>; 2]),
 }
 
@@ -48,6 +50,7 @@ impl Tree {
                 prims.sort_unstable();
                 return Wide::Leaf(self.bounds, prims);
             }
+            Content::Finished(tree) => return tree.widened(width),
         };
         while children.len() < width {
             let mut largest = None;
@@ -74,9 +77,30 @@ impl Tree {
         Self::node(left.clone().clustered(most, area), right.clone().clustered(most, area))
     }
 
+    /// The tree whose leaves, and largest subtrees of at most `most` references, half `area` and so many levels, are
+    /// finished.
+    pub fn finished(self: Rc<Self>, most: u32, area: f32) -> Rc<Self> {
+        let is_cluster =
+            self.count <= most && self.bounds.half_area() <= area && self.levels() <= FINISHED_LEVELS;
+        match &self.content {
+            Content::Node([left, right]) if !is_cluster => {
+                Self::node(left.clone().finished(most, area), right.clone().finished(most, area))
+            }
+            _ => Rc::new(Self { content: Content::Finished(self.clone()), ..*self }),
+        }
+    }
+
+    fn levels(&self) -> u32 {
+        match &self.content {
+            Content::Node(children) => 1 + children.iter().map(|child| child.levels()).max().unwrap_or(0),
+            _ => 0,
+        }
+    }
+
     fn references(&self) -> Vec<Reference> {
         match &self.content {
             Content::Leaf(references) => references.clone(),
+            Content::Finished(tree) => tree.references(),
             Content::Node(children) => children.iter().flat_map(|child| child.references()).collect(),
         }
     }

@@ -1,26 +1,47 @@
 //! The builders: how each refines the cuts of the one recursion.
 
-use super::auxiliary::lbvh;
+use super::auxiliary::{Tree, lbvh};
 use super::cut::{self, Cut};
 use super::ploc;
 use super::recursion::Naive;
 use super::wide::Wide;
 use crate::builders::hunt::pipeline::HuntConfig;
-use crate::builders::lbvh::config::AuxiliaryConfig;
+use crate::builders::lbvh::config::{AuxiliaryConfig, Clusters};
 use crate::builders::phr::config::PhrConfig;
 use crate::builders::phr::extensions::auxiliary_tree::AuxiliaryTree;
+use crate::builders::phr::extensions::clustered::ClusteredPhrConfig;
 use crate::builders::phr::refine::Threshold;
-use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
+use crate::bvh::limits::{CLUSTER_CUT_DEPTH, CUT_DEPTH, MAX_REFERENCES_PER_TRIANGLE};
 use crate::geometry::{Aabb, Mesh};
+use std::rc::Rc;
 
 /// PHR.
 pub fn phr(mesh: &Mesh, config: &PhrConfig, width: usize) -> Option<Wide> {
-    let scene = mesh.bounds().half_area();
     let (linear, scale) = lbvh(mesh, &config.extensions.auxiliary)?;
     let root = match &config.extensions.auxiliary_tree {
         AuxiliaryTree::Ploc(config) => ploc::clusters(mesh, config)?,
         _ => linear,
     };
+    cuts(mesh, &root, scale, config, (width, CUT_DEPTH))
+}
+
+/// PHR over finished clusters.
+pub fn clustered_phr(mesh: &Mesh, config: &ClusteredPhrConfig, width: usize) -> Option<Wide> {
+    let config = config.cuts().unwrap();
+    let Clusters { most, area } = config.extensions.auxiliary.clusters.unwrap();
+    let (root, scale) = lbvh(mesh, &AuxiliaryConfig { clusters: None, ..config.extensions.auxiliary })?;
+    cuts(mesh, &root.finished(most, area * scale), scale, &config, (width, CLUSTER_CUT_DEPTH))
+}
+
+/// The tree from cuts of an auxiliary tree.
+fn cuts(
+    mesh: &Mesh,
+    root: &Rc<Tree>,
+    scale: f32,
+    config: &PhrConfig,
+    (width, cut_depth): (usize, u32),
+) -> Option<Wide> {
+    let scene = mesh.bounds().half_area();
     let threshold = |depth: u32| {
         // Equation 2.
         let divisor = f64::from(config.alpha * depth as f32 + config.delta).exp2();
@@ -29,6 +50,7 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig, width: usize) -> Option<Wide> {
     let builder = Naive {
         mesh,
         width,
+        cut_depth,
         config,
         spatial_above: scale * config.spatial_threshold,
         // Parts that fit a cache.
@@ -48,7 +70,7 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig, width: usize) -> Option<Wide> {
         },
     };
     let (above, len) = config.initial_cut_limits(mesh.len(), &Threshold::new(scene, config));
-    let members = cut::initial(&root, above, len);
+    let members = cut::initial(root, above, len);
     builder.subtree(&Cut::whole(members, config.max_references, mesh.len() * MAX_REFERENCES_PER_TRIANGLE))
 }
 
@@ -65,6 +87,7 @@ pub fn hunt(mesh: &Mesh, config: &HuntConfig, width: usize) -> Option<Wide> {
     let builder = Naive {
         mesh,
         width,
+        cut_depth: CUT_DEPTH,
         config: &cuts,
         spatial_above: f32::INFINITY,
         part: 0,

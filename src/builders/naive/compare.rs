@@ -1,6 +1,6 @@
 //! The builders against the naive ones.
 
-use super::builders::{hunt, phr, wide_lbvh};
+use super::builders::{clustered_phr, hunt, phr, wide_lbvh};
 use super::meshes::{
     beads, clusters, coarse, concentric, geometric, grids, identical, needles, scaled, soup,
 };
@@ -8,9 +8,9 @@ use super::ploc::ploc;
 use super::wide::Wide;
 use crate::builders::lbvh::top_tree::TREELET;
 use crate::builders::{
-    AuxiliaryConfig, AuxiliaryTree, Build, Builder, Clusters, CollapseCosts, Extensions, Hunt, HuntConfig,
-    Lbvh, LocalThreshold, OptimiseConfig, OptimisedPhr, OptimisedPhrConfig, Phr, PhrConfig, Ploc, PlocConfig,
-    PresplitConfig,
+    AuxiliaryConfig, AuxiliaryTree, Build, Builder, ClusteredPhr, ClusteredPhrConfig, Clusters,
+    CollapseCosts, Extensions, Hunt, HuntConfig, Lbvh, LocalThreshold, OptimiseConfig, OptimisedPhr,
+    OptimisedPhrConfig, Phr, PhrConfig, Ploc, PlocConfig, PresplitConfig,
 };
 use crate::bvh::WideBvh;
 use crate::geometry::Mesh;
@@ -87,6 +87,13 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
 const HUNT: [HuntConfig; 2] =
     [HuntConfig { cut_length: 50, max_leaf: 8 }, HuntConfig { cut_length: 7, max_leaf: 12 }];
 
+/// The preset, small clusters, and blocks alone.
+const CLUSTERED: [ClusteredPhrConfig; 3] = [
+    ClusteredPhrConfig::INSTANT,
+    ClusteredPhrConfig { alpha: 0.5, delta: 7.0, max_cut: 64, clusters: Clusters { most: 40, area: 3e-2 } },
+    ClusteredPhrConfig { clusters: Clusters { most: 4, area: 0.0 }, ..ClusteredPhrConfig::INSTANT },
+];
+
 /// The default, one whose tasks reach far into others, and the least.
 const PLOC: [PlocConfig; 3] = [PlocConfig::DEFAULT, PlocConfig { radius: 100 }, PlocConfig { radius: 1 }];
 
@@ -151,6 +158,11 @@ fn compare<const N: usize>(what: &str, mesh: &Mesh) -> Vec<u64> {
         let what = format!("{what}, hunt {}, width {N}", config.cut_length);
         assert_same(&tree, mesh, hunt(mesh, &config, N).as_ref(), &what);
     }
+    for config in CLUSTERED {
+        let tree = ClusteredPhr::<N>::new("", config).unwrap().build(mesh).tree;
+        let what = format!("{what}, clusters of {}, width {N}", config.clusters.most);
+        assert_same(&tree, mesh, clustered_phr(mesh, &config, N).as_ref(), &what);
+    }
     for config in PLOC {
         let tree = Ploc::<N>::new(config).unwrap().build(mesh).tree;
         let what = format!("{what}, ploc {}, width {N}", config.radius);
@@ -211,6 +223,9 @@ fn same_tree_everywhere<const N: usize>(what: &str, mesh: &Mesh) {
     same("lbvh", &|isa| Lbvh::with_isa(isa).build(mesh).tree);
     let best = OptimisedPhrConfig { phr: PhrConfig::HQ, optimise: OptimiseConfig::DEFAULT };
     same("optimised", &|isa| OptimisedPhr::with_isa("", best, isa).unwrap().build(mesh).tree);
+    for config in CLUSTERED {
+        same("clustered", &|isa| ClusteredPhr::with_isa("", config, isa).unwrap().build(mesh).tree);
+    }
     for config in PLOC {
         same("ploc", &|isa| Ploc::with_isa(config, isa).unwrap().build(mesh).tree);
     }

@@ -54,6 +54,11 @@ impl Cut {
     }
 
     pub fn kind(&self) -> Kind {
+        match &self.members[..] {
+            [lone] if lone.finished().is_some() => return Kind::Leaf,
+            [first, _, ..] if first.finished().is_some() => return Kind::Inner,
+            _ => {}
+        }
         match self.count() {
             ..=4 => Kind::Leaf,
             _ if self.is_soft => Kind::SoftLeaf,
@@ -72,6 +77,6 @@ pub fn initial(root: &Rc<Tree>, threshold: f32, max_len: usize) -> Vec<Member> {
     let area = |member: &Member| member.bounds.half_area();
     by_definition(Member::of(root), threshold, max_len, area, |member| match &member.tree.content {
         Content::Node(children) => Some(children.each_ref().map(Member::of)),
-        Content::Leaf(_) => None,
+        Content::Leaf(_) | Content::Finished(_) => None,
     })
 }

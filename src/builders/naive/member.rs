@@ -17,7 +17,12 @@ impl Member {
     }
 
     pub fn is_leaf(&self) -> bool {
-        matches!(self.tree.content, Content::Leaf(_))
+        !matches!(self.tree.content, Content::Node(_))
+    }
+
+    /// What a finished leaf becomes.
+    pub fn finished(&self) -> Option<&Tree> {
+        if let Content::Finished(tree) = &self.tree.content { Some(tree) } else { None }
     }
 
     /// The triangle of a single reference.
@@ -32,6 +37,7 @@ impl Member {
     pub fn open(&self, clip: &Aabb) -> Vec<Self> {
         let children = match &self.tree.content {
             Content::Node(children) => children.iter().map(Self::of).collect::<Vec<_>>(),
+            Content::Finished(_) => return vec![self.clone()],
             Content::Leaf(references) => references.iter().map(|r| Self::of(&Tree::leaf(&[*r]))).collect(),
         };
         let parent = self.tree.bounds;
@@ -54,9 +60,9 @@ impl Member {
         Some(Self { bounds: b.intersection(*clip), ..self })
     }
 
-    /// What `clip` leaves of the single references below.
+    /// What `clip` leaves of the single references below; finished leaves are not opened.
     pub fn references(&self, clip: &Aabb) -> Vec<Self> {
-        if self.tree.count == 1 {
+        if self.tree.count == 1 || self.finished().is_some() {
             return vec![self.clone()];
         }
         self.open(clip).iter().flat_map(|child| child.references(clip)).collect()

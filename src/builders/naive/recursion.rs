@@ -11,7 +11,6 @@ use crate::builders::binary::kind::Kind;
 use crate::builders::phr::config::{Extensions, PhrConfig};
 use crate::builders::split::cost::Weight;
 use crate::builders::wide::optimal::CollapseCosts;
-use crate::bvh::limits::CUT_DEPTH;
 use crate::geometry::triangle_split::split_triangle;
 use crate::geometry::{Aabb, Mesh};
 
@@ -26,6 +25,8 @@ pub struct Naive<'a> {
     pub config: &'a PhrConfig,
     pub spatial_above: f32,
     pub part: u32,
+    /// From this depth on, cuts are halved.
+    pub cut_depth: u32,
     pub refine: &'a Refine<'a>,
 }
 
@@ -42,6 +43,11 @@ impl Naive<'_> {
 
     /// The wide tree over a cut; `None` if clipping left nothing of it.
     pub fn subtree(&self, cut: &Cut) -> Option<Wide> {
+        if let [lone] = &cut.members[..]
+            && let Some(finished) = lone.finished()
+        {
+            return Some(finished.widened(self.width));
+        }
         if let Some(costs) = &self.extensions().collapse
             && cut.count() < self.part
         {
@@ -136,7 +142,8 @@ impl Naive<'_> {
                 [left.to_vec(), right.to_vec()]
             }
         };
-        if part.kind() != Kind::SoftLeaf && self.leaf_is_cheaper(&cut, &sides) {
+        let is_finished = cut.members[0].finished().is_some();
+        if part.kind() != Kind::SoftLeaf && !is_finished && self.leaf_is_cheaper(&cut, &sides) {
             return vec![Cut { is_soft: true, ..cut }];
         }
         let references: u32 = sides.iter().flatten().map(|member| member.tree.count).sum();
@@ -193,7 +200,7 @@ impl Naive<'_> {
             cut.members = lone.open(&cut.clip);
         }
         let is_lone_leaf = cut.members.len() == 1 && cut.members[0].is_leaf();
-        if !cut.is_near_leaves && (is_lone_leaf || cut.depth >= CUT_DEPTH) {
+        if !cut.is_near_leaves && (is_lone_leaf || cut.depth >= self.cut_depth) {
             cut.members = cut.references();
             cut.is_near_leaves = true;
         }
@@ -201,7 +208,7 @@ impl Naive<'_> {
     }
 
     fn find(&self, cut: &Cut) -> Split {
-        if cut.depth >= CUT_DEPTH {
+        if cut.depth >= self.cut_depth {
             return Split::Halves;
         }
         let boxes: Vec<Aabb> = cut.members.iter().map(|member| member.bounds).collect();

@@ -3,9 +3,10 @@
 
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
-use crate::builders::lbvh::key::{MortonKey, reference};
+use crate::builders::lbvh::key::{MortonKey, code, reference};
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
+use crate::bvh::Link;
 use crate::geometry::{Aabb, Mesh};
 
 /// Which boxes of a node's children reach into a clip box.
@@ -70,13 +71,13 @@ pub(crate) struct RefOrder<'a, G = Mesh> {
 
 impl<G: Geometry> RefOrder<'_, G> {
     /// Gives `take` the references below `node`, a node of a cut clipped to `clip`: leaves of one
-    /// reference, their boxes clipped.
+    /// reference, their boxes clipped. Finished leaves are not opened.
     pub fn open_all(&self, tree: &BinaryTree, node: &Node, clip: &Aabb, take: &mut impl FnMut(Node)) {
         if !node.is_leaf() {
             open(tree, node, clip, |child| self.open_all(tree, &child, clip, take));
             return;
         }
-        if node.count() == 1 {
+        if node.count() == 1 || node.is_finished() {
             take(*node);
             return;
         }
@@ -91,6 +92,12 @@ impl<G: Geometry> RefOrder<'_, G> {
                 take(Node::leaf(bounds, position, 1));
             }
         }
+    }
+
+    /// The link of a finished leaf, which has its place.
+    #[inline]
+    pub fn link(&self, leaf: &Node) -> Link {
+        Link::from_bits(code(self.keys[leaf.run().start])).placed()
     }
 
     /// The primitive at a position.

@@ -86,7 +86,12 @@ impl<'a> CutBuilder<'a> {
     /// The cut, otherwise as `like`.
     #[inline]
     pub fn finish(self, like: &Cut) -> Cut {
-        let kind = Kind::of_count(self.count);
+        let kind = match &self.arena[self.first..] {
+            [lone] => Kind::of_lone(lone),
+            // Finished leaves are not merged to one.
+            [first, ..] if first.is_finished() => Kind::Inner,
+            _ => Kind::of_count(self.count),
+        };
         Cut {
             first: self.first as u32,
             len: (self.arena.len() - self.first) as u32,

@@ -13,7 +13,8 @@ use crate::builders::lbvh::prefetch;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::top_down::{BinarySplits, TopDown};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
-use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
+use crate::bvh::Link;
+use crate::bvh::limits::{CLUSTER_CUT_DEPTH, CUT_DEPTH, MAX_REFERENCES_PER_TRIANGLE};
 use crate::geometry::{Aabb, Mesh};
 use crate::simd::Isa;
 use arrayvec::ArrayVec;
@@ -30,6 +31,10 @@ pub(crate) struct CutRecursion<'a, P, G = Mesh> {
     pub policy: P,
     /// Instructions to use.
     pub isa: Isa,
+    /// Whether the leaves of the auxiliary BVH are finished.
+    pub has_finished_leaves: bool,
+    /// From this depth on, cuts are halved by count.
+    pub cut_depth: u32,
     /// Spatial splits are tried in nodes of a larger half area.
     spatial_above: f32,
 }
@@ -50,6 +55,8 @@ impl<'a, P: CutPolicy, G: Geometry> CutRecursion<'a, P, G> {
             config,
             policy,
             isa,
+            has_finished_leaves: auxiliary.has_finished_leaves,
+            cut_depth: if auxiliary.has_finished_leaves { CLUSTER_CUT_DEPTH } else { CUT_DEPTH },
             spatial_above: if geometry.splits() { above } else { f32::INFINITY },
         }
     }
@@ -117,7 +124,8 @@ impl<P: CutPolicy, G: Geometry> TopDown for CutRecursion<'_, P, G> {
     }
 
     fn prefetch(&self, cut: &Cut, scratch: &CutScratch) {
-        if cut.level != CutLevel::SplitDown {
+        // Of finished leaves nothing is needed but their links.
+        if cut.level != CutLevel::SplitDown && !self.has_finished_leaves {
             let leaf = self.config.extensions.auxiliary.max_leaf();
             for node in &scratch.arena[cut.range()] {
                 prefetch::subtree(self.tree, self.order.keys, &self.order.refs, node, leaf);
@@ -147,6 +155,9 @@ impl<P: CutPolicy, G: Geometry> TopDown for CutRecursion<'_, P, G> {
         treelet: &mut WideTreelet<N, G::Block>,
         scratch: &mut CutScratch,
     ) -> Option<Subtree> {
+        if let Some(subtree) = self.finished(cut, scratch) {
+            return Some(Some(subtree));
+        }
         if let Some(costs) = &self.config.extensions.collapse {
             return Some(self.collapse(cut, costs, treelet, scratch));
         }
@@ -159,6 +170,14 @@ impl<P: CutPolicy, G: Geometry> TopDown for CutRecursion<'_, P, G> {
 }
 
 impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
+    /// The subtree of a cut of a single node that is finished.
+    #[inline]
+    fn finished(&self, cut: &Cut, scratch: &CutScratch) -> Option<(Aabb, Link)> {
+        let node = &scratch.arena[cut.range().start];
+        (self.has_finished_leaves && cut.len == 1 && node.is_finished())
+            .then(|| (cut.bounds, self.order.link(node)))
+    }
+
     /// Appends the primitives of a leaf; returns their box. Of one that is not wholly inside the clip box,
     /// `visible` tells the box that the leaf sees, given the box of its part.
     pub fn gather(

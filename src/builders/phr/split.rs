@@ -15,7 +15,6 @@ use crate::builders::split::object::split::ObjectSplit;
 use crate::builders::split::object::strategy::ObjectSweep;
 use crate::builders::split::spatial::split::SpatialSplit;
 use crate::builders::split::spatial::strategy::SpatialSweep;
-use crate::bvh::limits::CUT_DEPTH;
 use crate::geometry::Aabb;
 
 impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
@@ -34,7 +33,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         let nodes = &arena[cut.range()];
 
         // Find: the cheapest object split, and a spatial one where it is cheaper still.
-        let (object, spatial) = if cut.depth >= CUT_DEPTH {
+        let (object, spatial) = if cut.depth >= self.cut_depth {
             (ObjectSplit::NONE, None)
         } else {
             self.find(&cut, nodes, object_sweep, spatial_sweep)
@@ -60,6 +59,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
 
         // A leaf, where it costs no more than a node with the two sides as leaves.
         if given.kind != Kind::SoftLeaf
+            && !self.has_finished_leaves
             && cut.count <= self.config.leaf_size()
             && leaf_is_cheaper((cut.area, cut.count), sides.each_ref().map(Side::measure))
         {
@@ -104,7 +104,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
             cut = opened.finish(&cut);
         }
         let is_lone_leaf = cut.len == 1 && arena[cut.range().start].is_leaf();
-        let opens_all = is_lone_leaf || cut.depth >= CUT_DEPTH;
+        let opens_all = is_lone_leaf || cut.depth >= self.cut_depth;
         if cut.level == CutLevel::Subtrees && opens_all {
             let mut opened = CutBuilder::new(arena);
             for i in cut.range() {

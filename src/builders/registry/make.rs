@@ -8,6 +8,7 @@ use crate::builders::clusters::ploc::pipeline::Ploc;
 use crate::builders::hunt::pipeline::Hunt;
 use crate::builders::lbvh::direct::pipeline::Lbvh;
 use crate::builders::optimise::optimised_phr::OptimisedPhr;
+use crate::builders::phr::extensions::clustered::ClusteredPhr;
 use crate::builders::phr::pipeline::Phr;
 use crate::bvh::{IdBlock, TriangleBlock};
 
@@ -20,6 +21,7 @@ macro_rules! boxed {
             Config::Ploc(config) => Box::new(Ploc::<N, $block>::new(config)?),
             Config::Hunt(config) => Box::new(Hunt::<N, $block>::new($name, config)?),
             Config::Phr(config) => Box::new(Phr::<N, $block>::new($name, config)?),
+            Config::ClusteredPhr(config) => Box::new(ClusteredPhr::<N, $block, $item>::new($name, config)?),
             Config::OptimisedPhr(config) => Box::new(OptimisedPhr::<N, $block>::new($name, config)?),
         }
     };

@@ -15,6 +15,7 @@ use crate::builders::optimise::optimised_phr::OptimisedPhrConfig;
 use crate::builders::phr::config::{Extensions, LocalThreshold, PhrConfig};
 use crate::builders::phr::extensions::auxiliary_tree::AuxiliaryTree;
 use crate::builders::phr::extensions::binned::config::BinnedSahConfig;
+use crate::builders::phr::extensions::clustered::ClusteredPhrConfig;
 use crate::builders::prims::presplit::PresplitConfig;
 use crate::builders::wide::optimal::CollapseCosts;
 
@@ -27,6 +28,7 @@ pub(crate) enum Config {
     Ploc(PlocConfig),
     Hunt(HuntConfig),
     Phr(PhrConfig),
+    ClusteredPhr(ClusteredPhrConfig),
     OptimisedPhr(OptimisedPhrConfig),
 }
 
@@ -82,6 +84,7 @@ const REGISTRY: &[(&str, Config)] = &[
     ("ploc", Config::Ploc(PlocConfig::DEFAULT)),
     ("phr-fast", Config::Phr(PhrConfig::FAST)),
     ("phr-hq", Config::Phr(PhrConfig::HQ)),
+    ("phr-instant", Config::ClusteredPhr(ClusteredPhrConfig::INSTANT)),
     ("phr-turbo", Config::Phr(PhrConfig::TURBO)),
     ("phr-speed", Config::Phr(PhrConfig::SPEED)),
     ("phr-quality", Config::Phr(PhrConfig::QUALITY)),
@@ -117,7 +120,7 @@ const REGISTRY: &[(&str, Config)] = &[
 ];
 
 /// Builders of a table.
-const IN_TABLES: usize = 11;
+const IN_TABLES: usize = 12;
 
 const ALL: [&str; REGISTRY.len()] = {
     let mut names = [""; REGISTRY.len()];
@@ -212,13 +215,14 @@ pub enum CutConfig {
     Hunt(HuntConfig),
 }
 
-/// The cuts of the builder called `name`, before its tree is optimised where it is; `None` of builders without cuts.
+/// The cuts of the builder called `name`, before its tree is optimised where it is; `None` of builders without cuts, and
+/// of cuts over finished clusters.
 pub fn cuts_of(name: &str) -> Option<CutConfig> {
     match config(name)?.1 {
         Config::Phr(config) => Some(CutConfig::Phr(config)),
         Config::OptimisedPhr(config) => Some(CutConfig::Phr(config.phr)),
         Config::Hunt(config) => Some(CutConfig::Hunt(config)),
-        Config::Lbvh | Config::Aac(_) | Config::Ploc(_) => None,
+        Config::Lbvh | Config::Aac(_) | Config::Ploc(_) | Config::ClusteredPhr(_) => None,
     }
 }
 
@@ -236,7 +240,7 @@ mod tests {
             let preset = name.split_once("-no-").or_else(|| name.split_once("-aux-")).unwrap().0;
             assert_ne!(cuts_of(name), cuts_of(preset), "{name}");
         }
-        assert_eq!((NAMES.len(), ABLATION.len()), (11, 15));
+        assert_eq!((NAMES.len(), ABLATION.len()), (12, 15));
         assert!(by_name::<4>("phr").is_none());
     }
 }

@@ -20,6 +20,12 @@ pub(crate) trait BinarySource {
     /// The primitive at a position.
     fn prim(&self, position: usize) -> u32;
 
+    /// The link of a leaf that is finished; `None` of others.
+    #[inline(always)]
+    fn finished(&self, _: &NodeRun) -> Option<Link> {
+        None
+    }
+
     /// What becomes of a subtree.
     #[inline(always)]
     fn kind(&self, run: &NodeRun, max_leaf: u32) -> Kind {
@@ -47,7 +53,8 @@ pub(crate) trait BinarySource {
         splits: &mut u64,
     ) -> Option<Subtree> {
         if kind != Kind::Inner {
-            return Some(leaves.emit(self, run, treelet));
+            let finished = self.finished(run).map(|link| (run.node.bounds(), link));
+            return Some(finished.or_else(|| leaves.emit(self, run, treelet)));
         }
         let mut children = ArrayVec::<OpenChild, N>::new();
         children.extend(self.open(run, levels, leaves.max_leaf)?);

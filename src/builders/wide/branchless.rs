@@ -10,13 +10,15 @@ use crate::bvh::{Link, WideNode};
 use crate::geometry::Aabb;
 
 /// A binary subtree that may become a child of a wide node. Tags: the index of the pair of children or the [`Link`]
-/// of a leaf, and an order, which grows with the area of an inner node and is negative for leaves.
+/// of a leaf, and an order, which grows with the area of an inner node and is negative for leaves and others that
+/// are not opened.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(crate) struct Slot(TaggedBox);
 
 impl Slot {
     const LEAF: u32 = 1 << 31;
+    const CLOSED: u32 = Self::LEAF | 1;
 
     /// An unused slot.
     pub const NONE: Self = Self(TaggedBox::empty([u32::MAX, Self::LEAF]));
@@ -33,6 +35,36 @@ impl Slot {
         let bounds = children[0].bounds().union(children[1].bounds());
         // Positive floats are ordered as their bits are.
         Self(TaggedBox::new(bounds, [pair as u32, bounds.half_area().to_bits()]))
+    }
+
+    /// The parent of a pair of children that is no part of a wide node.
+    #[inline]
+    pub fn closed(bounds: Aabb, pair: usize) -> Self {
+        Self(TaggedBox::new(bounds, [pair as u32, Self::CLOSED]))
+    }
+
+    /// Whether it is the leaf of a block.
+    #[inline(always)]
+    pub fn is_leaf(&self) -> bool {
+        self.0.second() == Self::LEAF
+    }
+
+    /// Whether it is the parent of a pair that is no part of a wide node.
+    #[inline(always)]
+    pub fn is_closed(&self) -> bool {
+        self.0.second() == Self::CLOSED
+    }
+
+    /// The index of the pair of children, or of the block.
+    #[inline(always)]
+    pub fn index(&self) -> usize {
+        (self.link() & !Self::LEAF) as usize
+    }
+
+    /// Half the area of the box of a parent that may be a part of a wide node.
+    #[inline(always)]
+    pub fn half_area(&self) -> f32 {
+        f32::from_bits(self.0.second())
     }
 
     /// The box.
@@ -75,7 +107,14 @@ impl<const N: usize> Widen<N> {
         if pairs == 0 {
             return Link::from_bits(root.link());
         }
-        self.find_nodes();
+        self.write_below(&[pairs as u32 - 1], nodes);
+        Link::inner(nodes.len() - 1)
+    }
+
+    /// Appends the wide nodes over and below some pairs, none of which is below another, in the order of the pairs.
+    #[inline(always)]
+    pub fn write_below(&mut self, roots: &[u32], nodes: &mut Vec<WideNode<N>>) {
+        self.find_nodes(roots);
         let Self { pairs, children, numbers, nodes: of_nodes, .. } = self;
         let first = nodes.len() as u32;
         let slots = pairs.as_flattened();
@@ -97,12 +136,17 @@ impl<const N: usize> Widen<N> {
             WideNode::of_slots(&boxes, links)
         }));
         self.pairs.pop();
-        Link::inner(nodes.len() - 1)
     }
 
-    /// Finds the pairs over which nodes lie, and their children.
+    /// The number of the wide node over a pair among those last made.
+    #[inline]
+    pub fn number(&self, pair: usize) -> u32 {
+        self.numbers[pair]
+    }
+
+    /// Finds the pairs over which nodes lie, `roots` and pairs below them, and their children.
     #[inline(always)]
-    fn find_nodes(&mut self) {
+    fn find_nodes(&mut self, roots: &[u32]) {
         let Self { pairs, children, is_node, numbers, nodes } = self;
         let count = pairs.len();
         // One more, of unused slots.
@@ -114,8 +158,8 @@ impl<const N: usize> Widen<N> {
         is_node.clear();
         is_node.resize(count, false);
         nodes.resize(count + N, 0);
-        nodes[0] = count as u32 - 1;
-        let (mut next, mut found) = (0, 1);
+        nodes[..roots.len()].copy_from_slice(roots);
+        let (mut next, mut found) = (0, roots.len());
         while next < found {
             let pair = nodes[next];
             next += 1;

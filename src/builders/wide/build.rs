@@ -1,6 +1,6 @@
 //! The recursion over wide nodes, from the parts of a top-down builder to nodes and leaf blocks.
 
-use super::memory::{Memory, Scratch, Worker};
+use super::memory::{Finished, Memory, Scratch, Worker};
 use super::parallel::ParallelBuild;
 use super::top_down::TopDown;
 use super::treelet::{self, Subtree, WideTreelet};
@@ -16,8 +16,19 @@ pub(crate) fn build<T: TopDown<Block = G::Block>, G: Geometry, const N: usize>(
     geometry: &G,
     memory: &mut Memory<T::Scratch, N, G::Block>,
 ) -> WideBvh<N, G::Block> {
+    let finished = memory.arrays(geometry.len());
+    build_over(builder, root, geometry, memory, finished)
+}
+
+/// The same behind nodes and blocks that are finished, to which parts may link.
+pub(crate) fn build_over<T: TopDown<Block = G::Block>, G: Geometry, const N: usize>(
+    builder: &T,
+    root: Option<T::Task>,
+    geometry: &G,
+    memory: &mut Memory<T::Scratch, N, G::Block>,
+    (mut nodes, mut blocks): Finished<N, G::Block>,
+) -> WideBvh<N, G::Block> {
     let Some(root) = root else { return WideBvh::default() };
-    let (mut nodes, mut blocks) = memory.arrays(geometry.len());
     let (tree, built) = ParallelBuild::new(builder, &memory.workers, geometry.len()).run(
         root,
         &memory.treelets,

@@ -47,6 +47,9 @@ pub(crate) struct Worker<S> {
     pub prims: Vec<u32>,
 }
 
+/// Nodes and blocks of a tree in the making.
+pub(crate) type Finished<const N: usize, B> = (Vec<WideNode<N>>, Vec<B>);
+
 /// Memory of tasks, and a tree no longer used.
 pub(crate) struct Memory<S, const N: usize, B = TriangleBlock> {
     /// Of threads.
@@ -70,7 +73,7 @@ impl<S: Default, const N: usize, B> Memory<S, N, B> {
     }
 
     /// The arrays of a tree over `n` primitives, empty, with the capacity that most trees need.
-    pub fn arrays(&mut self, n: usize) -> (Vec<WideNode<N>>, Vec<B>) {
+    pub fn arrays(&mut self, n: usize) -> Finished<N, B> {
         self.blocks(n);
         let WideBvh { mut nodes, mut blocks, .. } = self.tree.take().unwrap_or_default();
         nodes.clear();

@@ -47,7 +47,7 @@ impl<'a, T: TopDown> ParallelBuild<'a, T> {
         let tree = TaskTree::grow(root, &|task| {
             self.with_part(task, |part, worker| {
                 let scratch = &mut worker.scratch;
-                if self.builder.count(part) < self.grain {
+                if self.builder.count(part) < self.grain || self.builder.is_leaf(part) {
                     return Division::Task(self.builder.export(part, scratch));
                 }
                 let parts = divide(part, scratch);

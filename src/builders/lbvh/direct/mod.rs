@@ -1,4 +1,6 @@
-//! The builder `lbvh`: the tree of 4.7 as a wide tree, without refinement.
+//! The tree of 4.7 as a wide tree: the builder `lbvh`, without refinement, and, for cuts over them, [`clusters`].
 
+mod cluster_treelet;
+pub(crate) mod clusters;
 pub(crate) mod pipeline;
 mod treelet;

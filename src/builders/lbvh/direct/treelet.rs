@@ -18,13 +18,13 @@ pub(crate) struct DirectTreelet<I, const N: usize> {
     /// The primitives: of triangles, corners as vertex indices, and the triangle.
     items: Vec<I>,
     copied_items: Vec<I>,
-    deltas: Deltas,
-    equal_codes: EqualCodes,
+    pub deltas: Deltas,
+    pub equal_codes: EqualCodes,
     /// Where the leaves begin, and where the last one ends.
-    leaves: Vec<u32>,
+    pub leaves: Vec<u32>,
     /// The leaves.
-    slots: Vec<Slot>,
-    widen: Widen<N>,
+    pub slots: Vec<Slot>,
+    pub widen: Widen<N>,
 }
 
 impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
@@ -38,21 +38,8 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
         depth: u32,
         treelet: &mut WideTreelet<N, G::Block>,
     ) -> Subtree {
-        let Self { items, copied_items, deltas, equal_codes, leaves, slots, widen } = self;
-        items.clear();
-        items.extend(keys.iter().enumerate().map(|(i, &key)| {
-            prefetch::far_ahead(geometry, keys, i);
-            geometry.item(reference(key))
-        }));
-        deltas.of_codes(keys);
-        equal_codes
-            .partition(deltas, keys.len(), [depth, BLOCK], |i| geometry.bounds_of_item(&items[i]).center2());
-        equal_codes.reorder(items, copied_items);
-        deltas.leaves(BLOCK, leaves);
-        isa.run(
-            #[inline(always)]
-            || emit_leaves(geometry, items, leaves, slots, &mut treelet.blocks),
-        );
+        self.make_leaves(isa, geometry, keys, depth, &mut treelet.blocks);
+        let Self { deltas, leaves, slots, widen, .. } = self;
         widen.pairs.clear();
         let leaves = slots.iter().zip(&*leaves).map(|(&slot, &begin)| (slot, deltas.before(begin as usize)));
         let root = cartesian_tree(Slot::NONE, leaves, |children| {
@@ -65,6 +52,32 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
             || widen.write(&root, nodes),
         );
         Some((root.bounds(), link))
+    }
+
+    /// Makes the leaves over `keys`, likewise, and their blocks.
+    pub fn make_leaves<G: Geometry<Item = I>>(
+        &mut self,
+        isa: Isa,
+        geometry: &G,
+        keys: &[MortonKey],
+        depth: u32,
+        blocks: &mut Vec<G::Block>,
+    ) {
+        let Self { items, copied_items, deltas, equal_codes, leaves, slots, .. } = self;
+        items.clear();
+        items.extend(keys.iter().enumerate().map(|(i, &key)| {
+            prefetch::far_ahead(geometry, keys, i);
+            geometry.item(reference(key))
+        }));
+        deltas.of_codes(keys);
+        equal_codes
+            .partition(deltas, keys.len(), [depth, BLOCK], |i| geometry.bounds_of_item(&items[i]).center2());
+        equal_codes.reorder(items, copied_items);
+        deltas.leaves(BLOCK, leaves);
+        isa.run(
+            #[inline(always)]
+            || emit_leaves(geometry, items, leaves, slots, blocks),
+        );
     }
 }
 

@@ -7,7 +7,7 @@ use crate::builders::phr::memory::CutScratch;
 use crate::builders::phr::policy::CutPolicy;
 use crate::builders::phr::recursion::CutRecursion;
 use crate::builders::prims::geometry::Geometry;
-use crate::bvh::limits::{CUT_DEPTH, SUBTREE_MOST};
+use crate::bvh::limits::SUBTREE_MOST;
 
 /// Fewest leaves of a cut that is split in one go: shorter ones are split faster one by one.
 const FEWEST: usize = 9;
@@ -20,11 +20,12 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         let may_repeat = !self.order.refs.fragments.is_empty();
         cut.count == cut.len
             && !P::SEES
+            && !self.has_finished_leaves
             && !(may_repeat && self.config.extensions.collapse.is_some())
             && cut.level == CutLevel::Subtrees
             && !self.splits_down_small_cuts()
             && (FEWEST..=SUBTREE_MOST).contains(&(cut.len as usize))
-            && cut.depth < CUT_DEPTH
+            && cut.depth < self.cut_depth
             && is_inside(cut.bounds, &cut.clip)
     }
 
@@ -36,7 +37,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
             subtree_sweep.push(node.bounds(), self.order.prim(node.run().start));
         }
         let pairs = subtrees.pairs.len();
-        let root = subtree_sweep.build_as_cut(self.isa, CUT_DEPTH - cut.depth, subtrees);
+        let root = subtree_sweep.build_as_cut(self.isa, self.cut_depth - cut.depth, subtrees);
         let made = &subtrees.pairs[pairs..];
         counts.splits += made.len() as u64;
         counts.swept += made.iter().flatten().map(|node| u64::from(node.count())).sum::<u64>();

@@ -16,7 +16,8 @@ use crate::builders::split::cost::Weight;
 use crate::builders::split::object::split::ObjectSplit;
 use crate::builders::wide::binary_source::{BinarySource, Leaves};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
-use crate::bvh::limits::{BLOCK, CUT_DEPTH};
+use crate::bvh::Link;
+use crate::bvh::limits::BLOCK;
 
 /// The splits of an auxiliary BVH over single references.
 struct SingleNodes<'a, G> {
@@ -40,6 +41,11 @@ impl<G: Geometry> BinarySource for SingleNodes<'_, G> {
     fn prim(&self, position: usize) -> u32 {
         self.order.prim(position)
     }
+
+    #[inline(always)]
+    fn finished(&self, run: &NodeRun) -> Option<Link> {
+        run.node.is_finished().then(|| self.order.link(&run.node))
+    }
 }
 
 impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
@@ -59,7 +65,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         }
         let node = arena[cut.range().start];
         let is_known = !node.is_leaf()
-            && cut.depth < CUT_DEPTH
+            && cut.depth < self.cut_depth
             && !self.splits_in_space(cut)
             && is_whole(&node, &cut.clip);
         is_known.then_some(node)
@@ -81,7 +87,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         source.children(&run).map(|NodeRun { node: child, .. }| {
             scratch.arena.push(child);
             self.tree.prefetch(&child);
-            let kind = Kind::of_count(child.count());
+            let kind = Kind::of_lone(&child);
             let side = cut.of_last(&scratch.arena, CutLevel::Subtrees, kind);
             Some(Cut { capacity: child.count(), depth: cut.depth + 1, ..side })
         })
@@ -97,7 +103,8 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         counts: &mut Counts,
     ) -> Option<Subtree> {
         let max_leaf = self.config.leaf_size();
-        if self.splits_down_small_cuts() || self.config.extensions.auxiliary.max_leaf() > BLOCK {
+        let opens_clusters = !self.has_finished_leaves && self.config.extensions.auxiliary.max_leaf() > BLOCK;
+        if self.splits_down_small_cuts() || opens_clusters {
             return None;
         }
         let leaves = Leaves::of(&self.order.refs, max_leaf);
@@ -105,7 +112,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         let run = NodeRun { node: *node, first: self.tree.run(node).start as u32 };
         let kind = if cut.kind == Kind::Inner { source.kind(&run, max_leaf) } else { cut.kind };
         let mut splits = 0;
-        let subtree = source.emit((&run, kind), CUT_DEPTH - cut.depth, &leaves, treelet, &mut splits);
+        let subtree = source.emit((&run, kind), self.cut_depth - cut.depth, &leaves, treelet, &mut splits);
         if subtree.is_none() {
             treelet.rollback(checkpoint);
             return None;

@@ -17,7 +17,7 @@ pub fn with_everything_on(config: &Config) -> Value {
     let phr = match config {
         Config::Phr(_) => Some(&mut on),
         Config::OptimisedPhr(_) => on.get_mut("phr"),
-        Config::Lbvh | Config::Aac(_) | Config::Ploc(_) | Config::Hunt(_) => None,
+        Config::Lbvh | Config::Aac(_) | Config::Ploc(_) | Config::Hunt(_) | Config::ClusteredPhr(_) => None,
     };
     if let Some(phr) = phr {
         fill(phr, &fields(&Config::Phr(PhrConfig::QUALITY)));
@@ -95,6 +95,7 @@ pub fn changed(config: &Config, template: &Value, path: &str, value: &Value) -> 
         Config::Ploc(_) => Config::Ploc(serde_json::from_value(all).map_err(of)?),
         Config::Hunt(_) => Config::Hunt(serde_json::from_value(all).map_err(of)?),
         Config::Phr(_) => Config::Phr(serde_json::from_value(all).map_err(of)?),
+        Config::ClusteredPhr(_) => Config::ClusteredPhr(serde_json::from_value(all).map_err(of)?),
         Config::OptimisedPhr(_) => Config::OptimisedPhr(serde_json::from_value(all).map_err(of)?),
     })
 }

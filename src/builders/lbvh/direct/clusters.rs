@@ -1,0 +1,111 @@
+//! An auxiliary BVH whose leaves are finished: the wide nodes and blocks of clusters are made with their treelet, while
+//! its primitives are in the cache, as the builder `lbvh` makes them. Cuts do not open them.
+
+use super::cluster_treelet::{AboveClusters, ClusterTreelet};
+use crate::builders::api::builder::Stopwatch;
+use crate::builders::binary::node::Node;
+use crate::builders::lbvh::area_scale::AreaScale;
+use crate::builders::lbvh::auxiliary::Auxiliary;
+use crate::builders::lbvh::config::AuxiliaryConfig;
+use crate::builders::lbvh::key::{MortonKey, code, key_of, reference};
+use crate::builders::lbvh::top_tree::top_tree;
+use crate::builders::prims::geometry::Geometry;
+use crate::builders::wide::memory::{Finished, Memory};
+use crate::builders::wide::treelet::WideTreelet;
+use crate::bvh::{LeafBlock, Link};
+use crate::memory::huge_pages;
+use crate::memory::pool::Pool;
+use crate::memory::stream::Vectors;
+use crate::parallel;
+use crate::parallel::ordered_append::{self, Offset};
+use crate::simd::Isa;
+
+/// Memory of tasks, kept between builds.
+pub(crate) struct ClusterTreelets<const N: usize, I>(Pool<ClusterTreelet<I, N>>);
+
+impl<const N: usize, I: Default> Default for ClusterTreelets<N, I> {
+    fn default() -> Self {
+        Self(Pool::default())
+    }
+}
+
+impl<const N: usize, I: Copy + Default + Send> ClusterTreelets<N, I> {
+    /// Builds the LBVH of `geometry` in `auxiliary`, and the nodes and blocks of its leaves. In the first key of each leaf
+    /// the code has given way to its link ([`link`](crate::builders::phr::clip::RefOrder::link)). The configuration
+    /// has neither presplit needles nor a bucket sort.
+    pub fn build<G: Geometry<Item = I, Block: LeafBlock + Vectors>, S: Default>(
+        &mut self,
+        auxiliary: &mut Auxiliary,
+        geometry: &G,
+        config: &AuxiliaryConfig,
+        memory: &mut Memory<S, N, G::Block>,
+        (isa, watch): (Isa, &mut Stopwatch),
+    ) -> Finished<N, G::Block> {
+        let Auxiliary { order, tree, scale, has_finished_leaves, .. } = auxiliary;
+        order.sort_all(geometry, memory.blocks(geometry.len()), watch);
+        let mut keys = std::mem::take(&mut order.keys);
+        let refs = order.refs(geometry);
+        *scale = AreaScale::in_order(order.bounds(), &keys, &refs, config.calibration);
+        *has_finished_leaves = true;
+        let (mut nodes, mut blocks) = memory.arrays(geometry.len());
+        tree.root = None;
+        tree.pairs.clear();
+        if !keys.is_empty() {
+            let rule = config.rule(scale);
+            let (top, tasks) = top_tree(&refs, &mut keys, 0);
+            let make = |i: usize, wide: &mut WideTreelet<N, G::Block>| {
+                let mut treelet = self.0.take();
+                let task = tasks.take(i);
+                let len = task.keys.len();
+                let above = treelet.build(isa, geometry, task, rule, wide);
+                self.0.put(treelet);
+                (above, len)
+            };
+            let made = ordered_append::append(tasks.len(), &memory.treelets, &mut nodes, &mut blocks, make);
+            drop(tasks);
+            let roots = append_above(&made, &mut tree.pairs);
+            place_links(&made, &mut keys);
+            tree.root =
+                Some(top.fold(&roots, &mut |nodes| Node::join([nodes[0], nodes[1]], &mut tree.pairs)));
+        }
+        order.keys = keys;
+        watch.lap("auxiliary tree");
+        (nodes, blocks)
+    }
+}
+
+/// What a treelet has made, its number of references, and the place of its nodes and blocks.
+type Made = ((AboveClusters, usize), Offset);
+
+/// Appends the pairs above the leaves of all treelets; returns the roots of the treelets.
+fn append_above(made: &[Made], pairs: &mut Vec<[Node; 2]>) -> Vec<Node> {
+    let own: usize = made.iter().map(|((above, _), _)| above.pairs.len()).sum();
+    // One more for each treelet but one joins them.
+    huge_pages::reserve(pairs, own + made.len(), "the auxiliary tree");
+    let roots = made.iter().map(|((above, _), _)| {
+        let first = pairs.len() as u32;
+        pairs.extend(above.pairs.iter().map(|pair| pair.map(|node| node.moved(first))));
+        above.root.moved(first)
+    });
+    roots.collect()
+}
+
+/// Makes the links in the first keys of leaves, which are relative to a treelet, those of the whole.
+fn place_links(made: &[Made], mut keys: &mut [MortonKey]) {
+    let mut treelets = Vec::with_capacity(made.len());
+    let mut first = 0;
+    for ((above, len), offset) in made {
+        let own = keys.split_off_mut(..*len).expect("each key is in a treelet");
+        treelets.push((above, first, own, *offset));
+        first += len;
+    }
+    parallel::for_each(treelets, |(above, first, keys, [nodes, blocks])| {
+        let lone = [above.root];
+        let leaves = above.pairs.iter().flatten().chain(&lone).filter(|node| node.is_finished());
+        for leaf in leaves {
+            let key = &mut keys[leaf.run().start - first];
+            let link = Link::from_bits(code(*key)).moved(nodes, blocks);
+            *key = key_of(link.bits(), reference(*key));
+        }
+    });
+}

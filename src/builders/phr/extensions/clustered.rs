@@ -1,0 +1,138 @@
+//! PHR over finished clusters: an LBVH is widened below clusters of some hundred triangles, and cuts of what is above
+//! them are split and refined. That takes little longer than the LBVH alone, which is worst at the top.
+
+use crate::builders::api::builder::{Build, Builder, Stopwatch};
+use crate::builders::api::config_error::{ConfigError, check};
+use crate::builders::lbvh::config::{AuxiliaryConfig, Clusters};
+use crate::builders::lbvh::direct::clusters::ClusterTreelets;
+use crate::builders::phr::config::{Extensions, PhrConfig};
+use crate::builders::phr::memory::CutMemory;
+use crate::builders::phr::pipeline::begin;
+use crate::builders::prims::geometry::Geometry;
+use crate::builders::wide::build;
+use crate::bvh::limits::BLOCK;
+use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
+use crate::simd::Isa;
+
+/// Parameters of [`ClusteredPhr`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ClusteredPhrConfig {
+    /// As [`PhrConfig::alpha`].
+    pub alpha: f32,
+    /// As [`PhrConfig::delta`].
+    pub delta: f32,
+    /// Nodes of the initial cut, as far as there are enough.
+    pub max_cut: usize,
+    /// Which subtrees of the LBVH are not opened: most triangles, and the largest area of their box. An area of zero
+    /// leaves the single blocks.
+    pub clusters: Clusters,
+}
+
+impl ClusteredPhrConfig {
+    /// That of `phr-instant`.
+    pub const INSTANT: Self =
+        Self { alpha: 0.45, delta: 5.0, max_cut: 2048, clusters: Clusters { most: 512, area: 3e-3 } };
+
+    /// The parameters that the recursion shares with PHR; without spatial splits, which would open clusters.
+    ///
+    /// # Errors
+    /// A parameter out of range.
+    pub(crate) fn cuts(&self) -> Result<PhrConfig, ConfigError> {
+        let Self { alpha, delta, max_cut, clusters } = *self;
+        check("max_cut", max_cut, 1..=1 << 24)?;
+        let speed = PhrConfig::SPEED.extensions;
+        let calibration = speed.auxiliary.calibration;
+        let auxiliary_leaf = Some(BLOCK);
+        let cuts = PhrConfig {
+            alpha,
+            delta,
+            max_cut,
+            spatial_threshold: f32::INFINITY,
+            max_leaf: BLOCK,
+            max_references: 1.0,
+            extensions: Extensions {
+                auxiliary: AuxiliaryConfig {
+                    auxiliary_leaf,
+                    clusters: Some(clusters),
+                    calibration,
+                    ..AuxiliaryConfig::PAPER
+                },
+                // Always `max_cut` nodes.
+                cut_share: Some(1.0),
+                local_threshold: speed.local_threshold,
+                ..Extensions::NONE
+            },
+        };
+        cuts.check()?;
+        Ok(cuts)
+    }
+}
+
+/// Builds trees of nodes of up to `N` children by PHR over finished clusters; memory is kept between builds.
+///
+/// ```
+/// use phr::builders::{Builder as _, ClusteredPhr, ClusteredPhrConfig};
+///
+/// let mesh = phr::scene::scalable(20_000, 1).mesh;
+/// let mut builder = ClusteredPhr::<8>::new("phr-instant", ClusteredPhrConfig::INSTANT)?;
+/// let build = builder.build(&mesh);
+/// assert_eq!(build.tree.validate(&mesh), Ok(()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct ClusteredPhr<const N: usize, B: LeafBlock = TriangleBlock, I = [u32; 4]> {
+    name: &'static str,
+    config: ClusteredPhrConfig,
+    cuts: PhrConfig,
+    treelets: ClusterTreelets<N, I>,
+    memory: CutMemory<N, B>,
+    isa: Isa,
+}
+
+impl<const N: usize, B: LeafBlock, I: Copy + Default + Send> ClusteredPhr<N, B, I> {
+    /// A builder called `name` in records.
+    ///
+    /// # Errors
+    /// A parameter out of range.
+    pub fn new(name: &'static str, config: ClusteredPhrConfig) -> Result<Self, ConfigError> {
+        Self::with_isa(name, config, Isa::best())
+    }
+
+    /// A builder with the given instructions.
+    pub(crate) fn with_isa(
+        name: &'static str,
+        config: ClusteredPhrConfig,
+        isa: Isa,
+    ) -> Result<Self, ConfigError> {
+        let (treelets, memory) = (ClusterTreelets::default(), CutMemory::default());
+        Ok(Self { name, config, cuts: config.cuts()?, treelets, memory, isa })
+    }
+}
+
+impl<const N: usize, G: Geometry> Builder<N, G> for ClusteredPhr<N, G::Block, G::Item> {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    #[cfg(feature = "serde")]
+    fn config(&self) -> serde_json::Value {
+        serde_json::json!(self.config)
+    }
+
+    fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
+        let Self { cuts, treelets, memory: CutMemory { auxiliary, recursion: memory }, isa, .. } = self;
+        let mut watch = Stopwatch::start();
+        // Sort, auxiliary tree, clusters.
+        let config = &cuts.extensions.auxiliary;
+        let clusters = treelets.build(auxiliary, geometry, config, memory, (*isa, &mut watch));
+        // Initial cut, recursion, the wide nodes above.
+        let (recursion, cut) = begin(auxiliary, geometry, cuts, *isa);
+        let tree = build::build_over(&recursion, cut, geometry, memory, clusters);
+        watch.lap("cuts and nodes");
+        self.memory.finish(tree, watch)
+    }
+
+    fn recycle(&mut self, tree: WideBvh<N, G::Block>) {
+        self.memory.recursion.recycle(tree);
+    }
+}
