@@ -75,8 +75,8 @@ impl Link {
         self.0 & Self::LEAF_BIT == 0
     }
 
-    /// The same reference, of an inner node or of a leaf of one block, where it stays: [`Link::moved`] makes it a link like
-    /// others, to the same place. Nothing else may be asked of it before.
+    /// The same reference, of an inner node or of a leaf of one block, where it stays: [`Link::moved`] makes it a link
+    /// like others, to the same place. Nothing else may be asked of it before.
     #[inline]
     #[must_use]
     pub(crate) fn placed(self) -> Self {

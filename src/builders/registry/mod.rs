@@ -215,8 +215,8 @@ pub enum CutConfig {
     Hunt(HuntConfig),
 }
 
-/// The cuts of the builder called `name`, before its tree is optimised where it is; `None` of builders without cuts, and
-/// of cuts over finished clusters.
+/// The cuts of the builder called `name`, before its tree is optimised where it is; `None` of builders without cuts,
+/// and of cuts over finished clusters.
 pub fn cuts_of(name: &str) -> Option<CutConfig> {
     match config(name)?.1 {
         Config::Phr(config) => Some(CutConfig::Phr(config)),

@@ -34,8 +34,8 @@ pub(crate) struct ClusterTreelet<I, const N: usize> {
 }
 
 impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
-    /// Builds the tree over the keys of a treelet, whole primitives of `geometry`. The code in the first key of each leaf
-    /// gives way to its link, relative to `wide`.
+    /// Builds the tree over the keys of a treelet, whole primitives of `geometry`. The code in the first key of each
+    /// leaf gives way to its link, relative to `wide`.
     pub fn build<G: Geometry<Item = I>>(
         &mut self,
         isa: Isa,

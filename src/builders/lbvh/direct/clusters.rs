@@ -30,9 +30,9 @@ impl<const N: usize, I: Default> Default for ClusterTreelets<N, I> {
 }
 
 impl<const N: usize, I: Copy + Default + Send> ClusterTreelets<N, I> {
-    /// Builds the LBVH of `geometry` in `auxiliary`, and the nodes and blocks of its leaves. In the first key of each leaf
-    /// the code has given way to its link ([`link`](crate::builders::phr::clip::RefOrder::link)). The configuration
-    /// has neither presplit needles nor a bucket sort.
+    /// Builds the LBVH of `geometry` in `auxiliary`, and the nodes and blocks of its leaves. In the first key of each
+    /// leaf the code has given way to its link ([`link`](crate::builders::phr::clip::RefOrder::link)). The
+    /// configuration has neither presplit needles nor a bucket sort.
     pub fn build<G: Geometry<Item = I, Block: LeafBlock + Vectors>, S: Default>(
         &mut self,
         auxiliary: &mut Auxiliary,

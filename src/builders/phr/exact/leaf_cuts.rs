@@ -18,12 +18,13 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         // Clipped references are seen otherwise by leaves, and where parts of a triangle meet they count once for the
         // cheapest wide tree.
         let may_repeat = !self.order.refs.fragments.is_empty();
+        let is_treated_otherwise = P::SEES
+            || self.has_finished_leaves
+            || may_repeat && self.config.extensions.collapse.is_some()
+            || self.splits_down_small_cuts();
         cut.count == cut.len
-            && !P::SEES
-            && !self.has_finished_leaves
-            && !(may_repeat && self.config.extensions.collapse.is_some())
+            && !is_treated_otherwise
             && cut.level == CutLevel::Subtrees
-            && !self.splits_down_small_cuts()
             && (FEWEST..=SUBTREE_MOST).contains(&(cut.len as usize))
             && cut.depth < self.cut_depth
             && is_inside(cut.bounds, &cut.clip)
