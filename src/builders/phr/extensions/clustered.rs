@@ -83,7 +83,6 @@ impl ClusteredPhrConfig {
 pub struct ClusteredPhr<const N: usize, B: LeafBlock = TriangleBlock, I = [u32; 4]> {
     name: &'static str,
     config: ClusteredPhrConfig,
-    cuts: PhrConfig,
     treelets: ClusterTreelets<N, I>,
     memory: CutMemory<N, B>,
     isa: Isa,
@@ -104,8 +103,9 @@ impl<const N: usize, B: LeafBlock, I: Copy + Default + Send> ClusteredPhr<N, B, 
         config: ClusteredPhrConfig,
         isa: Isa,
     ) -> Result<Self, ConfigError> {
+        config.cuts()?;
         let (treelets, memory) = (ClusterTreelets::default(), CutMemory::default());
-        Ok(Self { name, config, cuts: config.cuts()?, treelets, memory, isa })
+        Ok(Self { name, config, treelets, memory, isa })
     }
 }
 
@@ -120,7 +120,8 @@ impl<const N: usize, G: Geometry> Builder<N, G> for ClusteredPhr<N, G::Block, G:
     }
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
-        let Self { cuts, treelets, memory: CutMemory { auxiliary, recursion: memory }, isa, .. } = self;
+        let Self { config, treelets, memory: CutMemory { auxiliary, recursion: memory }, isa, .. } = self;
+        let cuts = &config.cuts().expect("in range, as was seen when the builder was made");
         let mut watch = Stopwatch::start();
         // Sort, auxiliary tree, clusters.
         let config = &cuts.extensions.auxiliary;
