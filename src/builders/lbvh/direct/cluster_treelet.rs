@@ -27,9 +27,8 @@ pub(crate) struct AboveClusters {
 pub(crate) struct ClusterTreelet<I, const N: usize> {
     direct: DirectTreelet<I, N>,
     subtrees: Subtrees,
-    /// The pairs of the largest clusters, and where each begins.
+    /// The pairs of the largest clusters.
     clusters: Vec<u32>,
-    begins: Vec<u32>,
     copied_keys: Vec<MortonKey>,
 }
 
@@ -44,14 +43,13 @@ impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
         rule: LeafRule,
         wide: &mut WideTreelet<N, G::Block>,
     ) -> AboveClusters {
-        let Self { direct, subtrees, clusters, begins, copied_keys } = self;
+        let Self { direct, subtrees, clusters, copied_keys } = self;
         direct.make_leaves(isa, geometry, keys, depth, &mut wide.blocks);
         let DirectTreelet { deltas, equal_codes, leaves, slots, widen, .. } = direct;
         equal_codes.reorder(keys, copied_keys);
         widen.pairs.clear();
         subtrees.of_leaves(leaves);
         clusters.clear();
-        begins.clear();
         let mut pairs = Vec::with_capacity(leaves.len() / 4);
         let mut close = |slot: &Slot, subtrees: &Subtrees| {
             let Subtree { begin, count, .. } = subtrees.of(slot);
@@ -62,7 +60,6 @@ impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
                 put_link(&mut keys[begin as usize], Link::leaf(slot.index(), 1));
             } else {
                 clusters.push(slot.index() as u32);
-                begins.push(begin);
             }
             Node::finished(slot.bounds(), first + begin as usize, count)
         };
@@ -95,7 +92,8 @@ impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
                 || widen.write_below(clusters, nodes),
             );
         }
-        for (&pair, &begin) in clusters.iter().zip(&*begins) {
+        for &pair in &*clusters {
+            let begin = subtrees.of_pair(pair as usize).begin;
             put_link(&mut keys[begin as usize], Link::inner(widen.number(pair as usize) as usize));
         }
         AboveClusters { root, pairs }
@@ -140,5 +138,9 @@ impl Subtrees {
     #[inline(always)]
     fn of(&self, slot: &Slot) -> Subtree {
         self.all[slot.index() + if slot.is_leaf() { 0 } else { self.leaves }]
+    }
+
+    fn of_pair(&self, pair: usize) -> Subtree {
+        self.all[self.leaves + pair]
     }
 }
