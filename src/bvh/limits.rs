@@ -46,7 +46,7 @@ pub(crate) const CUT_DEPTH: u32 = 50;
 pub(crate) const CLUSTER_CUT_DEPTH: u32 = 32;
 
 /// Most inner levels of a finished cluster.
-pub(crate) const FINISHED_LEVELS: u32 = 22;
+pub(crate) const FINISHED_LEVELS: u32 = 20;
 
 /// From this depth on, subtrees of [`SUBTREE_MOST`] references or fewer are halved by count; it counts from the
 /// root of the subtree, which lies above [`CUT_DEPTH`].
@@ -88,10 +88,10 @@ pub(crate) const fn followed_levels(depth: u32, references: usize) -> u32 {
 const _: () = assert!(MAX_REFERENCES <= MAX_BLOCKS);
 /// Trees of refined cuts.
 const _: () = assert!(CUT_DEPTH + halvings(MAX_REFERENCES) <= MAX_DEPTH as u32);
-/// Trees of refined cuts over finished clusters, of which there are no more than triangles: cuts are halved down to one
+/// Trees of refined cuts over finished clusters, of which there are no more than references: cuts are halved down to one
 /// of them.
 const _: () = assert!(
-    CLUSTER_CUT_DEPTH + halvings(Mesh::MAX_TRIANGLES * BLOCK as usize) + FINISHED_LEVELS <= MAX_DEPTH as u32
+    CLUSTER_CUT_DEPTH + halvings(MAX_REFERENCES * BLOCK as usize) + FINISHED_LEVELS <= MAX_DEPTH as u32
 );
 /// Trees of refined cuts whose lowest levels are built by one sweep.
 const _: () = assert!(CUT_DEPTH + SUBTREE_DEPTH + halvings(SUBTREE_MOST) <= MAX_DEPTH as u32);

@@ -143,9 +143,10 @@ fn builder<const N: usize>(random: &mut SplitMix64) -> Result<Box<dyn Builder<N>
                 alpha: float(random, &[0.45, 0.0, 3.0]),
                 delta: float(random, &[5.0, 0.0, 20.0]),
                 max_cut: one(random, &[2048, 1, 50, 0]),
+                spatial_threshold: float(random, &[3e-2, 1e-6, 0.0, 1.0]),
                 clusters: Clusters {
                     most: one(random, &[512, 1, 32, 4096, 0, 4097]),
-                    area: float(random, &[3e-3, 1.0, 0.0]),
+                    area: float(random, &[1e-2, 1.0, 0.0]),
                 },
             },
         )?),

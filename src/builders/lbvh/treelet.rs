@@ -30,6 +30,13 @@ impl LeafRule {
         count <= self.always || self.is_cluster(count, bounds)
     }
 
+    /// Whether a box fits into a cube of the area: what lies in it, does too.
+    #[inline]
+    pub fn is_compact(self, bounds: Aabb) -> bool {
+        let edge = bounds.extent().max_element();
+        3.0 * edge * edge <= self.area
+    }
+
     /// Whether `count` references in a box are a cluster; they are more than always are a leaf.
     #[inline]
     fn is_cluster(self, count: u32, bounds: Aabb) -> bool {

@@ -77,16 +77,18 @@ impl Tree {
         Self::node(left.clone().clustered(most, area), right.clone().clustered(most, area))
     }
 
-    /// The tree whose leaves, and largest subtrees of at most `most` references, half `area` and so many levels, are
+    /// The tree whose largest subtrees of at most `most` references and so many levels, in a cube of half `area`, are
     /// finished.
     pub fn finished(self: Rc<Self>, most: u32, area: f32) -> Rc<Self> {
-        let is_cluster =
-            self.count <= most && self.bounds.half_area() <= area && self.levels() <= FINISHED_LEVELS;
+        let edge = self.bounds.extent().max_element();
+        if self.count <= most && 3.0 * edge * edge <= area && self.levels() <= FINISHED_LEVELS {
+            return Rc::new(Self { content: Content::Finished(self.clone()), ..*self });
+        }
         match &self.content {
-            Content::Node([left, right]) if !is_cluster => {
+            Content::Node([left, right]) => {
                 Self::node(left.clone().finished(most, area), right.clone().finished(most, area))
             }
-            _ => Rc::new(Self { content: Content::Finished(self.clone()), ..*self }),
+            _ => self,
         }
     }
 

@@ -30,7 +30,7 @@ pub fn clustered_phr(mesh: &Mesh, config: &ClusteredPhrConfig, width: usize) -> 
     let config = config.cuts().unwrap();
     let Clusters { most, area } = config.extensions.auxiliary.clusters.unwrap();
     let (root, scale) = lbvh(mesh, &AuxiliaryConfig { clusters: None, ..config.extensions.auxiliary })?;
-    cuts(mesh, &root.finished(most, area * scale), scale, &config, (width, CLUSTER_CUT_DEPTH))
+    cuts(mesh, &root.finished(most.max(4), area * scale), scale, &config, (width, CLUSTER_CUT_DEPTH))
 }
 
 /// The tree from cuts of an auxiliary tree.

@@ -87,11 +87,22 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
 const HUNT: [HuntConfig; 2] =
     [HuntConfig { cut_length: 50, max_leaf: 8 }, HuntConfig { cut_length: 7, max_leaf: 12 }];
 
-/// The preset, small clusters, and blocks alone.
-const CLUSTERED: [ClusteredPhrConfig; 3] = [
+/// Spatial splits of all nodes, among clusters that reach far beyond the planes.
+const FAR_BEYOND: ClusteredPhrConfig = ClusteredPhrConfig {
+    alpha: 0.5,
+    delta: 7.0,
+    max_cut: 2048,
+    spatial_threshold: 0.0,
+    clusters: Clusters { most: 40, area: 0.3 },
+};
+
+/// The preset; that; shorter cuts of small clusters; nearly nothing finished; no spatial splits.
+const CLUSTERED: [ClusteredPhrConfig; 5] = [
     ClusteredPhrConfig::INSTANT,
-    ClusteredPhrConfig { alpha: 0.5, delta: 7.0, max_cut: 64, clusters: Clusters { most: 40, area: 3e-2 } },
+    FAR_BEYOND,
+    ClusteredPhrConfig { max_cut: 64, clusters: Clusters { most: 40, area: 1e-3 }, ..FAR_BEYOND },
     ClusteredPhrConfig { clusters: Clusters { most: 4, area: 0.0 }, ..ClusteredPhrConfig::INSTANT },
+    ClusteredPhrConfig { spatial_threshold: f32::INFINITY, ..ClusteredPhrConfig::INSTANT },
 ];
 
 /// The default, one whose tasks reach far into others, and the least.

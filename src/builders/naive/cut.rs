@@ -56,7 +56,7 @@ impl Cut {
     pub fn kind(&self) -> Kind {
         match &self.members[..] {
             [lone] if lone.finished().is_some() => return Kind::Leaf,
-            [first, _, ..] if first.finished().is_some() => return Kind::Inner,
+            members if members.iter().any(|member| member.finished().is_some()) => return Kind::Inner,
             _ => {}
         }
         match self.count() {

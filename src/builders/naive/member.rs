@@ -44,7 +44,7 @@ impl Member {
         children.into_iter().filter_map(|child| child.clipped(parent, clip)).collect()
     }
 
-    /// The part inside `clip`. A box that only touches a plane from one side is on that side alone. One that lies
+    /// The part inside `clip`. Finished leaves are not cut, but are inside if their centroid is. A box that only touches a plane from one side is on that side alone. One that lies
     /// in it is on the left, unless its parent began at the plane, so that nothing of it came to the left.
     fn clipped(self, parent: Aabb, clip: &Aabb) -> Option<Self> {
         let b = self.bounds;
@@ -56,6 +56,15 @@ impl Member {
             if b.min[axis] >= right_plane && b.max[axis] > right_plane {
                 return None;
             }
+            let center2 = b.min[axis] + b.max[axis];
+            let is_out = b.min[axis] < left_plane && center2 <= 2.0 * left_plane
+                || b.max[axis] > right_plane && center2 > 2.0 * right_plane;
+            if self.finished().is_some() && is_out {
+                return None;
+            }
+        }
+        if self.finished().is_some() {
+            return Some(self);
         }
         Some(Self { bounds: b.intersection(*clip), ..self })
     }

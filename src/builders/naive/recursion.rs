@@ -123,7 +123,7 @@ impl Naive<'_> {
         let mut clips = [cut.clip; 2];
         let sides = match self.find(&cut) {
             Split::Spatial(plane) => {
-                clips = plane.cut(cut.clip).map(|clip| clip.expect("the plane lies inside"));
+                clips = plane.sides(cut.clip);
                 let mut sides = [vec![], vec![]];
                 for member in &cut.members {
                     let parts = self.parts(member, plane);
@@ -142,8 +142,8 @@ impl Naive<'_> {
                 [left.to_vec(), right.to_vec()]
             }
         };
-        let is_finished = cut.members[0].finished().is_some();
-        if part.kind() != Kind::SoftLeaf && !is_finished && self.leaf_is_cheaper(&cut, &sides) {
+        let has_finished = cut.members.iter().any(|member| member.finished().is_some());
+        if part.kind() != Kind::SoftLeaf && !has_finished && self.leaf_is_cheaper(&cut, &sides) {
             return vec![Cut { is_soft: true, ..cut }];
         }
         let references: u32 = sides.iter().flatten().map(|member| member.tree.count).sum();
@@ -236,7 +236,11 @@ impl Naive<'_> {
             let growth = references as f32 / cut.count() as f32;
             let is_preferred = cost < object_cost
                 || cost * growth < object_cost * self.extensions().spatial_bias.unwrap_or(1.0);
-            if is_preferred && references <= u64::from(cut.capacity) {
+            let both =
+                |side: usize| cut.members.iter().any(|member| self.parts(member, plane)[side].is_some());
+            // Finished leaves, which are not cut, may all be on one side.
+            let splits = both(0) && both(1) || cut.members.iter().all(|member| member.finished().is_none());
+            if is_preferred && splits && references <= u64::from(cut.capacity) {
                 return Split::Spatial(plane);
             }
         }
@@ -246,6 +250,10 @@ impl Naive<'_> {
     /// What of a member's box is on both sides of a plane; of a single triangle perhaps the boxes of its parts.
     fn parts(&self, member: &Member, plane: Plane) -> [Option<Aabb>; 2] {
         let parts = plane.cut(member.bounds);
+        if member.finished().is_some() && parts.iter().all(Option::is_some) {
+            let is_right = member.bounds.center2()[plane.axis] > 2.0 * plane.at;
+            return [(!is_right).then_some(member.bounds), is_right.then_some(member.bounds)];
+        }
         if let ([Some(_), Some(_)], true, Content::Leaf(references)) =
             (parts, self.extensions().clip_triangles, &member.tree.content)
             && let [reference] = references[..]

@@ -59,12 +59,18 @@ pub struct Plane {
 }
 
 impl Plane {
+    /// Both sides of a box, either of which may be empty.
+    pub fn sides(&self, bounds: Aabb) -> [Aabb; 2] {
+        let (mut left, mut right) = (bounds, bounds);
+        left.max[self.axis] = bounds.max[self.axis].min(self.at);
+        right.min[self.axis] = bounds.min[self.axis].max(self.at);
+        [left, right]
+    }
+
     /// The parts of a box on both sides. What lies in the plane is on the left.
     pub fn cut(&self, bounds: Aabb) -> [Option<Aabb>; 2] {
         let (min, max) = (bounds.min[self.axis], bounds.max[self.axis]);
-        let (mut left, mut right) = (bounds, bounds);
-        left.max[self.axis] = max.min(self.at);
-        right.min[self.axis] = min.max(self.at);
+        let [left, right] = self.sides(bounds);
         [(min < self.at || max <= self.at).then_some(left), (max > self.at).then_some(right)]
     }
 }

@@ -1,5 +1,6 @@
 //! Clipping of cuts by the planes of spatial splits (paper 4.4): which child of an opened node belongs to which side of
-//! a plane. The node of the cut that a plane cuts is clipped in [`super::split`] (`parts`).
+//! a plane. The node of the cut that a plane cuts is clipped in [`super::split`] (`pieces`). Finished leaves are never
+//! cut: they are on the side of their centroid.
 
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
@@ -20,6 +21,7 @@ struct Clipper<'a> {
 }
 
 impl Clipper<'_> {
+    /// The part of a box that reaches into the clip box.
     #[inline]
     fn clip(&self, b: Aabb) -> Option<Aabb> {
         let clip = self.clip;
@@ -28,6 +30,14 @@ impl Clipper<'_> {
         // Left of a split plane (clip.max): a box that begins there and goes on is on the right.
         let right_of = b.min.cmpge(clip.max) & b.max.cmpgt(clip.max);
         (!(left_of | right_of).any()).then(|| b.intersection(*clip))
+    }
+
+    /// Whether a box that is not cut belongs into the clip box: its centroid tells on which side of a plane it is.
+    fn keeps_whole(&self, b: Aabb) -> bool {
+        let Self { clip, .. } = self;
+        let left_of = b.min.cmplt(clip.min) & b.center2().cmple(2.0 * clip.min);
+        let right_of = b.max.cmpgt(clip.max) & b.center2().cmpgt(2.0 * clip.max);
+        !(left_of | right_of).any() && self.clip(b).is_some()
     }
 }
 
@@ -55,7 +65,11 @@ pub(crate) fn open(tree: &BinaryTree, node: &Node, clip: &Aabb, mut take: impl F
     }
     let clipper = Clipper { clip, parent: children[0].bounds().union(children[1].bounds()) };
     for child in children {
-        if let Some(bounds) = clipper.clip(child.bounds()) {
+        if child.is_finished() {
+            if clipper.keeps_whole(child.bounds()) {
+                take(*child);
+            }
+        } else if let Some(bounds) = clipper.clip(child.bounds()) {
             take(child.with_bounds(bounds));
         }
     }

@@ -33,7 +33,7 @@ pub struct PhrConfig {
 
 /// Reads a number that may be infinite, of which JSON makes `null`.
 #[cfg(feature = "serde")]
-fn or_infinite<'de, D: serde::Deserializer<'de>>(json: D) -> Result<f32, D::Error> {
+pub(super) fn or_infinite<'de, D: serde::Deserializer<'de>>(json: D) -> Result<f32, D::Error> {
     let number: Option<f32> = serde::Deserialize::deserialize(json)?;
     Ok(number.unwrap_or(f32::INFINITY))
 }

@@ -3,6 +3,7 @@
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::Node;
 use crate::builders::binary::subtrees::Subtrees;
+use crate::bvh::limits::BLOCK;
 use crate::geometry::Aabb;
 use crate::memory::huge_pages;
 use glam::Vec3A;
@@ -89,7 +90,7 @@ impl<'a> CutBuilder<'a> {
         let kind = match &self.arena[self.first..] {
             [lone] => Kind::of_lone(lone),
             // Finished leaves are not merged to one.
-            [first, ..] if first.is_finished() => Kind::Inner,
+            nodes if self.count <= BLOCK && nodes.iter().any(Node::is_finished) => Kind::Inner,
             _ => Kind::of_count(self.count),
         };
         Cut {

@@ -42,13 +42,9 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         // Partition: the nodes to the left and to the right, clipped by the plane of a spatial split.
         sides.iter_mut().for_each(Side::clear);
         let mut clips = [cut.clip; 2];
+        let spatial = spatial.filter(|split| self.partition(nodes, split, sides));
         if let Some(split) = spatial {
             counts.spatial_splits += 1;
-            for node in nodes {
-                for (side, piece) in sides.iter_mut().zip(self.pieces(node, &split)) {
-                    piece.into_iter().for_each(|piece| side.push(piece));
-                }
-            }
             clips = [split.left_of(cut.clip), split.right_of(cut.clip)];
         } else if object.left > 0 {
             Side::partition(sides, nodes, object.members(nodes));
@@ -168,9 +164,27 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         (is_preferred && references <= u64::from(cut.capacity)).then_some(split)
     }
 
+    /// Puts the pieces of nodes on the sides of a spatial split. False, and nothing on either, if all are on one: finished
+    /// leaves, which are not cut, may reach beyond the plane.
+    fn partition(&self, nodes: &[Node], split: &SpatialSplit, sides: &mut [Side; 2]) -> bool {
+        for node in nodes {
+            for (side, piece) in sides.iter_mut().zip(self.pieces(node, split)) {
+                piece.into_iter().for_each(|piece| side.push(piece));
+            }
+        }
+        let is_split = !self.has_finished_leaves || sides.iter().all(|side| side.count > 0);
+        if !is_split {
+            sides.iter_mut().for_each(Side::clear);
+        }
+        is_split
+    }
+
     /// The pieces of a node on both sides of a spatial split.
     fn pieces(&self, node: &Node, split: &SpatialSplit) -> [Option<Node>; 2] {
         let bounds = node.bounds();
+        if node.is_finished() {
+            return split.sides_of_whole(bounds).map(|is_there| is_there.then_some(*node));
+        }
         let sides = [split.on_left(bounds), split.on_right(bounds)];
         let clips_primitive = self.config.extensions.clip_triangles && node.is_leaf() && node.count() == 1;
         let pieces = if clips_primitive && sides == [true; 2] {

@@ -19,6 +19,7 @@ pub(crate) struct Slot(TaggedBox);
 impl Slot {
     const LEAF: u32 = 1 << 31;
     const CLOSED: u32 = Self::LEAF | 1;
+    const OPEN: u32 = Self::LEAF | 2;
 
     /// An unused slot.
     pub const NONE: Self = Self(TaggedBox::empty([u32::MAX, Self::LEAF]));
@@ -43,6 +44,12 @@ impl Slot {
         Self(TaggedBox::new(bounds, [pair as u32, Self::CLOSED]))
     }
 
+    /// A leaf without a block that is no part of a wide node, the given one of those.
+    #[inline]
+    pub fn open(bounds: Aabb, number: usize) -> Self {
+        Self(TaggedBox::new(bounds, [number as u32, Self::OPEN]))
+    }
+
     /// Whether it is the leaf of a block.
     #[inline(always)]
     pub fn is_leaf(&self) -> bool {
@@ -55,16 +62,16 @@ impl Slot {
         self.0.second() == Self::CLOSED
     }
 
-    /// The index of the pair of children, or of the block.
+    /// Whether it is a leaf without a block.
+    #[inline(always)]
+    pub fn is_open(&self) -> bool {
+        self.0.second() == Self::OPEN
+    }
+
+    /// The index of the pair of children, of the block, or of the leaf without one.
     #[inline(always)]
     pub fn index(&self) -> usize {
         (self.link() & !Self::LEAF) as usize
-    }
-
-    /// Half the area of the box of a parent that may be a part of a wide node.
-    #[inline(always)]
-    pub fn half_area(&self) -> f32 {
-        f32::from_bits(self.0.second())
     }
 
     /// The box.

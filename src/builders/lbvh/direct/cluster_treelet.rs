@@ -1,5 +1,5 @@
 //! One treelet of an auxiliary BVH with finished leaves. As [`super::treelet`], but only subtrees that are clusters are
-//! widened; what is above them becomes pairs of the auxiliary BVH.
+//! widened; what is above them becomes pairs of the auxiliary BVH, and leaves that are not compact remain leaves of it.
 
 use super::treelet::DirectTreelet;
 use crate::builders::binary::node::Node;
@@ -12,6 +12,7 @@ use crate::builders::wide::branchless::Slot;
 use crate::builders::wide::treelet::WideTreelet;
 use crate::bvh::Link;
 use crate::bvh::limits::FINISHED_LEVELS;
+use crate::geometry::Aabb;
 use crate::simd::Isa;
 
 /// The auxiliary BVH of a treelet.
@@ -44,17 +45,21 @@ impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
         wide: &mut WideTreelet<N, G::Block>,
     ) -> AboveClusters {
         let Self { direct, subtrees, clusters, copied_keys } = self;
-        direct.make_leaves(isa, geometry, keys, depth, &mut wide.blocks);
+        let is_compact = |bounds: Aabb| rule.is_compact(bounds);
+        direct.make_leaves(isa, geometry, (keys, depth), is_compact, &mut wide.blocks);
         let DirectTreelet { deltas, equal_codes, leaves, slots, widen, .. } = direct;
         equal_codes.reorder(keys, copied_keys);
         widen.pairs.clear();
-        subtrees.of_leaves(leaves);
+        subtrees.of_leaves(slots, leaves);
         clusters.clear();
         let mut pairs = Vec::with_capacity(leaves.len() / 4);
         let mut close = |slot: &Slot, subtrees: &Subtrees| {
             let Subtree { begin, count, .. } = subtrees.of(slot);
             if slot.is_closed() {
                 return Node::of_pair(slot.bounds(), begin as usize, count);
+            }
+            if slot.is_open() {
+                return Node::leaf(slot.bounds(), first + begin as usize, count);
             }
             if slot.is_leaf() {
                 put_link(&mut keys[begin as usize], Link::leaf(slot.index(), 1));
@@ -72,7 +77,7 @@ impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
             let levels = left.levels.max(right.levels) + 1;
             // One branch: that a subtree is a cluster is foreseen near the leaves, but not by which of the limits.
             let is_cluster =
-                (count <= rule.most) & (parent.half_area() <= rule.area) & (levels <= FINISHED_LEVELS);
+                (count <= rule.most) & rule.is_compact(parent.bounds()) & (levels <= FINISHED_LEVELS);
             widen.pairs.push(children);
             if is_cluster {
                 subtrees.push(Subtree { begin: left.begin, count, levels });
@@ -115,19 +120,25 @@ struct Subtree {
     levels: u32,
 }
 
-/// Leaves, and then pairs in order.
+/// Leaves with a block, and then pairs in order.
 #[derive(Default)]
 struct Subtrees {
     all: Vec<Subtree>,
     leaves: usize,
+    /// Leaves without a block.
+    open: Vec<Subtree>,
 }
 
 impl Subtrees {
     /// Begins with the leaves, given by where each begins and the last one ends.
-    fn of_leaves(&mut self, leaves: &[u32]) {
-        self.all.clear();
-        let subtree = |leaf: &[u32]| Subtree { begin: leaf[0], count: leaf[1] - leaf[0], levels: 0 };
-        self.all.extend(leaves.windows(2).map(subtree));
+    fn of_leaves(&mut self, slots: &[Slot], leaves: &[u32]) {
+        let Self { all, open, .. } = self;
+        all.clear();
+        open.clear();
+        for (slot, leaf) in slots.iter().zip(leaves.windows(2)) {
+            let subtree = Subtree { begin: leaf[0], count: leaf[1] - leaf[0], levels: 0 };
+            if slot.is_open() { open.push(subtree) } else { all.push(subtree) }
+        }
         self.leaves = self.all.len();
     }
 
@@ -137,6 +148,9 @@ impl Subtrees {
 
     #[inline(always)]
     fn of(&self, slot: &Slot) -> Subtree {
+        if slot.is_open() {
+            return self.open[slot.index()];
+        }
         self.all[slot.index() + if slot.is_leaf() { 0 } else { self.leaves }]
     }
 

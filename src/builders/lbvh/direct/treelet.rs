@@ -10,6 +10,7 @@ use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::branchless::{Slot, Widen};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
 use crate::bvh::limits::BLOCK;
+use crate::geometry::Aabb;
 use crate::simd::Isa;
 
 /// Memory of a task that builds one treelet.
@@ -38,7 +39,7 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
         depth: u32,
         treelet: &mut WideTreelet<N, G::Block>,
     ) -> Subtree {
-        self.make_leaves(isa, geometry, keys, depth, &mut treelet.blocks);
+        self.make_leaves(isa, geometry, (keys, depth), |_| true, &mut treelet.blocks);
         let Self { deltas, leaves, slots, widen, .. } = self;
         widen.pairs.clear();
         let leaves = slots.iter().zip(&*leaves).map(|(&slot, &begin)| (slot, deltas.before(begin as usize)));
@@ -54,13 +55,13 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
         Some((root.bounds(), link))
     }
 
-    /// Makes the leaves over `keys`, likewise, and their blocks.
+    /// Makes the leaves over `keys`, likewise, and the blocks of those whose box `has_block`; no other block is there yet.
     pub fn make_leaves<G: Geometry<Item = I>>(
         &mut self,
         isa: Isa,
         geometry: &G,
-        keys: &[MortonKey],
-        depth: u32,
+        (keys, depth): (&[MortonKey], u32),
+        has_block: impl Fn(Aabb) -> bool,
         blocks: &mut Vec<G::Block>,
     ) {
         let Self { items, copied_items, deltas, equal_codes, leaves, slots, .. } = self;
@@ -76,37 +77,41 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
         deltas.leaves(BLOCK, leaves);
         isa.run(
             #[inline(always)]
-            || emit_leaves(geometry, items, leaves, slots, blocks),
+            || emit_leaves(geometry, items, leaves, has_block, (slots, blocks)),
         );
     }
 }
 
-/// Makes leaf blocks and slots of the primitives between `leaves`.
+/// Makes slots of the primitives between `leaves`, and leaf blocks of those whose box `has_block`.
 #[inline(always)]
 fn emit_leaves<G: Geometry>(
     geometry: &G,
     items: &[G::Item],
     leaves: &[u32],
-    slots: &mut Vec<Slot>,
-    blocks: &mut Vec<G::Block>,
+    has_block: impl Fn(Aabb) -> bool,
+    (slots, blocks): (&mut Vec<Slot>, &mut Vec<G::Block>),
 ) {
     slots.clear();
     slots.reserve(leaves.len());
     blocks.reserve(leaves.len());
-    for (number, leaf) in leaves.windows(2).enumerate() {
+    for leaf in leaves.windows(2) {
         let [begin, end] = [leaf[0] as usize, leaf[1] as usize];
         // Some may be fetched twice: a branch on the number of primitives could not be predicted.
         let at = |i: usize| &items[(begin + i).min(end - 1)];
         let (bounds, block) = geometry.block_of_items(end - begin, [at(0), at(1), at(2), at(3)]);
-        slots.push(Slot::leaf(bounds, number));
-        blocks.push(block);
+        if has_block(bounds) {
+            slots.push(Slot::leaf(bounds, blocks.len()));
+            blocks.push(block);
+        } else {
+            slots.push(Slot::open(bounds, slots.len() - blocks.len()));
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Aabb, Mesh};
+    use crate::geometry::Mesh;
 
     #[test]
     fn leaves_are_the_same_with_any_instructions() {
@@ -119,12 +124,12 @@ mod tests {
         let leaves = [0, 1, 3, 6, 10, 14, 17, 20, 24, 25, 29, 32, 36, 40];
         let [mut slots, mut expected_slots] = [Vec::new(), Vec::new()];
         let [mut made, mut expected] = [Vec::new(), Vec::new()];
-        emit_leaves(&mesh, &triangles, &leaves, &mut expected_slots, &mut expected);
+        emit_leaves(&mesh, &triangles, &leaves, |_| true, (&mut expected_slots, &mut expected));
         for isa in Isa::available() {
             made.clear();
             isa.run(
                 #[inline(always)]
-                || emit_leaves(&mesh, &triangles, &leaves, &mut slots, &mut made),
+                || emit_leaves(&mesh, &triangles, &leaves, |_| true, (&mut slots, &mut made)),
             );
             assert_eq!(format!("{slots:?}{made:?}"), format!("{expected_slots:?}{expected:?}"), "{isa:?}");
         }

@@ -1,10 +1,12 @@
-//! PHR over finished clusters: an LBVH is widened below clusters of some hundred triangles, and cuts of what is above
-//! them are split and refined. That takes little longer than the LBVH alone, which is worst at the top.
+//! PHR over finished clusters: an LBVH is widened below compact clusters of some hundred triangles, and cuts of what is
+//! above them are split and refined. That takes little longer than the LBVH alone, which is worst at the top.
 
 use crate::builders::api::builder::{Build, Builder, Stopwatch};
 use crate::builders::api::config_error::{ConfigError, check};
 use crate::builders::lbvh::config::{AuxiliaryConfig, Clusters};
 use crate::builders::lbvh::direct::clusters::ClusterTreelets;
+#[cfg(feature = "serde")]
+use crate::builders::phr::config::or_infinite;
 use crate::builders::phr::config::{Extensions, PhrConfig};
 use crate::builders::phr::memory::CutMemory;
 use crate::builders::phr::pipeline::begin;
@@ -24,22 +26,31 @@ pub struct ClusteredPhrConfig {
     pub delta: f32,
     /// Nodes of the initial cut, as far as there are enough.
     pub max_cut: usize,
-    /// Which subtrees of the LBVH are not opened: most triangles, and the largest area of their box. An area of zero
-    /// leaves the single blocks.
+    /// As [`PhrConfig::spatial_threshold`], relative to the calibrated scale. No plane cuts a cluster: it is on the side of
+    /// its centroid.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "or_infinite"))]
+    pub spatial_threshold: f32,
+    /// Which subtrees of the LBVH are not opened: of at most so many triangles, and in a cube of at most this area. It is
+    /// the longest edge that counts, as a long cluster would reach far beyond the planes of spatial splits.
     pub clusters: Clusters,
 }
 
 impl ClusteredPhrConfig {
     /// That of `phr-instant`.
-    pub const INSTANT: Self =
-        Self { alpha: 0.45, delta: 5.0, max_cut: 2048, clusters: Clusters { most: 512, area: 3e-3 } };
+    pub const INSTANT: Self = Self {
+        alpha: 0.45,
+        delta: 5.0,
+        max_cut: 2048,
+        spatial_threshold: 3e-2,
+        clusters: Clusters { most: 512, area: 1e-2 },
+    };
 
-    /// The parameters that the recursion shares with PHR; without spatial splits, which would open clusters.
+    /// The parameters that the recursion shares with PHR.
     ///
     /// # Errors
     /// A parameter out of range.
     pub(crate) fn cuts(&self) -> Result<PhrConfig, ConfigError> {
-        let Self { alpha, delta, max_cut, clusters } = *self;
+        let Self { alpha, delta, max_cut, spatial_threshold, clusters } = *self;
         check("max_cut", max_cut, 1..=1 << 24)?;
         let speed = PhrConfig::SPEED.extensions;
         let calibration = speed.auxiliary.calibration;
@@ -48,9 +59,9 @@ impl ClusteredPhrConfig {
             alpha,
             delta,
             max_cut,
-            spatial_threshold: f32::INFINITY,
+            spatial_threshold,
             max_leaf: BLOCK,
-            max_references: 1.0,
+            max_references: PhrConfig::FAST.max_references,
             extensions: Extensions {
                 auxiliary: AuxiliaryConfig {
                     auxiliary_leaf,

@@ -30,6 +30,18 @@ impl SpatialSplit {
         bounds.max[self.axis] > self.plane
     }
 
+    /// The sides on which a box is that is not cut: that of its centroid.
+    #[inline]
+    pub fn sides_of_whole(&self, bounds: Aabb) -> [bool; 2] {
+        match [self.on_left(bounds), self.on_right(bounds)] {
+            [true, true] => {
+                let is_right = bounds.center2()[self.axis] > 2.0 * self.plane;
+                [!is_right, is_right]
+            }
+            sides => sides,
+        }
+    }
+
     /// The part of a box on the left.
     #[inline]
     pub fn left_of(&self, bounds: Aabb) -> Aabb {
