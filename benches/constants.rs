@@ -7,8 +7,8 @@
 #![allow(missing_docs)] // a program
 
 use phr::builders::{
-    Builder, Clusters, CollapseCosts, Extensions, LocalThreshold, OptimisedPhr, OptimisedPhrConfig, Phr,
-    PhrConfig, PresplitConfig,
+    Builder, ClusteredPhr, ClusteredPhrConfig, Clusters, CollapseCosts, Extensions, LocalThreshold,
+    OptimisedPhr, OptimisedPhrConfig, Phr, PhrConfig, PresplitConfig,
 };
 use phr::bvh::WideBvh;
 use phr::geometry::{Mesh, Ray};
@@ -17,67 +17,92 @@ use phr::trace::{BvhTracer, PathSettings, RayKind, record};
 use std::path::Path;
 use std::time::Instant;
 
-/// A preset; one that does not optimise leaves that part of the configuration alone.
+/// The configuration of a preset.
+trait Preset: Copy {
+    fn builder<const N: usize>(&self, name: &'static str) -> Box<dyn Builder<N>>;
+}
+
+impl Preset for ClusteredPhrConfig {
+    fn builder<const N: usize>(&self, name: &'static str) -> Box<dyn Builder<N>> {
+        Box::new(ClusteredPhr::<N>::new(name, *self).expect("in range"))
+    }
+}
+
+/// One that does not optimise leaves that part of the configuration alone.
 #[derive(Clone, Copy)]
-struct Preset {
-    name: &'static str,
+struct Cuts {
     config: OptimisedPhrConfig,
     is_optimised: bool,
 }
 
-impl Preset {
-    fn builder<const N: usize>(&self) -> Box<dyn Builder<N>> {
+impl Cuts {
+    fn of(phr: PhrConfig) -> Self {
+        Self { config: OptimisedPhrConfig { phr, ..OptimisedPhrConfig::DEFAULT }, is_optimised: false }
+    }
+}
+
+impl Preset for Cuts {
+    fn builder<const N: usize>(&self, name: &'static str) -> Box<dyn Builder<N>> {
         if self.is_optimised {
-            Box::new(OptimisedPhr::<N>::new(self.name, self.config).expect("in range"))
+            Box::new(OptimisedPhr::<N>::new(name, self.config).expect("in range"))
         } else {
-            Box::new(Phr::<N>::new(self.name, self.config.phr).expect("in range"))
+            Box::new(Phr::<N>::new(name, self.config.phr).expect("in range"))
         }
     }
 }
 
 /// A constant of a preset: its name, neighbouring values, and how it is set.
-type Constant = (&'static str, &'static [f64], fn(&mut OptimisedPhrConfig, f32));
+type Constant<P> = (&'static str, &'static [f64], fn(&mut P, f32));
 
-fn extensions(config: &mut OptimisedPhrConfig) -> &mut Extensions {
-    &mut config.phr.extensions
+const INSTANT: [Constant<ClusteredPhrConfig>; 6] = [
+    ("alpha", &[0.4, 0.5], |c, v| c.alpha = v),
+    ("delta", &[4.0, 6.0], |c, v| c.delta = v),
+    ("max_cut", &[1024.0, 4096.0], |c, v| c.max_cut = v as usize),
+    ("spatial_threshold", &[1.5e-2, 6e-2], |c, v| c.spatial_threshold = v),
+    ("clusters.most", &[256.0, 1024.0], |c, v| c.clusters.most = v as u32),
+    ("clusters.area", &[5e-3, 2e-2], |c, v| c.clusters.area = v),
+];
+
+fn extensions(preset: &mut Cuts) -> &mut Extensions {
+    &mut preset.config.phr.extensions
 }
 
-fn clusters(config: &mut OptimisedPhrConfig) -> &mut Clusters {
-    extensions(config).auxiliary.clusters.as_mut().expect("a preset with clusters")
+fn clusters(preset: &mut Cuts) -> &mut Clusters {
+    extensions(preset).auxiliary.clusters.as_mut().expect("a preset with clusters")
 }
 
-fn local(config: &mut OptimisedPhrConfig) -> &mut LocalThreshold {
-    extensions(config).local_threshold.as_mut().expect("a preset with a local threshold")
+fn local(preset: &mut Cuts) -> &mut LocalThreshold {
+    extensions(preset).local_threshold.as_mut().expect("a preset with a local threshold")
 }
 
-fn presplit(config: &mut OptimisedPhrConfig) -> &mut PresplitConfig {
-    extensions(config).auxiliary.presplit.as_mut().expect("a preset that presplits")
+fn presplit(preset: &mut Cuts) -> &mut PresplitConfig {
+    extensions(preset).auxiliary.presplit.as_mut().expect("a preset that presplits")
 }
 
 /// The costs of the treelets' collapse, or of the optimised tree's.
-fn costs(config: &mut OptimisedPhrConfig) -> &mut CollapseCosts {
-    match &mut config.phr.extensions.collapse {
+fn costs(preset: &mut Cuts) -> &mut CollapseCosts {
+    match &mut preset.config.phr.extensions.collapse {
         Some(costs) => costs,
-        None => &mut config.optimise.costs,
+        None => &mut preset.config.optimise.costs,
     }
 }
 
-const COSTS: [Constant; 3] = [
+const COSTS: [Constant<Cuts>; 3] = [
     ("collapse.leaf", &[0.25, 1.0], |c, v| costs(c).leaf = v),
     ("collapse.block", &[0.175, 0.7], |c, v| costs(c).block = v),
     ("collapse.max_leaf", &[8.0, 28.0], |c, v| costs(c).max_leaf = v as u32),
 ];
 
 /// The length of the initial cut, whatever share of the triangles it is.
-fn max_cut(config: &mut OptimisedPhrConfig, most: f32) {
-    config.phr.max_cut = most as usize;
-    extensions(config).cut_share = Some(1.0 / 32.0);
+fn max_cut(preset: &mut Cuts, most: f32) {
+    preset.config.phr.max_cut = most as usize;
+    extensions(preset).cut_share = Some(1.0 / 32.0);
 }
 
-const TURBO: [Constant; 8] = [
-    ("alpha", &[0.4, 0.5], |c, v| c.phr.alpha = v),
-    ("delta", &[4.0, 6.0], |c, v| c.phr.delta = v),
-    ("spatial_threshold", &[1.5e-2, 6e-2], |c, v| c.phr.spatial_threshold = v),
+const TURBO: [Constant<Cuts>; 8] = [
+    ("alpha", &[0.4, 0.5], |c, v| c.config.phr.alpha = v),
+    ("delta", &[4.0, 6.0], |c, v| c.config.phr.delta = v),
+    ("spatial_threshold", &[1.5e-2, 6e-2], |c, v| c.config.phr.spatial_threshold = v),
     ("max_cut", &[1024.0, 4096.0], max_cut),
     ("auxiliary_leaf", &[1.0, 2.0], |c, v| extensions(c).auxiliary.auxiliary_leaf = Some(v as u32)),
     ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
@@ -85,8 +110,8 @@ const TURBO: [Constant; 8] = [
     ("own_threshold.area", &[1.0 / 512.0, 1.0 / 128.0], |c, v| local(c).area = v),
 ];
 
-const SPEED: [Constant; 13] = [
-    ("spatial_threshold", &[5e-3, 2e-2], |c, v| c.phr.spatial_threshold = v),
+const SPEED: [Constant<Cuts>; 13] = [
+    ("spatial_threshold", &[5e-3, 2e-2], |c, v| c.config.phr.spatial_threshold = v),
     ("max_cut", &[1024.0, 4096.0], max_cut),
     ("auxiliary_leaf", &[1.0, 2.0], |c, v| extensions(c).auxiliary.auxiliary_leaf = Some(v as u32)),
     ("clusters.most", &[16.0, 64.0], |c, v| clusters(c).most = v as u32),
@@ -101,9 +126,9 @@ const SPEED: [Constant; 13] = [
     ("presplit.max_extra", &[0.125, 0.5], |c, v| presplit(c).max_extra = v),
 ];
 
-const QUALITY: [Constant; 9] = [
-    ("delta", &[4.0, 6.0], |c, v| c.phr.delta = v),
-    ("spatial_threshold", &[1.5e-4, 6e-4], |c, v| c.phr.spatial_threshold = v),
+const QUALITY: [Constant<Cuts>; 9] = [
+    ("delta", &[4.0, 6.0], |c, v| c.config.phr.delta = v),
+    ("spatial_threshold", &[1.5e-4, 6e-4], |c, v| c.config.phr.spatial_threshold = v),
     ("cut_share", &[1.0 / 64.0, 1.0 / 16.0], |c, v| extensions(c).cut_share = Some(v)),
     ("clusters.area", &[5e-5, 2e-4], |c, v| clusters(c).area = v),
     ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
@@ -113,14 +138,14 @@ const QUALITY: [Constant; 9] = [
     ("subtree_sweep", &[32.0, 128.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
 ];
 
-const BEST: [Constant; 7] = [
-    ("alpha", &[0.5, 0.6], |c, v| c.phr.alpha = v),
-    ("delta", &[7.0, 9.0], |c, v| c.phr.delta = v),
+const BEST: [Constant<Cuts>; 7] = [
+    ("alpha", &[0.5, 0.6], |c, v| c.config.phr.alpha = v),
+    ("delta", &[7.0, 9.0], |c, v| c.config.phr.delta = v),
     ("cut_share", &[1.0 / 64.0, 1.0 / 16.0], |c, v| extensions(c).cut_share = Some(v)),
     ("own_threshold.references", &[8192.0, 32768.0], |c, v| local(c).references = v as u32),
     ("own_threshold.area", &[1.0 / 2048.0, 1.0 / 512.0], |c, v| local(c).area = v),
-    ("rounds", &[2.0, 8.0], |c, v| c.optimise.rounds = v as u32),
-    ("share", &[0.05, 0.2], |c, v| c.optimise.share = v),
+    ("rounds", &[2.0, 8.0], |c, v| c.config.optimise.rounds = v as u32),
+    ("share", &[0.05, 0.2], |c, v| c.config.optimise.share = v),
 ];
 
 /// What is exact of a tree: SAH cost, references per triangle, node visits and block tests per ray.
@@ -155,21 +180,20 @@ fn build<const N: usize>(
 }
 
 /// Prints a line for each value of the constants. Returns how many.
-fn compare<const N: usize>(
-    scene: &Scene,
-    rays: &[(RayKind, Vec<Ray>)],
-    preset: Preset,
-    constants: &[Constant],
+fn compare<const N: usize, P: Preset>(
+    (scene, rays): (&Scene, &[(RayKind, Vec<Ray>)]),
+    (name, preset): (&'static str, P),
+    constants: &[Constant<P>],
     rounds: usize,
 ) -> usize {
-    let mut base = preset.builder::<N>();
+    let mut base = preset.builder::<N>(name);
     let (_, exact) = build(&mut *base, &scene.mesh, Some(rays));
     let of_base = exact.expect("asked for");
     for (constant, values, set) in constants {
         for &value in *values {
-            let mut config = preset.config;
-            set(&mut config, value as f32);
-            let mut variant = Preset { config, ..preset }.builder::<N>();
+            let mut variant = preset;
+            set(&mut variant, value as f32);
+            let mut variant = variant.builder::<N>(name);
             let (_, exact) = build(&mut *variant, &scene.mesh, Some(rays));
             let (mut least, mut least_of_base) = (f64::INFINITY, f64::INFINITY);
             for _ in 0..rounds {
@@ -180,7 +204,7 @@ fn compare<const N: usize>(
             let ratios =
                 std::array::from_fn::<_, 4, _>(|i| format!("{:.4}", exact[i] / of_base[i])).join(",");
             let build = if rounds == 0 { String::new() } else { format!("{:.3}", least / least_of_base) };
-            println!("{},{},{N},{constant},{value},{ratios},{build}", scene.name, preset.name);
+            println!("{},{name},{N},{constant},{value},{ratios},{build}", scene.name);
         }
     }
     constants.iter().map(|(_, values, _)| values.len()).sum()
@@ -192,13 +216,14 @@ fn main() {
     let rounds = options.iter().find_map(|option| option.strip_prefix("--rounds="));
     let rounds = rounds.map_or(3, |rounds| rounds.parse().expect("--rounds=N"));
     let only = options.iter().find_map(|option| option.strip_prefix("--only="));
-    let of = |phr| OptimisedPhrConfig { phr, ..OptimisedPhrConfig::DEFAULT };
+    let best = Cuts { config: OptimisedPhrConfig::DEFAULT, is_optimised: true };
     let presets = [
-        ("phr-turbo", of(PhrConfig::TURBO), false, &TURBO[..], &[][..]),
-        ("phr-speed", of(PhrConfig::SPEED), false, &SPEED, &COSTS),
-        ("phr-quality", of(PhrConfig::QUALITY), false, &QUALITY, &[]),
-        ("phr-best", OptimisedPhrConfig::DEFAULT, true, &BEST, &COSTS),
+        ("phr-turbo", Cuts::of(PhrConfig::TURBO), &TURBO[..], &[][..]),
+        ("phr-speed", Cuts::of(PhrConfig::SPEED), &SPEED, &COSTS),
+        ("phr-quality", Cuts::of(PhrConfig::QUALITY), &QUALITY, &[]),
+        ("phr-best", best, &BEST, &COSTS),
     ];
+    let is_asked = |preset: &str| only.is_none_or(|only| only == preset);
     println!("scene,preset,width,constant,value,sah,refs_per_tri,node_visits,block_tests,build");
     let mut lines = 0;
     for name in names {
@@ -215,12 +240,16 @@ fn main() {
                 RayKind::ALL.map(|kind| (kind, batches.get(kind).to_vec()))
             })
             .collect();
-        for (name, config, is_optimised, constants, costs) in presets {
-            if only.is_none_or(|only| only == name) {
-                let preset = Preset { name, config, is_optimised };
-                lines += compare::<4>(&scene, &rays, preset, constants, rounds);
-                lines += compare::<4>(&scene, &rays, preset, costs, rounds);
-                lines += compare::<8>(&scene, &rays, preset, costs, rounds);
+        let of_scene = (&scene, &rays[..]);
+        if is_asked("phr-instant") {
+            let preset = ("phr-instant", ClusteredPhrConfig::INSTANT);
+            lines += compare::<4, _>(of_scene, preset, &INSTANT, rounds);
+        }
+        for (name, preset, constants, costs) in presets {
+            if is_asked(name) {
+                lines += compare::<4, _>(of_scene, (name, preset), constants, rounds);
+                lines += compare::<4, _>(of_scene, (name, preset), costs, rounds);
+                lines += compare::<8, _>(of_scene, (name, preset), costs, rounds);
             }
         }
     }
