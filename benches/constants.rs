@@ -1,8 +1,8 @@
 //! What neighbours of the constants that were chosen by looking at scenes give: a line of CSV for each constant,
-//! value and scene, and a last one with their number. `cargo bench --bench constants -- [--rounds=N] [--only=PRESET] SCENE...`, generators' names or
-//! files; costs and counts are exact, build times are the least of N rounds (3) in which the preset and its variant
-//! take turns, none with `--rounds=0`. Trees are 4-wide; the costs of a collapse are those of a width, and looked
-//! at for 8-wide trees too.
+//! value and scene, and a last one with their number. `cargo bench --bench constants -- [--rounds=N]
+//! [--only=PRESET] SCENE...`, generators' names or files; costs and counts are exact, build times are the least of
+//! N rounds (3) in which the preset and its variant take turns, none with `--rounds=0`. Trees are 4-wide; the costs
+//! of a collapse are those of a width, and looked at for 8-wide trees too.
 
 #![allow(missing_docs)] // a program
 

@@ -88,8 +88,8 @@ pub(crate) const fn followed_levels(depth: u32, references: usize) -> u32 {
 const _: () = assert!(MAX_REFERENCES <= MAX_BLOCKS);
 /// Trees of refined cuts.
 const _: () = assert!(CUT_DEPTH + halvings(MAX_REFERENCES) <= MAX_DEPTH as u32);
-/// Trees of refined cuts over finished clusters, of which there are no more than references: cuts are halved down to one
-/// of them.
+/// Trees of refined cuts over finished clusters, of which there are no more than references: cuts are halved down to
+/// one of them.
 const _: () = assert!(
     CLUSTER_CUT_DEPTH + halvings(MAX_REFERENCES * BLOCK as usize) + FINISHED_LEVELS <= MAX_DEPTH as u32
 );

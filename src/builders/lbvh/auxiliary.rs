@@ -28,7 +28,7 @@ pub(crate) struct Auxiliary {
     pub order: MortonOrder,
     /// The tree.
     pub tree: BinaryTree,
-    /// Whether its leaves are finished ([`super::direct::clusters`]).
+    /// Whether compact leaves are finished ([`super::direct::clusters`]).
     pub has_finished_leaves: bool,
     /// What thresholds of area are relative to.
     pub scale: AreaScale,

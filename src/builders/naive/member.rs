@@ -44,8 +44,9 @@ impl Member {
         children.into_iter().filter_map(|child| child.clipped(parent, clip)).collect()
     }
 
-    /// The part inside `clip`. Finished leaves are not cut, but are inside if their centroid is. A box that only touches a plane from one side is on that side alone. One that lies
-    /// in it is on the left, unless its parent began at the plane, so that nothing of it came to the left.
+    /// The part inside `clip`. A box that only touches a plane from one side is on that side alone. One that lies
+    /// in it is on the left, unless its parent began at the plane, so that nothing of it came to the left. Finished
+    /// leaves are not cut: they are where their centroid is.
     fn clipped(self, parent: Aabb, clip: &Aabb) -> Option<Self> {
         let b = self.bounds;
         for axis in 0..3 {

@@ -31,7 +31,7 @@ pub(crate) struct CutRecursion<'a, P, G = Mesh> {
     pub policy: P,
     /// Instructions to use.
     pub isa: Isa,
-    /// Whether the leaves of the auxiliary BVH are finished.
+    /// Whether the auxiliary BVH has finished leaves.
     pub has_finished_leaves: bool,
     /// From this depth on, cuts are halved by count.
     pub cut_depth: u32,

@@ -164,8 +164,8 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         (is_preferred && references <= u64::from(cut.capacity)).then_some(split)
     }
 
-    /// Puts the pieces of nodes on the sides of a spatial split. False, and nothing on either, if all are on one: finished
-    /// leaves, which are not cut, may reach beyond the plane.
+    /// Puts the pieces of nodes on the sides of a spatial split. False, and nothing on either, if all are on one:
+    /// finished leaves are not cut where they reach beyond the plane.
     fn partition(&self, nodes: &[Node], split: &SpatialSplit, sides: &mut [Side; 2]) -> bool {
         for node in nodes {
             for (side, piece) in sides.iter_mut().zip(self.pieces(node, split)) {

@@ -111,7 +111,7 @@ pub fn constants(folder: &Path) -> Result<String, String> {
     scenes.dedup();
     Ok(format!(
         "{}\nRelative to the preset: geometric means over {}. Costs and counts are exact, build times the least \
-         of three by turns. most visits: the scene whose node visits differ most.\n",
+         of three or more by turns. most visits: the scene whose node visits differ most.\n",
         grid.markdown(),
         scenes.join(", ")
     ))

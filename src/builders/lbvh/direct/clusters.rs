@@ -1,5 +1,5 @@
-//! An auxiliary BVH whose leaves are finished: the wide nodes and blocks of clusters are made with their treelet, while
-//! its primitives are in the cache, as the builder `lbvh` makes them. Cuts do not open them.
+//! An auxiliary BVH with finished leaves: wide nodes and blocks of compact clusters are made with their treelet, while
+//! its primitives are in the cache, as the builder `lbvh` makes them. Cuts do not open them, and no plane cuts them.
 
 use super::cluster_treelet::{AboveClusters, ClusterTreelet};
 use crate::builders::api::builder::Stopwatch;

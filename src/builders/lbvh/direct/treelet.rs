@@ -55,7 +55,7 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
         Some((root.bounds(), link))
     }
 
-    /// Makes the leaves over `keys`, likewise, and the blocks of those whose box `has_block`; no other block is there yet.
+    /// Makes the leaves over `keys`, likewise, and the blocks of those whose box `has_block`, the first of `blocks`.
     pub fn make_leaves<G: Geometry<Item = I>>(
         &mut self,
         isa: Isa,

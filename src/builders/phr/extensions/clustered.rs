@@ -26,12 +26,12 @@ pub struct ClusteredPhrConfig {
     pub delta: f32,
     /// Nodes of the initial cut, as far as there are enough.
     pub max_cut: usize,
-    /// As [`PhrConfig::spatial_threshold`], relative to the calibrated scale. No plane cuts a cluster: it is on the side of
-    /// its centroid.
+    /// As [`PhrConfig::spatial_threshold`], relative to the calibrated scale. No plane cuts a cluster: it is on the
+    /// side of its centroid.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "or_infinite"))]
     pub spatial_threshold: f32,
-    /// Which subtrees of the LBVH are not opened: of at most so many triangles, and in a cube of at most this area. It is
-    /// the longest edge that counts, as a long cluster would reach far beyond the planes of spatial splits.
+    /// Which subtrees of the LBVH are not opened: of at most so many triangles, and in a cube of at most this area. The
+    /// longest edge counts, as a long cluster would reach far beyond the planes of spatial splits.
     pub clusters: Clusters,
 }
 
