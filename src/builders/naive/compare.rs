@@ -2,7 +2,7 @@
 
 use super::builders::{clustered_phr, hunt, phr, wide_lbvh};
 use super::meshes::{
-    beads, clusters, coarse, concentric, geometric, grids, identical, needles, scaled, soup,
+    beads, clusters, coarse, concentric, geometric, grids, identical, needles, overhanging, scaled, soup,
 };
 use super::ploc::ploc;
 use super::wide::Wide;
@@ -96,10 +96,12 @@ const FAR_BEYOND: ClusteredPhrConfig = ClusteredPhrConfig {
     clusters: Clusters { most: 40, area: 0.3 },
 };
 
-/// The preset; that; shorter cuts of small clusters; nearly nothing finished; no spatial splits.
-const CLUSTERED: [ClusteredPhrConfig; 5] = [
+/// The preset; that; the same over single blocks; shorter cuts of small clusters; nearly nothing finished; no spatial
+/// splits.
+const CLUSTERED: [ClusteredPhrConfig; 6] = [
     ClusteredPhrConfig::INSTANT,
     FAR_BEYOND,
+    ClusteredPhrConfig { clusters: Clusters { most: 4, area: 2.0 }, ..FAR_BEYOND },
     ClusteredPhrConfig { max_cut: 64, clusters: Clusters { most: 40, area: 1e-3 }, ..FAR_BEYOND },
     ClusteredPhrConfig { clusters: Clusters { most: 4, area: 0.0 }, ..ClusteredPhrConfig::INSTANT },
     ClusteredPhrConfig { spatial_threshold: f32::INFINITY, ..ClusteredPhrConfig::INSTANT },
@@ -126,6 +128,7 @@ fn small_meshes() -> Vec<(String, Mesh)> {
         meshes.push((format!("soup of size {scale}"), scaled(500, scale, 5)));
     }
     meshes.push(("grids".to_owned(), grids(12)));
+    meshes.push(("overhanging".to_owned(), overhanging()));
     meshes
 }
 

@@ -84,6 +84,21 @@ pub fn concentric(n: usize) -> Mesh {
     })
 }
 
+/// Blocks side by side by their centroids, three of which reach far beyond the others at both ends: a plane there costs
+/// less than any object split, but has all centroids on one side.
+pub fn overhanging() -> Mesh {
+    mesh(96, 0, |i, _| {
+        let block = i / 4;
+        let reach = match block {
+            0 => 0.85,
+            8 | 23 => 0.9,
+            _ => 0.2,
+        };
+        let [min, max] = [-0.5, 0.5].map(|side| block as f32 * 1e-3 + side * reach);
+        [Vec3::new(min, 0.0, 0.0), Vec3::new(max, 1.0, 0.0), Vec3::new(min, 1.0, 1.0)]
+    })
+}
+
 /// Each a fraction of the one before: the deepest trees.
 pub fn geometric(n: usize) -> Mesh {
     mesh(n, 0, |i, _| {
