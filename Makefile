@@ -86,16 +86,14 @@ TARGETS = results/targets
 FULL = results/full
 REFERENCE = results/reference
 # Builders that have targets, and sizes over which they grow.
-TARGETED = lbvh|phr-fast|phr-hq|phr-instant|phr-turbo|phr-speed|phr-quality|phr-best|embree-[a-z-]+
+TARGETED = lbvh|phr-fast|phr-hq|phr-turbo|phr-speed|phr-quality|phr-best|embree-[a-z-]+
 GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
 # PHR-Fast with one extension each, and our presets without one each (`phr ablation`).
 ABLATED = phr-fast $(addprefix phr-fast-,bucket coarse clusters subtrees) \
-	phr-turbo $(addprefix phr-turbo-no-,auxiliary_leaf calibration cut_share local_threshold) \
-	phr-speed $(addprefix phr-speed-no-,auxiliary_leaf calibration clusters collapse cut_share local_threshold presplit \
-	spatial_bias subtree_sweep)
+	phr-speed $(addprefix phr-speed-no-,auxiliary_leaf calibration cut_share local_threshold presplit)
 ABLATED_QUALITY = phr-quality $(addprefix phr-quality-no-,calibration clip_triangles clusters collapse cut_share \
 	local_threshold presplit spatial_bias subtree_sweep)
-SCALED = lbvh phr-fast phr-hq phr-instant phr-turbo phr-speed phr-quality phr-best
+SCALED = lbvh phr-fast phr-hq phr-turbo phr-speed phr-quality phr-best
 # The paper's methods, and where its protocol is run.
 METHODS = embree-morton hunt-50 aac embree-sah hunt-500 embree-fast-spatial phr-fast phr-hq
 PAPER = results/paper-run

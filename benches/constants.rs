@@ -54,13 +54,13 @@ impl Preset for Cuts {
 /// A constant of a preset: its name, neighbouring values, and how it is set.
 type Constant<P> = (&'static str, &'static [f64], fn(&mut P, f32));
 
-const INSTANT: [Constant<ClusteredPhrConfig>; 6] = [
+const TURBO: [Constant<ClusteredPhrConfig>; 6] = [
     ("alpha", &[0.4, 0.5], |c, v| c.alpha = v),
     ("delta", &[4.0, 6.0], |c, v| c.delta = v),
     ("max_cut", &[1024.0, 4096.0], |c, v| c.max_cut = v as usize),
     ("spatial_threshold", &[1.5e-2, 6e-2], |c, v| c.spatial_threshold = v),
     ("clusters.most", &[256.0, 1024.0], |c, v| c.clusters.most = v as u32),
-    ("clusters.area", &[5e-3, 2e-2], |c, v| c.clusters.area = v),
+    ("clusters.area", &[2.5e-3, 1e-2], |c, v| c.clusters.area = v),
 ];
 
 fn extensions(preset: &mut Cuts) -> &mut Extensions {
@@ -99,7 +99,7 @@ fn max_cut(preset: &mut Cuts, most: f32) {
     extensions(preset).cut_share = Some(1.0 / 32.0);
 }
 
-const TURBO: [Constant<Cuts>; 8] = [
+const SPEED: [Constant<Cuts>; 11] = [
     ("alpha", &[0.4, 0.5], |c, v| c.config.phr.alpha = v),
     ("delta", &[4.0, 6.0], |c, v| c.config.phr.delta = v),
     ("spatial_threshold", &[1.5e-2, 6e-2], |c, v| c.config.phr.spatial_threshold = v),
@@ -108,40 +108,31 @@ const TURBO: [Constant<Cuts>; 8] = [
     ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
     ("own_threshold.references", &[16384.0, 65536.0], |c, v| local(c).references = v as u32),
     ("own_threshold.area", &[1.0 / 512.0, 1.0 / 128.0], |c, v| local(c).area = v),
-];
-
-const SPEED: [Constant<Cuts>; 13] = [
-    ("spatial_threshold", &[5e-3, 2e-2], |c, v| c.config.phr.spatial_threshold = v),
-    ("max_cut", &[1024.0, 4096.0], max_cut),
-    ("auxiliary_leaf", &[1.0, 2.0], |c, v| extensions(c).auxiliary.auxiliary_leaf = Some(v as u32)),
-    ("clusters.most", &[16.0, 64.0], |c, v| clusters(c).most = v as u32),
-    ("clusters.area", &[5e-4, 2e-3], |c, v| clusters(c).area = v),
-    ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
-    ("own_threshold.references", &[16384.0, 65536.0], |c, v| local(c).references = v as u32),
-    ("own_threshold.area", &[1.0 / 512.0, 1.0 / 128.0], |c, v| local(c).area = v),
-    ("spatial_bias", &[1.0, 1.14], |c, v| extensions(c).spatial_bias = Some(v)),
-    ("subtree_sweep", &[16.0, 64.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
     ("presplit.filled", &[0.075, 0.3], |c, v| presplit(c).filled = v),
     ("presplit.min_area", &[1.0 / 65536.0, 1.0 / 16384.0], |c, v| presplit(c).min_area = v),
     ("presplit.max_extra", &[0.125, 0.5], |c, v| presplit(c).max_extra = v),
 ];
 
 const QUALITY: [Constant<Cuts>; 9] = [
-    ("delta", &[4.0, 6.0], |c, v| c.config.phr.delta = v),
-    ("spatial_threshold", &[1.5e-4, 6e-4], |c, v| c.config.phr.spatial_threshold = v),
-    ("cut_share", &[1.0 / 64.0, 1.0 / 16.0], |c, v| extensions(c).cut_share = Some(v)),
+    ("spatial_threshold", &[5e-4, 2e-3], |c, v| c.config.phr.spatial_threshold = v),
+    ("max_cut", &[1024.0, 4096.0], max_cut),
+    ("clusters.most", &[16.0, 64.0], |c, v| clusters(c).most = v as u32),
     ("clusters.area", &[5e-5, 2e-4], |c, v| clusters(c).area = v),
     ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
-    ("own_threshold.references", &[32768.0, 131_072.0], |c, v| local(c).references = v as u32),
+    ("own_threshold.references", &[16384.0, 65536.0], |c, v| local(c).references = v as u32),
     ("own_threshold.area", &[1.0 / 512.0, 1.0 / 128.0], |c, v| local(c).area = v),
-    ("spatial_bias", &[1.0, 1.16], |c, v| extensions(c).spatial_bias = Some(v)),
-    ("subtree_sweep", &[32.0, 128.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
+    ("spatial_bias", &[1.0, 1.14], |c, v| extensions(c).spatial_bias = Some(v)),
+    ("subtree_sweep", &[16.0, 64.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
 ];
 
-const BEST: [Constant<Cuts>; 7] = [
+const BEST: [Constant<Cuts>; 11] = [
     ("alpha", &[0.5, 0.6], |c, v| c.config.phr.alpha = v),
     ("delta", &[7.0, 9.0], |c, v| c.config.phr.delta = v),
     ("cut_share", &[1.0 / 64.0, 1.0 / 16.0], |c, v| extensions(c).cut_share = Some(v)),
+    ("spatial_threshold", &[1.5e-4, 6e-4], |c, v| c.config.phr.spatial_threshold = v),
+    ("spatial_bias", &[1.0, 1.16], |c, v| extensions(c).spatial_bias = Some(v)),
+    ("subtree_sweep", &[32.0, 128.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
+    ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
     ("own_threshold.references", &[8192.0, 32768.0], |c, v| local(c).references = v as u32),
     ("own_threshold.area", &[1.0 / 2048.0, 1.0 / 512.0], |c, v| local(c).area = v),
     ("rounds", &[2.0, 8.0], |c, v| c.config.optimise.rounds = v as u32),
@@ -218,9 +209,8 @@ fn main() {
     let only = options.iter().find_map(|option| option.strip_prefix("--only="));
     let best = Cuts { config: OptimisedPhrConfig::DEFAULT, is_optimised: true };
     let presets = [
-        ("phr-turbo", Cuts::of(PhrConfig::TURBO), &TURBO[..], &[][..]),
-        ("phr-speed", Cuts::of(PhrConfig::SPEED), &SPEED, &COSTS),
-        ("phr-quality", Cuts::of(PhrConfig::QUALITY), &QUALITY, &[]),
+        ("phr-speed", Cuts::of(PhrConfig::SPEED), &SPEED[..], &[][..]),
+        ("phr-quality", Cuts::of(PhrConfig::QUALITY), &QUALITY, &COSTS),
         ("phr-best", best, &BEST, &COSTS),
     ];
     let is_asked = |preset: &str| only.is_none_or(|only| only == preset);
@@ -241,9 +231,9 @@ fn main() {
             })
             .collect();
         let of_scene = (&scene, &rays[..]);
-        if is_asked("phr-instant") {
-            let preset = ("phr-instant", ClusteredPhrConfig::INSTANT);
-            lines += compare::<4, _>(of_scene, preset, &INSTANT, rounds);
+        if is_asked("phr-turbo") {
+            let preset = ("phr-turbo", ClusteredPhrConfig::TURBO);
+            lines += compare::<4, _>(of_scene, preset, &TURBO, rounds);
         }
         for (name, preset, constants, costs) in presets {
             if is_asked(name) {

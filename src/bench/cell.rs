@@ -82,7 +82,7 @@ impl Cell {
 }
 
 /// The order of the table: the paper's, with our other builders beside their relatives.
-pub const ORDER: [&str; 15] = [
+pub const ORDER: [&str; 14] = [
     "lbvh",
     "embree-morton",
     "hunt-50",
@@ -93,7 +93,6 @@ pub const ORDER: [&str; 15] = [
     "embree-fast-spatial",
     "phr-fast",
     "phr-hq",
-    "phr-instant",
     "phr-turbo",
     "phr-speed",
     "phr-quality",

@@ -22,7 +22,7 @@ fn without_presplit(config: PhrConfig) -> PhrConfig {
 fn configs() -> Vec<PhrConfig> {
     let over_sah =
         PhrConfig { extensions: Extensions { auxiliary_tree: SAH, ..Extensions::NONE }, ..PhrConfig::FAST };
-    let own = [PhrConfig::FAST, PhrConfig::HQ, PhrConfig::TURBO, PhrConfig::SPEED, PhrConfig::QUALITY];
+    let own = [PhrConfig::FAST, PhrConfig::HQ, PhrConfig::SPEED, PhrConfig::QUALITY];
     own.into_iter().map(without_presplit).chain([over_sah]).collect()
 }
 

@@ -99,12 +99,12 @@ const FAR_BEYOND: ClusteredPhrConfig = ClusteredPhrConfig {
 /// The preset; that; the same over single blocks; shorter cuts of small clusters; nearly nothing finished; no spatial
 /// splits.
 const CLUSTERED: [ClusteredPhrConfig; 6] = [
-    ClusteredPhrConfig::INSTANT,
+    ClusteredPhrConfig::TURBO,
     FAR_BEYOND,
     ClusteredPhrConfig { clusters: Clusters { most: 4, area: 2.0 }, ..FAR_BEYOND },
     ClusteredPhrConfig { max_cut: 64, clusters: Clusters { most: 40, area: 1e-3 }, ..FAR_BEYOND },
-    ClusteredPhrConfig { clusters: Clusters { most: 4, area: 0.0 }, ..ClusteredPhrConfig::INSTANT },
-    ClusteredPhrConfig { spatial_threshold: f32::INFINITY, ..ClusteredPhrConfig::INSTANT },
+    ClusteredPhrConfig { clusters: Clusters { most: 4, area: 0.0 }, ..ClusteredPhrConfig::TURBO },
+    ClusteredPhrConfig { spatial_threshold: f32::INFINITY, ..ClusteredPhrConfig::TURBO },
 ];
 
 /// The default, one whose tasks reach far into others, and the least.

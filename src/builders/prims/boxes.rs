@@ -42,7 +42,7 @@ pub trait Primitives: Sync {
     fn bounds(&self, id: u32) -> Aabb;
 
     /// Whether primitives may be split where a builder splits space: `phr-quality` and `phr-best` by
-    /// [`Primitives::split`], `phr-turbo`, `phr-speed` and `phr-hq` at the plane alone. One that is split is in
+    /// [`Primitives::split`], the other presets and the paper's at the plane alone. One that is split is in
     /// several leaves, and may be tested more than once by a ray.
     fn splits(&self) -> bool {
         false

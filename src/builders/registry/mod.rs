@@ -33,16 +33,20 @@ pub(crate) enum Config {
 }
 
 impl OptimisedPhrConfig {
-    /// That of `phr-best`: the tree of [`PhrConfig::QUALITY`] from larger cuts of single triangles, optimised as a
-    /// whole.
+    /// That of `phr-best`: a tree from larger cuts of single triangles than those of [`PhrConfig::QUALITY`], with
+    /// spatial splits in smaller parts, optimised as a whole.
     pub const DEFAULT: Self = Self {
         phr: PhrConfig {
             alpha: 0.55,
             delta: 8.0,
             max_cut: 1 << 16,
+            spatial_threshold: 3e-4,
             extensions: Extensions {
                 auxiliary: AuxiliaryConfig { clusters: None, ..QUALITY.auxiliary },
+                cut_share: Some(1.0 / 32.0),
                 local_threshold: Some(LocalThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
+                spatial_bias: Some(1.08),
+                subtree_sweep: Some(64),
                 collapse: None,
                 ..QUALITY
             },
@@ -52,8 +56,8 @@ impl OptimisedPhrConfig {
     };
 }
 
-const SPEED: AuxiliaryConfig = PhrConfig::SPEED.extensions.auxiliary;
 const QUALITY: Extensions = PhrConfig::QUALITY.extensions;
+const BEST: Extensions = OptimisedPhrConfig::DEFAULT.phr.extensions;
 const NONE: Extensions = Extensions::NONE;
 
 /// PHR-Fast with one extension.
@@ -84,27 +88,26 @@ const REGISTRY: &[(&str, Config)] = &[
     ("ploc", Config::Ploc(PlocConfig::DEFAULT)),
     ("phr-fast", Config::Phr(PhrConfig::FAST)),
     ("phr-hq", Config::Phr(PhrConfig::HQ)),
-    ("phr-instant", Config::ClusteredPhr(ClusteredPhrConfig::INSTANT)),
-    ("phr-turbo", Config::Phr(PhrConfig::TURBO)),
+    ("phr-turbo", Config::ClusteredPhr(ClusteredPhrConfig::TURBO)),
     ("phr-speed", Config::Phr(PhrConfig::SPEED)),
     ("phr-quality", Config::Phr(PhrConfig::QUALITY)),
     ("phr-best", Config::OptimisedPhr(OptimisedPhrConfig::DEFAULT)),
     ("phr-fast-bucket", fast(auxiliary(AuxiliaryConfig { bucket_sort: true, ..PAPER }))),
     ("phr-fast-coarse", fast(COARSE)),
-    ("phr-fast-clusters", fast(auxiliary(AuxiliaryConfig { clusters: SPEED.clusters, ..PAPER }))),
-    ("phr-fast-subtrees", fast(Extensions { subtree_sweep: Some(32), ..NONE })),
+    ("phr-fast-clusters", fast(auxiliary(AuxiliaryConfig { clusters: QUALITY.auxiliary.clusters, ..PAPER }))),
+    ("phr-fast-subtrees", fast(Extensions { subtree_sweep: QUALITY.subtree_sweep, ..NONE })),
     ("phr-hq-coarse", hq(COARSE)),
     (
         "phr-hq-cut",
         Config::Phr(PhrConfig {
-            max_cut: PhrConfig::QUALITY.max_cut,
-            extensions: Extensions { cut_share: QUALITY.cut_share, ..NONE },
+            max_cut: 1 << 14,
+            extensions: Extensions { cut_share: BEST.cut_share, ..NONE },
             ..PhrConfig::HQ
         }),
     ),
     ("phr-hq-own", hq(Extensions { local_threshold: QUALITY.local_threshold, ..NONE })),
     ("phr-hq-bias", hq(Extensions { spatial_bias: QUALITY.spatial_bias, ..NONE })),
-    ("phr-hq-subtrees", hq(Extensions { subtree_sweep: Some(64), ..NONE })),
+    ("phr-hq-subtrees", hq(Extensions { subtree_sweep: QUALITY.subtree_sweep, ..NONE })),
     ("phr-hq-clip", hq(Extensions { clip_triangles: true, ..NONE })),
     ("phr-hq-presplit", hq(auxiliary(AuxiliaryConfig { presplit: Some(PresplitConfig::NEEDLES), ..PAPER }))),
     ("phr-hq-leaf-28", Config::Phr(PhrConfig { max_leaf: 28, ..PhrConfig::HQ })),
@@ -120,7 +123,7 @@ const REGISTRY: &[(&str, Config)] = &[
 ];
 
 /// Builders of a table.
-const IN_TABLES: usize = 12;
+const IN_TABLES: usize = 11;
 
 const ALL: [&str; REGISTRY.len()] = {
     let mut names = [""; REGISTRY.len()];
@@ -166,11 +169,8 @@ macro_rules! names {
 
 /// Names of our presets without one extension each: what the rest of the preset does not make up for. They are run on
 /// request.
-pub const WITHOUT: [&[&str]; 3] = [
-    names!("phr-turbo-no-": cut_share local_threshold auxiliary_leaf calibration;),
-    names!("phr-speed-no-":
-        cut_share local_threshold spatial_bias subtree_sweep collapse
-        auxiliary_leaf clusters calibration presplit;),
+pub const WITHOUT: [&[&str]; 2] = [
+    names!("phr-speed-no-": cut_share local_threshold auxiliary_leaf calibration presplit;),
     names!("phr-quality-no-":
         cut_share local_threshold spatial_bias clip_triangles subtree_sweep collapse
         clusters calibration presplit;),
@@ -240,7 +240,7 @@ mod tests {
             let preset = name.split_once("-no-").or_else(|| name.split_once("-aux-")).unwrap().0;
             assert_ne!(cuts_of(name), cuts_of(preset), "{name}");
         }
-        assert_eq!((NAMES.len(), ABLATION.len()), (12, 15));
+        assert_eq!((NAMES.len(), ABLATION.len()), (11, 15));
         assert!(by_name::<4>("phr").is_none());
     }
 }

@@ -127,7 +127,7 @@ mod tests {
         for (n, size) in [(3, 0.5), (600, 0.3), (5000, 0.05)] {
             let mesh = soup(n, size, n as u64);
             let over_cuts: Vec<&str> = NAMES.iter().copied().filter(|name| cuts_of(name).is_some()).collect();
-            assert_eq!(over_cuts.len(), 8);
+            assert_eq!(over_cuts.len(), 7);
             for name in over_cuts.into_iter().filter(|name| *name != "phr-best") {
                 let config = cuts_of(name).unwrap();
                 let seen = AtomicU64::new(0);

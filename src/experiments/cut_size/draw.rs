@@ -22,7 +22,6 @@ fn line(builder: &str) -> Line {
         "phr-hq" => ("#0072b2", 4.0, ""),
         "hunt-50" => ("#009e73", 2.0, DASHED),
         "hunt-500" => ("#000000", 2.0, DASHED),
-        "phr-turbo" => ("#e69f00", 2.0, DOTTED),
         "phr-speed" => ("#cc79a7", 2.0, MIXED),
         "phr-quality" => ("#56b4e9", 2.0, MIXED),
         _ => ("#7f7f7f", 2.0, DOTTED),

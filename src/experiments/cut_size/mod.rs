@@ -12,8 +12,8 @@ use crate::report::grid::{Grid, short};
 use crate::report::readme::findings::EVERY_SCENE;
 
 /// The builders shown.
-pub const BUILDERS: [&str; 8] =
-    ["phr-fast", "phr-hq", "hunt-50", "hunt-500", "phr-turbo", "phr-speed", "phr-quality", "phr-best"];
+pub const BUILDERS: [&str; 7] =
+    ["phr-fast", "phr-hq", "hunt-50", "hunt-500", "phr-speed", "phr-quality", "phr-best"];
 
 /// The cuts of a builder in a scene.
 struct Cuts {

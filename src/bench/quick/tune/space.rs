@@ -29,7 +29,7 @@ const ROUNDS: &str = "rounds";
 const WIDTHS: Parameter = parameter(WIDTH, Scale::OneOf(&[Some(4.0), Some(8.0)]));
 
 /// Of our presets, which lie in one space.
-const PRESETS: [&str; 4] = ["phr-quality", "phr-best", "phr-speed", "phr-turbo"];
+const PRESETS: [&str; 3] = ["phr-quality", "phr-best", "phr-speed"];
 const OF_PRESETS: [Parameter; 18] = [
     WIDTHS,
     parameter(ROUNDS, Scale::OneOf(&[None, Some(1.0), Some(2.0), Some(4.0), Some(8.0)])),
@@ -218,9 +218,8 @@ mod tests {
     #[test]
     fn the_points_of_presets_give_their_parameters() {
         for (preset, same) in [
-            ("phr-quality", &["max_cut", "delta", "subtree_sweep", "clip_triangles"][..]),
-            ("phr-speed", &["max_cut", "auxiliary_leaf", "own_threshold", "spatial_bias"]),
-            ("phr-turbo", &["delta", "clusters", "spatial_threshold", "cut_share"]),
+            ("phr-quality", &["max_cut", "delta", "subtree_sweep", "clip_triangles", "spatial_bias"][..]),
+            ("phr-speed", &["max_cut", "auxiliary_leaf", "own_threshold", "presplit"]),
             ("phr-best", &["max_cut", "alpha", "own_threshold", "presplit"]),
             ("phr-hq", &["alpha", "delta", "max_cut", "spatial_threshold", "max_references", "max_leaf"]),
             ("hunt-500", &["max_leaf"]),

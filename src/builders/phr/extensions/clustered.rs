@@ -36,13 +36,13 @@ pub struct ClusteredPhrConfig {
 }
 
 impl ClusteredPhrConfig {
-    /// That of `phr-instant`.
-    pub const INSTANT: Self = Self {
+    /// That of `phr-turbo`.
+    pub const TURBO: Self = Self {
         alpha: 0.45,
         delta: 5.0,
         max_cut: 2048,
         spatial_threshold: 3e-2,
-        clusters: Clusters { most: 512, area: 1e-2 },
+        clusters: Clusters { most: 512, area: 5e-3 },
     };
 
     /// The parameters that the recursion shares with PHR.
@@ -86,7 +86,7 @@ impl ClusteredPhrConfig {
 /// use phr::builders::{Builder as _, ClusteredPhr, ClusteredPhrConfig};
 ///
 /// let mesh = phr::scene::scalable(20_000, 1).mesh;
-/// let mut builder = ClusteredPhr::<8>::new("phr-instant", ClusteredPhrConfig::INSTANT)?;
+/// let mut builder = ClusteredPhr::<8>::new("phr-turbo", ClusteredPhrConfig::TURBO)?;
 /// let build = builder.build(&mesh);
 /// assert_eq!(build.tree.validate(&mesh), Ok(()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

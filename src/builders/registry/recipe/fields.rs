@@ -11,7 +11,7 @@ pub fn fields(config: &Config) -> Value {
 }
 
 /// The fields of a configuration with every extension on, which has all names that there are; what is off in the
-/// configuration has the value of `phr-quality` or, where that has none, of `phr-speed`.
+/// configuration has the value of `phr-quality`.
 pub fn with_everything_on(config: &Config) -> Value {
     let mut on = fields(config);
     let phr = match config {
@@ -21,7 +21,6 @@ pub fn with_everything_on(config: &Config) -> Value {
     };
     if let Some(phr) = phr {
         fill(phr, &fields(&Config::Phr(PhrConfig::QUALITY)));
-        fill(phr, &fields(&Config::Phr(PhrConfig::SPEED)));
     }
     on
 }
