@@ -25,15 +25,15 @@
 #                   trees that follow scenes that move, 100 frames each, 4-wide, into results/animation: a quarter of an hour on two cores
 # make bench-advice
 #                   what `phr advise` names for each of the files SCENES and the built-in scenes after half a minute, helped
-#                   by a model that has not seen the scene; judged by a longer run, to which the committed model is
-#                   fitted, into results/advice: two hours and a half on two cores
+#                   by a model that has not seen the scene; judged by a longer run, into results/advice: two hours and
+#                   a half on two cores
 # make bench-tune   what `phr tune` gains over phr-quality for 10^9 rays in the same scenes, two minutes each, into
 #                   results/tune: an hour
 # make bench-reference
-#                   the figures of README, RESULTS, METHODOLOGY and FINDINGS that come from the reference run, its
+#                   the figures of README, RESULTS and METHODOLOGY that come from the reference run, its
 #                   ablations, kernels and scaling, again: the runs of bench-builders into results/full, stopped and
-#                   resumed at will, reduced into results/reference and results/reference-ablation, tables, plots and pages
-#                   made from them; refuses to start on a busy machine. Left as they are: results/ndebug (make
+#                   resumed at will, reduced into results/reference and results/reference-ablation; tables, plots, pages
+#                   and the model of phr advise made from them; refuses to start on a busy machine. Left as they are: results/ndebug (make
 #                   embree-ndebug), constants (cargo bench --bench constants), advice (make bench-advice), tune (make
 #                   bench-tune), animation (make bench-animation), paper-protocol, saved and the other experiments, whose
 #                   commands stand beside their figures
@@ -190,7 +190,6 @@ bench-advice: packages
 			|| exit 1; \
 	done
 	./target/release/phr advise --judge results/advice --advice results/advice
-	./target/release/phr advise --fit results/advice --model src/report/advice/model/model.json
 
 bench-tune: packages
 	$(CARGO) build --release --bin phr
@@ -210,14 +209,12 @@ bench-reference: packages
 	./target/release/phr reduce $(FULL)-ablation $(REFERENCE)-ablation
 	./target/release/phr reduce $(FULL)-ablation-quality $(REFERENCE)-ablation-quality
 	$(MAKE) bench-kernel bench-scaling
+	./target/release/phr advise --fit $(REFERENCE) --model src/report/advice/model/model.json
 	./target/release/phr table $(REFERENCE) > $(REFERENCE)/table1.md
 	./target/release/phr plot $(REFERENCE)
 	./target/release/phr plot $(REFERENCE)/growth
 	./target/release/phr plot $(REFERENCE)/threads
-	for experiment in construction-speed trace-speed; do \
-		./target/release/phr experiment $$experiment --rows $(REFERENCE) || exit 1; \
-	done
-	./target/release/phr readme README.md RESULTS.md METHODOLOGY.md FINDINGS.md
+	./target/release/phr readme README.md RESULTS.md METHODOLOGY.md
 
 bench-paper: packages
 	$(CARGO) build --release --bin phr

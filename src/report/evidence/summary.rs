@@ -63,7 +63,7 @@ pub fn summary(
         let scenes = scenes(rows).len();
         let reused = if rows.iter().any(|row| row.regime == WARM) { ", our builds in reused memory and Embree's in new, which favours us" } else { "" };
         format!(
-            " Withheld: {scenes} other scenes, not seen by those who tuned, but for five in a probe for phr-turbo, on \
+            " Withheld: {scenes} other scenes, not seen by those who tuned, but for five in a probe for phr-speed, on \
              another machine, revision {revision}{reused}."
         )
     });

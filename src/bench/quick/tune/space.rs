@@ -1,6 +1,6 @@
-//! The parameters that are searched of a builder, the width among them. Our presets lie in one space: the paper's
-//! parameters, the extensions and the rounds of reinsertion. The paper's two lie in another, as do Hunt's two, AAC and
-//! PLOC. A point has one number per parameter, not a number where the parameter has no effect.
+//! The parameters that are searched of a builder, the width among them. Our presets over cuts lie in one space: the
+//! paper's parameters, the extensions and the rounds of reinsertion. The paper's two lie in another, as do Hunt's two,
+//! AAC and PLOC. A point has one number per parameter, not a number where the parameter has no effect.
 
 use super::scale::Scale;
 use crate::builders::Recipe;
@@ -28,7 +28,7 @@ const ROUNDS: &str = "rounds";
 
 const WIDTHS: Parameter = parameter(WIDTH, Scale::OneOf(&[Some(4.0), Some(8.0)]));
 
-/// Of our presets, which lie in one space.
+/// Of our presets over cuts, which lie in one space.
 const PRESETS: [&str; 3] = ["phr-quality", "phr-best", "phr-speed"];
 const OF_PRESETS: [Parameter; 18] = [
     WIDTHS,

@@ -29,8 +29,8 @@ pub struct Arguments {
     /// Number of rays that a tree is for: 50M, 1G, 3e8
     #[arg(long, default_value = "1G", value_name = "N", value_parser = rays)]
     rays: f64,
-    /// The builder whose parameters are searched, and which all is relative to: one of our presets (all of them are
-    /// tried), phr-fast or phr-hq (the paper's parameters), hunt-50, hunt-500, aac or ploc
+    /// The builder whose parameters are searched, and which all is relative to: phr-speed, phr-quality or phr-best (all
+    /// three are tried), phr-fast or phr-hq (the paper's parameters), hunt-50, hunt-500, aac or ploc
     #[arg(long, default_value = "phr-quality", value_name = "BUILDER")]
     builder: String,
     /// Seconds, from the loaded scene on

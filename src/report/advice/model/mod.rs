@@ -172,9 +172,9 @@ mod tests {
 
     #[test]
     fn the_committed_model_is_that_of_the_committed_rows() {
-        let rows = crate::bench::row::read(Path::new("results/advice")).unwrap();
+        let rows = crate::bench::row::read(Path::new("results/reference")).unwrap();
         let made = choose::model_of(&rows).unwrap();
-        assert_eq!(made.file(), COMMITTED, "run phr advise --fit results/advice");
+        assert_eq!(made.file(), COMMITTED, "run phr advise --fit results/reference");
         assert_eq!(Model::committed().kernel, KERNEL);
     }
 
