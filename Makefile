@@ -33,10 +33,10 @@
 #                   the figures of README, RESULTS and METHODOLOGY that come from the reference run, its
 #                   ablations, kernels and scaling, again: the runs of bench-builders into results/full, stopped and
 #                   resumed at will, reduced into results/reference and results/reference-ablation; tables, plots, pages
-#                   and the model of phr advise made from them; refuses to start on a busy machine. Left as they are: results/ndebug (make
-#                   embree-ndebug), constants (cargo bench --bench constants), advice (make bench-advice), tune (make
-#                   bench-tune), animation (make bench-animation), paper-protocol, saved and the other experiments, whose
-#                   commands stand beside their figures
+#                   and the model of phr advise made from them; refuses to start on a busy machine. Left as they are:
+#                   results/ndebug (make embree-ndebug), constants (cargo bench --bench constants), advice (make
+#                   bench-advice), tune (make bench-tune), animation (make bench-animation), paper-protocol, saved and the
+#                   experiments, whose commands stand beside their figures
 # cargo bench --bench steps
 #                   the steps of a build one by one (codes, sort, auxiliary tree, sweeps by length of the cut,
 #                   refining, leaf blocks, wide nodes), each beside a memcpy of as many bytes: some minutes
