@@ -4,7 +4,7 @@
 //! the changelog.
 
 use phr::builders;
-use phr::bvh::WideBvh;
+use phr::bvh::{Child, Link, WideBvh};
 use phr::geometry::Mesh;
 use phr::scene;
 use phr::trace::Isa;
@@ -14,27 +14,56 @@ use std::process::Command;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/library/tree_hashes.csv");
 
-/// A hash of all bits of a tree.
+/// A hash of words.
+struct Hash(u64);
+
+impl Hash {
+    const NEW: Self = Self(0xcbf2_9ce4_8422_2325);
+
+    fn add(&mut self, word: u32) {
+        self.0 = (self.0 ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.0 ^= self.0 >> 29;
+    }
+
+    /// Adds all bits of nodes and blocks below a link, depth first: not where they lie in memory.
+    fn add_below<const N: usize>(&mut self, tree: &WideBvh<N>, link: Link) {
+        match link.get() {
+            Child::Empty => self.add(0),
+            Child::Inner(index) => {
+                self.add(1);
+                let node = &tree.nodes[index];
+                node.lower.iter().chain(&node.upper).flatten().for_each(|plane| self.add(plane.to_bits()));
+                node.links.iter().for_each(|&link| self.add_below(tree, link));
+            }
+            Child::Leaf { first, count } => {
+                self.add(1 + count as u32);
+                for block in &tree.blocks[first..first + count] {
+                    let corners = block.v0.iter().chain(&block.e1).chain(&block.e2);
+                    corners.flatten().for_each(|x| self.add(x.to_bits()));
+                    block.prims.iter().for_each(|&prim| self.add(prim));
+                }
+            }
+        }
+    }
+}
+
+/// A hash of all bits of a tree, wherever its nodes and blocks lie.
 fn hash<const N: usize>(tree: &WideBvh<N>) -> u64 {
-    let mut hash = 0xcbf2_9ce4_8422_2325u64;
-    let mut add = |word: u32| {
-        hash = (hash ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        hash ^= hash >> 29;
-    };
-    add(tree.root.bits());
+    let mut hash = Hash::NEW;
     let corners = [tree.bounds.min, tree.bounds.max].map(|corner| corner.to_array());
-    corners.as_flattened().iter().for_each(|x| add(x.to_bits()));
-    add(tree.nodes.len() as u32);
-    add(tree.blocks.len() as u32);
-    for node in &tree.nodes {
-        node.lower.iter().chain(&node.upper).flatten().for_each(|plane| add(plane.to_bits()));
-        node.links.iter().for_each(|link| add(link.bits()));
-    }
-    for block in &tree.blocks {
-        block.v0.iter().chain(&block.e1).chain(&block.e2).flatten().for_each(|x| add(x.to_bits()));
-        block.prims.iter().for_each(|&prim| add(prim));
-    }
-    hash
+    corners.as_flattened().iter().for_each(|x| hash.add(x.to_bits()));
+    hash.add(tree.nodes.len() as u32);
+    hash.add(tree.blocks.len() as u32);
+    hash.add_below(tree, tree.root);
+    hash.0
+}
+
+/// A hash of where everything lies.
+fn layout<const N: usize>(tree: &WideBvh<N>) -> u64 {
+    let mut hash = Hash::NEW;
+    let links = tree.nodes.iter().flat_map(|node| node.links);
+    links.chain([tree.root]).for_each(|link| hash.add(link.bits()));
+    hash.0
 }
 
 /// A line for each scene, builder and width: `scene,builder,width,hash`.
@@ -54,18 +83,18 @@ fn hashes(threads: &[usize]) -> String {
     lines
 }
 
-/// The hash of a builder's tree, which is the same in all pools.
+/// The hash of a builder's tree, which is the same in all pools, as is its place in memory.
 fn hash_of<const N: usize>(name: &str, mesh: &Mesh, pools: &[ThreadPool]) -> u64 {
     let mut builder = builders::by_name::<N>(name).unwrap();
     let mut of_pools = pools.iter().map(|pool| {
         let tree = pool.install(|| builder.build(mesh)).tree;
-        let hash = hash(&tree);
+        let hashes = (hash(&tree), layout(&tree));
         builder.recycle(tree);
-        hash
+        hashes
     });
     let first = of_pools.next().unwrap();
-    assert!(of_pools.all(|hash| hash == first), "{name}, width {N}: threads differ");
-    first
+    assert!(of_pools.all(|hashes| hashes == first), "{name}, width {N}: threads differ");
+    first.0
 }
 
 /// The first line that differs.
