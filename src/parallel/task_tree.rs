@@ -10,12 +10,12 @@ pub(crate) enum TaskTree<T> {
     Node(Vec<Self>),
 }
 
-/// What becomes of a part of the work.
-pub(crate) enum Division<T> {
+/// What becomes of a part of the work, of type `P`.
+pub(crate) enum Division<P, T = P> {
     /// It is small enough for one thread.
     Task(T),
     /// It is divided into these.
-    Parts(Vec<T>),
+    Parts(Vec<P>),
 }
 
 /// The tasks of a tree, each to be taken once.
@@ -23,7 +23,7 @@ pub(crate) struct Tasks<T>(Vec<Mutex<Option<T>>>);
 
 impl<T> TaskTree<T> {
     /// As [`Self::grow`], on this thread alone: where a division takes less time than a thread to wake.
-    pub fn divide(root: T, by: &impl Fn(T) -> Division<T>) -> Self {
+    pub fn divide<P>(root: P, by: &impl Fn(P) -> Division<P, T>) -> Self {
         match by(root) {
             Division::Task(task) => Self::Task(task),
             Division::Parts(parts) => {
@@ -35,7 +35,7 @@ impl<T> TaskTree<T> {
 
 impl<T: Send> TaskTree<T> {
     /// Divides `root` by `divide` until only tasks are left, parts in parallel.
-    pub fn grow(root: T, divide: &(impl Fn(T) -> Division<T> + Sync)) -> Self {
+    pub fn grow<P: Send>(root: P, divide: &(impl Fn(P) -> Division<P, T> + Sync)) -> Self {
         match divide(root) {
             Division::Task(task) => Self::Task(task),
             Division::Parts(parts) => Self::Node(super::map(parts, |part| Self::grow(part, divide))),

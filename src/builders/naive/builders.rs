@@ -54,7 +54,7 @@ fn cuts(
         config,
         spatial_above: scale * config.spatial_threshold,
         // Parts that fit a cache.
-        part: (mesh.len() / 256).clamp(512, 4096) as u32,
+        part: (mesh.len() / 64).clamp(512, 4096) as u32,
         refine: &|side, clip, depth| {
             let count: u32 = side.iter().map(|member| member.tree.count).sum();
             let bounds: Aabb = side.iter().map(|member| member.bounds).collect();

@@ -63,7 +63,7 @@ impl<const N: usize, B> Optimiser<N, B> {
         reinsertion.run(tree, config.rounds, wanted);
         watch.lap("reinsertion");
         choices.solve::<_, N>(tree, ROOT, tree.pairs.len(), &config.costs, true);
-        let wide = build::build(&CollapsedTree::new(tree, choices), Some(ROOT), geometry, memory);
+        let wide = build::build_known(&CollapsedTree::new(tree, choices), ROOT, geometry, memory);
         watch.lap("collapse");
         wide
     }

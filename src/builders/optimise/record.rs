@@ -52,13 +52,11 @@ impl Tree {
         pool: &Pool<RecordedChunk>,
     ) -> bool {
         self.clear(geometry.len());
-        let (tree, built) = ParallelBuild::new(recursion, &memory.workers, geometry.len()).run(
-            root,
-            pool,
-            (&mut self.pairs, &mut self.prims),
-            |cut, scratch| recursion.split(cut, scratch).into_iter().flatten().collect(),
-            |cut, chunk, worker| record(recursion, geometry, cut, chunk, worker),
-        );
+        let parallel = ParallelBuild::new(recursion, &memory.workers, geometry.len());
+        let tasks = parallel.split_tasks::<2>(root);
+        let arrays = (&mut self.pairs, &mut self.prims);
+        let (tree, built) = parallel
+            .run(tasks, pool, arrays, |cut, chunk, worker| record(recursion, geometry, cut, chunk, worker));
         let moved =
             |(root, [pairs, prims]): (Option<LinkedNode>, Offset)| root.map(|root| root.moved(pairs, prims));
         let roots: Vec<Option<LinkedNode>> = built.into_iter().map(moved).collect();

@@ -70,7 +70,7 @@ fn check_cheapest<const N: usize>(mesh: &Mesh) {
     let expected = least::<N>(&tree, ROOT, 1).0;
     assert!((promised - expected).abs() <= 1e-5 * expected, "{promised} for {expected}");
     let collapsed = CollapsedTree::new(&tree, &choices);
-    let wide: WideBvh<N> = build::build(&collapsed, Some(ROOT), mesh, &mut Memory::default());
+    let wide: WideBvh<N> = build::build_known(&collapsed, ROOT, mesh, &mut Memory::default());
     assert_eq!(wide.validate(mesh), Ok(()));
     let cost = cost_of(&wide, wide.root, wide.bounds.half_area());
     assert!((cost - expected).abs() <= 1e-5 * expected, "{cost} for {expected}");

@@ -11,7 +11,7 @@ use crate::builders::binary::tree::BinaryTree;
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::lbvh::prefetch;
 use crate::builders::prims::geometry::Geometry;
-use crate::builders::wide::top_down::{BinarySplits, TopDown};
+use crate::builders::wide::top_down::{BinarySplits, TopDown, grain};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
 use crate::bvh::Link;
 use crate::bvh::limits::{CLUSTER_CUT_DEPTH, CUT_DEPTH, MAX_REFERENCES_PER_TRIANGLE};
@@ -131,6 +131,11 @@ impl<P: CutPolicy, G: Geometry> TopDown for CutRecursion<'_, P, G> {
                 prefetch::subtree(self.tree, self.order.keys, &self.order.refs, node, leaf);
             }
         }
+    }
+
+    fn grain(&self, n: usize) -> usize {
+        // A finished leaf of some hundred references is no more work than another.
+        if self.has_finished_leaves { (n / 32).clamp(1 << 12, 1 << 15) } else { grain(n) }
     }
 
     fn count(&self, cut: &Cut) -> u32 {

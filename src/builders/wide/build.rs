@@ -2,15 +2,17 @@
 
 use super::memory::{Finished, Memory, Scratch, Worker};
 use super::parallel::ParallelBuild;
-use super::top_down::TopDown;
+use super::top_down::{BinarySplits, TopDown};
 use super::treelet::{self, Subtree, WideTreelet};
 use crate::builders::prims::geometry::Geometry;
 use crate::bvh::{Link, WideBvh};
 use crate::geometry::Aabb;
+use crate::memory::pool::Pool;
+use crate::parallel::task_tree::TaskTree;
 use arrayvec::ArrayVec;
 
 /// Builds the tree of nodes of up to `N` children below `root` over `geometry`.
-pub(crate) fn build<T: TopDown<Block = G::Block>, G: Geometry, const N: usize>(
+pub(crate) fn build<T: BinarySplits<Block = G::Block>, G: Geometry, const N: usize>(
     builder: &T,
     root: Option<T::Task>,
     geometry: &G,
@@ -21,21 +23,42 @@ pub(crate) fn build<T: TopDown<Block = G::Block>, G: Geometry, const N: usize>(
 }
 
 /// The same behind nodes and blocks that are finished, to which parts may link.
-pub(crate) fn build_over<T: TopDown<Block = G::Block>, G: Geometry, const N: usize>(
+pub(crate) fn build_over<T: BinarySplits<Block = G::Block>, G: Geometry, const N: usize>(
     builder: &T,
     root: Option<T::Task>,
     geometry: &G,
     memory: &mut Memory<T::Scratch, N, G::Block>,
-    (mut nodes, mut blocks): Finished<N, G::Block>,
+    finished: Finished<N, G::Block>,
 ) -> WideBvh<N, G::Block> {
     let Some(root) = root else { return WideBvh::default() };
-    let (tree, built) = ParallelBuild::new(builder, &memory.workers, geometry.len()).run(
-        root,
-        &memory.treelets,
-        (&mut nodes, &mut blocks),
-        |part, scratch| builder.children::<N>(part, scratch).into_iter().collect(),
-        |part, treelet: &mut WideTreelet<N, G::Block>, worker| emit(builder, geometry, part, treelet, worker),
-    );
+    let parallel = ParallelBuild::new(builder, &memory.workers, geometry.len());
+    make(&parallel, parallel.split_tasks::<N>(root), geometry, &memory.treelets, finished)
+}
+
+/// Builds the tree below `root` of a builder that knows the children of each node.
+pub(crate) fn build_known<T: TopDown<Block = G::Block>, G: Geometry, const N: usize>(
+    builder: &T,
+    root: T::Task,
+    geometry: &G,
+    memory: &mut Memory<T::Scratch, N, G::Block>,
+) -> WideBvh<N, G::Block> {
+    let finished = memory.arrays(geometry.len());
+    let parallel = ParallelBuild::new(builder, &memory.workers, geometry.len());
+    make(&parallel, parallel.tasks::<N>(root), geometry, &memory.treelets, finished)
+}
+
+/// Makes the nodes and blocks of tasks and the nodes above them, behind those that are finished.
+fn make<T: TopDown<Block = G::Block>, G: Geometry, const N: usize>(
+    parallel: &ParallelBuild<'_, T>,
+    tasks: TaskTree<T::Task>,
+    geometry: &G,
+    treelets: &Pool<WideTreelet<N, G::Block>>,
+    (mut nodes, mut blocks): Finished<N, G::Block>,
+) -> WideBvh<N, G::Block> {
+    let builder = parallel.builder;
+    let (tree, built) = parallel.run(tasks, treelets, (&mut nodes, &mut blocks), |part, treelet, worker| {
+        emit(builder, geometry, part, treelet, worker)
+    });
     let subtrees = treelet::moved(built);
     let root = tree.fold(&subtrees, &mut |parts| {
         let children: ArrayVec<(Aabb, Link), N> = parts.iter().copied().flatten().collect();

@@ -2,7 +2,7 @@
 //!
 //! * [`open_largest`]: the rule of 4.5, by its definition;
 //! * [`top_down`]: what a builder supplies to be built top-down; [`build`]: the recursion over wide nodes;
-//! * [`parallel`]: 4.6, the recursion divided into tasks;
+//! * [`parallel`]: 4.6, the recursion divided into tasks; [`ahead`]: what is too large for a task, split in parallel;
 //! * [`treelet`]: the nodes and leaf blocks that one task makes;
 //! * [`binary_source`]: subtrees all of whose binary splits are known, widened at once;
 //! * [`branchless`]: the same for whole LBVH treelets, without a branch that depends on the tree;
@@ -10,6 +10,7 @@
 //! * [`foreign`]: trees that were made elsewhere, widened;
 //! * [`refit`]: wide trees fitted to a mesh that has moved.
 
+pub(crate) mod ahead;
 pub(crate) mod binary_source;
 pub(crate) mod branchless;
 pub(crate) mod build;

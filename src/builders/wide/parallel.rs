@@ -1,18 +1,16 @@
 //! Paper 4.6: subtrees are built in parallel.
 //!
 //! The paper shares a queue of unbuilt subtrees among threads. Here the upper part of the recursion is divided into
-//! tasks that fit a cache ([`TaskTree`]); each task builds a chunk, and the chunks are appended in the order of the
-//! tasks ([`ordered_append`]), so that the tree is the same at any number of threads.
+//! tasks that fit a cache ([`TaskTree`]), with splits made ahead where there are any ([`super::ahead`]); each task
+//! builds a chunk, and the chunks are appended in the order of the tasks ([`ordered_append`]), so that the tree is the
+//! same at any number of threads.
 
 use super::memory::{Scratch, Worker};
 use super::optimal::Choice;
-use super::top_down::TopDown;
+use super::top_down::{MAX_GRAIN, TopDown};
 use crate::memory::pool::Pool;
 use crate::parallel::ordered_append::{self, Chunk, Offset};
 use crate::parallel::task_tree::{Division, TaskTree};
-
-/// Parts of as many references are divided further in any scene.
-const MAX_GRAIN: usize = 1 << 12;
 
 /// A count that [`Choice`] does not tell exactly is above it.
 const _: () = assert!(MAX_GRAIN <= Choice::MOST as usize);
@@ -24,36 +22,43 @@ pub(crate) struct ParallelBuild<'a, T: TopDown> {
     /// Memory of threads.
     pub workers: &'a Pool<Box<Worker<T::Scratch>>>,
     /// Parts of fewer references than this are a task.
-    grain: u32,
+    pub grain: u32,
 }
 
 impl<'a, T: TopDown> ParallelBuild<'a, T> {
     /// Over a scene of `n` triangles.
     pub fn new(builder: &'a T, workers: &'a Pool<Box<Worker<T::Scratch>>>, n: usize) -> Self {
-        // Tasks are small enough for caches and many enough for threads, and their number depends on the scene alone.
-        Self { builder, workers, grain: (n / 256).clamp(1 << 9, MAX_GRAIN) as u32 }
+        Self { builder, workers, grain: builder.grain(n) as u32 }
     }
 
-    /// Divides `root` by `divide` into tasks, builds each by `make` into a chunk, and appends the chunks to `a` and
-    /// `b`. Returns the tree over the tasks, and the results of `make` with the offsets of the chunks.
+    /// Whether one thread builds the part.
+    pub fn is_task(&self, part: &T::Part) -> bool {
+        self.builder.count(part) < self.grain || self.builder.is_leaf(part)
+    }
+
+    /// The tasks below `root`, the children of the wide node over each part being known.
+    pub fn tasks<const N: usize>(&self, root: T::Task) -> TaskTree<T::Task> {
+        TaskTree::grow(root, &|task| {
+            self.with_part(task, |part, Worker { scratch, .. }| {
+                let export = |part: &T::Part, scratch: &T::Scratch| self.builder.export(part, scratch);
+                if self.is_task(part) {
+                    return Division::Task(export(part, scratch));
+                }
+                let parts = self.builder.children::<N>(part, scratch);
+                Division::Parts(parts.iter().map(|part| export(part, scratch)).collect())
+            })
+        })
+    }
+
+    /// Builds each task by `make` into a chunk, and appends the chunks to `a` and `b`. Returns the tree over the tasks,
+    /// and the results of `make` with the offsets of the chunks.
     pub fn run<C: Chunk, R: Send>(
         &self,
-        root: T::Task,
+        tree: TaskTree<T::Task>,
         pool: &Pool<C>,
         (a, b): (&mut Vec<C::A>, &mut Vec<C::B>),
-        divide: impl Fn(&T::Part, &mut T::Scratch) -> Vec<T::Part> + Sync,
         make: impl Fn(&T::Part, &mut C, &mut Worker<T::Scratch>) -> R + Sync,
     ) -> (TaskTree<usize>, Vec<(R, Offset)>) {
-        let tree = TaskTree::grow(root, &|task| {
-            self.with_part(task, |part, worker| {
-                let scratch = &mut worker.scratch;
-                if self.builder.count(part) < self.grain || self.builder.is_leaf(part) {
-                    return Division::Task(self.builder.export(part, scratch));
-                }
-                let parts = divide(part, scratch);
-                Division::Parts(parts.iter().map(|part| self.builder.export(part, scratch)).collect())
-            })
-        });
         let (tree, tasks) = tree.number();
         let built = ordered_append::append(tasks.len(), pool, a, b, |task, chunk| {
             self.with_part(tasks.take(task), |part, worker| {
@@ -65,7 +70,7 @@ impl<'a, T: TopDown> ParallelBuild<'a, T> {
     }
 
     /// Calls `f` on a part in the memory of a worker, which is as before afterwards.
-    fn with_part<R>(&self, task: T::Task, f: impl FnOnce(&T::Part, &mut Worker<T::Scratch>) -> R) -> R {
+    pub fn with_part<R>(&self, task: T::Task, f: impl FnOnce(&T::Part, &mut Worker<T::Scratch>) -> R) -> R {
         let mut worker = self.workers.take();
         let checkpoint = worker.scratch.checkpoint();
         let part = self.builder.import(task, &mut worker.scratch);

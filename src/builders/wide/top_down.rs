@@ -7,6 +7,15 @@ use crate::builders::binary::kind::Kind;
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
+/// Parts of as many references are divided further in any scene.
+pub(crate) const MAX_GRAIN: usize = 1 << 12;
+
+/// What [`TopDown::grain`] is unless a builder says otherwise. It depends on the scene alone, as the order of nodes
+/// does.
+pub(crate) fn grain(n: usize) -> usize {
+    (n / 64).clamp(1 << 9, MAX_GRAIN)
+}
+
 /// A builder from the root down. A part is an unbuilt subtree in the memory of a thread; a task is one on its way
 /// between threads.
 pub(crate) trait TopDown: Sync {
@@ -27,6 +36,12 @@ pub(crate) trait TopDown: Sync {
 
     /// Prefetches what the subtree of a part is made from; called once before one thread builds it.
     fn prefetch(&self, _: &Self::Part, _: &Self::Scratch) {}
+
+    /// Parts of fewer references than this are tasks, in a scene of `n`: small enough for caches, many enough for
+    /// threads.
+    fn grain(&self, n: usize) -> usize {
+        grain(n)
+    }
 
     /// References below the part, an upper bound where it is clipped.
     fn count(&self, part: &Self::Part) -> u32;
