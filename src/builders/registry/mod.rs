@@ -106,7 +106,7 @@ const REGISTRY: &[(&str, Config)] = &[
         }),
     ),
     ("phr-hq-own", hq(Extensions { local_threshold: QUALITY.local_threshold, ..NONE })),
-    ("phr-hq-bias", hq(Extensions { spatial_bias: QUALITY.spatial_bias, ..NONE })),
+    ("phr-hq-bias", hq(Extensions { spatial_bias: BEST.spatial_bias, ..NONE })),
     ("phr-hq-subtrees", hq(Extensions { subtree_sweep: QUALITY.subtree_sweep, ..NONE })),
     ("phr-hq-clip", hq(Extensions { clip_triangles: true, ..NONE })),
     ("phr-hq-presplit", hq(auxiliary(AuxiliaryConfig { presplit: Some(PresplitConfig::NEEDLES), ..PAPER }))),
@@ -146,10 +146,9 @@ pub const ABLATION: &[&str] = ALL.split_at(IN_TABLES).1;
 type Change = fn(&mut Extensions);
 
 /// What is changed of presets, by the end of the name of the changed one.
-const CHANGES: [(&str, Change); 13] = [
+const CHANGES: [(&str, Change); 12] = [
     ("-no-cut_share", |preset| preset.cut_share = None),
     ("-no-local_threshold", |preset| preset.local_threshold = None),
-    ("-no-spatial_bias", |preset| preset.spatial_bias = None),
     ("-no-clip_triangles", |preset| preset.clip_triangles = false),
     ("-no-subtree_sweep", |preset| preset.subtree_sweep = None),
     ("-no-collapse", |preset| preset.collapse = None),
@@ -172,8 +171,8 @@ macro_rules! names {
 pub const WITHOUT: [&[&str]; 2] = [
     names!("phr-speed-no-": cut_share local_threshold auxiliary_leaf calibration presplit;),
     names!("phr-quality-no-":
-        cut_share local_threshold spatial_bias clip_triangles subtree_sweep collapse
-        clusters calibration presplit;),
+        cut_share local_threshold clip_triangles subtree_sweep collapse clusters calibration
+        presplit;),
 ];
 
 /// Names of PHR over other auxiliary trees (paper 5.5): `phr-hq-aux-ploc`, `-aux-aac`, `-aux-sah`. They are run on

@@ -218,7 +218,7 @@ mod tests {
     #[test]
     fn the_points_of_presets_give_their_parameters() {
         for (preset, same) in [
-            ("phr-quality", &["max_cut", "delta", "subtree_sweep", "clip_triangles", "spatial_bias"][..]),
+            ("phr-quality", &["max_cut", "delta", "subtree_sweep", "clip_triangles"][..]),
             ("phr-speed", &["max_cut", "auxiliary_leaf", "own_threshold", "presplit"]),
             ("phr-best", &["max_cut", "alpha", "own_threshold", "presplit"]),
             ("phr-hq", &["alpha", "delta", "max_cut", "spatial_threshold", "max_references", "max_leaf"]),

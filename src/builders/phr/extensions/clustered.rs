@@ -42,7 +42,7 @@ impl ClusteredPhrConfig {
         delta: 5.0,
         max_cut: 2048,
         spatial_threshold: 3e-2,
-        clusters: Clusters { most: 512, area: 5e-3 },
+        clusters: Clusters { most: 512, area: 3e-3 },
     };
 
     /// The parameters that the recursion shares with PHR.

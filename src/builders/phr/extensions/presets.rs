@@ -38,7 +38,6 @@ impl PhrConfig {
                 clusters: Some(Clusters { most: 32, area: 1e-4 }),
                 ..Self::SPEED.extensions.auxiliary
             },
-            spatial_bias: Some(1.07),
             clip_triangles: true,
             subtree_sweep: Some(32),
             collapse: Some(CollapseCosts::EMBREE),
