@@ -60,7 +60,7 @@ const TURBO: [Constant<ClusteredPhrConfig>; 6] = [
     ("max_cut", &[1024.0, 4096.0], |c, v| c.max_cut = v as usize),
     ("spatial_threshold", &[1.5e-2, 6e-2], |c, v| c.spatial_threshold = v),
     ("clusters.most", &[256.0, 1024.0], |c, v| c.clusters.most = v as u32),
-    ("clusters.area", &[2.5e-3, 1e-2], |c, v| c.clusters.area = v),
+    ("clusters.area", &[1.5e-3, 6e-3], |c, v| c.clusters.area = v),
 ];
 
 fn extensions(preset: &mut Cuts) -> &mut Extensions {
@@ -113,7 +113,7 @@ const SPEED: [Constant<Cuts>; 11] = [
     ("presplit.max_extra", &[0.125, 0.5], |c, v| presplit(c).max_extra = v),
 ];
 
-const QUALITY: [Constant<Cuts>; 9] = [
+const QUALITY: [Constant<Cuts>; 8] = [
     ("spatial_threshold", &[5e-4, 2e-3], |c, v| c.config.phr.spatial_threshold = v),
     ("max_cut", &[1024.0, 4096.0], max_cut),
     ("clusters.most", &[16.0, 64.0], |c, v| clusters(c).most = v as u32),
@@ -121,7 +121,6 @@ const QUALITY: [Constant<Cuts>; 9] = [
     ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
     ("own_threshold.references", &[16384.0, 65536.0], |c, v| local(c).references = v as u32),
     ("own_threshold.area", &[1.0 / 512.0, 1.0 / 128.0], |c, v| local(c).area = v),
-    ("spatial_bias", &[1.0, 1.14], |c, v| extensions(c).spatial_bias = Some(v)),
     ("subtree_sweep", &[16.0, 64.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
 ];
 
