@@ -12,7 +12,7 @@ use crate::memory::pool::Pool;
 use crate::parallel::ordered_append::{self, Chunk, Offset};
 use crate::parallel::task_tree::{Division, TaskTree};
 
-/// A count that [`Choice`] does not tell exactly is above it.
+/// A count that [`Choice`] does not tell exactly is above the grain of trees of them, which is that of most builders.
 const _: () = assert!(MAX_GRAIN <= Choice::MOST as usize);
 
 /// A recursion over a scene, divided into tasks.
@@ -22,7 +22,7 @@ pub(crate) struct ParallelBuild<'a, T: TopDown> {
     /// Memory of threads.
     pub workers: &'a Pool<Box<Worker<T::Scratch>>>,
     /// Parts of fewer references than this are a task.
-    pub grain: u32,
+    grain: u32,
 }
 
 impl<'a, T: TopDown> ParallelBuild<'a, T> {
