@@ -86,14 +86,14 @@ TARGETS = results/targets
 FULL = results/full
 REFERENCE = results/reference
 # Builders that have targets, and sizes over which they grow.
-TARGETED = lbvh|phr-fast|phr-hq|phr-turbo|phr-speed|phr-quality|phr-best|embree-[a-z-]+
+TARGETED = lbvh|phr-fast|phr-hq|phr-draft|phr-turbo|phr-speed|phr-quality|phr-best|embree-[a-z-]+
 GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
 # PHR-Fast with one extension each, and our presets without one each (`phr ablation`).
 ABLATED = phr-fast $(addprefix phr-fast-,bucket coarse clusters subtrees) \
 	phr-speed $(addprefix phr-speed-no-,auxiliary_leaf calibration cut_share local_threshold presplit)
 ABLATED_QUALITY = phr-quality $(addprefix phr-quality-no-,calibration clip_triangles clusters collapse cut_share \
 	local_threshold presplit spatial_bias subtree_sweep)
-SCALED = lbvh phr-fast phr-hq phr-turbo phr-speed phr-quality phr-best
+SCALED = lbvh phr-fast phr-hq phr-draft phr-turbo phr-speed phr-quality phr-best
 # The paper's methods, and where its protocol is run.
 METHODS = embree-morton hunt-50 aac embree-sah hunt-500 embree-fast-spatial phr-fast phr-hq
 PAPER = results/paper-run
@@ -103,7 +103,7 @@ PHASED = rooms hair $(filter %/kitchen_bitterli.ply.zst %/karhumaki_bridge.ply.z
 HEATMAP ?= $(or $(firstword $(filter %/sanmiguel_partial.ply.zst,$(SCENES))),sanmiguel-like)
 KERNEL_SCENES = rooms statue hair city pipes
 # All that an advice may name, and Embree's: one that names a tree which the run lacks cannot be judged.
-ADVISED = lbvh phr-fast phr-hq phr-turbo phr-speed phr-quality phr-best hunt-50 hunt-500 aac ploc embree-morton embree-sah embree-fast-spatial
+ADVISED = lbvh phr-fast phr-hq phr-draft phr-turbo phr-speed phr-quality phr-best hunt-50 hunt-500 aac ploc embree-morton embree-sah embree-fast-spatial
 # Builders whose times with and without assertions in Embree are compared, and ours beside them: what noise looks like.
 ASSERTED = embree-morton embree-sah embree-fast-spatial lbvh
 NDEBUG = $(CURDIR)/target/embree-ndebug

@@ -54,6 +54,14 @@ impl Preset for Cuts {
 /// A constant of a preset: its name, neighbouring values, and how it is set.
 type Constant<P> = (&'static str, &'static [f64], fn(&mut P, f32));
 
+const DRAFT: [Constant<ClusteredPhrConfig>; 5] = [
+    ("alpha", &[0.4, 0.5], |c, v| c.alpha = v),
+    ("delta", &[4.0, 6.0], |c, v| c.delta = v),
+    ("max_cut", &[256.0, 1024.0], |c, v| c.max_cut = v as usize),
+    ("clusters.most", &[2048.0, 8192.0], |c, v| c.clusters.most = v as u32),
+    ("clusters.area", &[1.5e-2, 6e-2], |c, v| c.clusters.area = v),
+];
+
 const TURBO: [Constant<ClusteredPhrConfig>; 6] = [
     ("alpha", &[0.4, 0.5], |c, v| c.alpha = v),
     ("delta", &[4.0, 6.0], |c, v| c.delta = v),
@@ -230,9 +238,14 @@ fn main() {
             })
             .collect();
         let of_scene = (&scene, &rays[..]);
-        if is_asked("phr-turbo") {
-            let preset = ("phr-turbo", ClusteredPhrConfig::TURBO);
-            lines += compare::<4, _>(of_scene, preset, &TURBO, rounds);
+        let clustered = [
+            ("phr-draft", ClusteredPhrConfig::DRAFT, &DRAFT[..]),
+            ("phr-turbo", ClusteredPhrConfig::TURBO, &TURBO),
+        ];
+        for (name, preset, constants) in clustered {
+            if is_asked(name) {
+                lines += compare::<4, _>(of_scene, (name, preset), constants, rounds);
+            }
         }
         for (name, preset, constants, costs) in presets {
             if is_asked(name) {

@@ -82,7 +82,7 @@ impl Cell {
 }
 
 /// The order of the table: the paper's, with our other builders beside their relatives.
-pub const ORDER: [&str; 14] = [
+pub const ORDER: [&str; 15] = [
     "lbvh",
     "embree-morton",
     "hunt-50",
@@ -93,6 +93,7 @@ pub const ORDER: [&str; 14] = [
     "embree-fast-spatial",
     "phr-fast",
     "phr-hq",
+    "phr-draft",
     "phr-turbo",
     "phr-speed",
     "phr-quality",

@@ -88,6 +88,7 @@ const REGISTRY: &[(&str, Config)] = &[
     ("ploc", Config::Ploc(PlocConfig::DEFAULT)),
     ("phr-fast", Config::Phr(PhrConfig::FAST)),
     ("phr-hq", Config::Phr(PhrConfig::HQ)),
+    ("phr-draft", Config::ClusteredPhr(ClusteredPhrConfig::DRAFT)),
     ("phr-turbo", Config::ClusteredPhr(ClusteredPhrConfig::TURBO)),
     ("phr-speed", Config::Phr(PhrConfig::SPEED)),
     ("phr-quality", Config::Phr(PhrConfig::QUALITY)),
@@ -123,7 +124,7 @@ const REGISTRY: &[(&str, Config)] = &[
 ];
 
 /// Builders of a table.
-const IN_TABLES: usize = 11;
+const IN_TABLES: usize = 12;
 
 const ALL: [&str; REGISTRY.len()] = {
     let mut names = [""; REGISTRY.len()];
@@ -239,7 +240,7 @@ mod tests {
             let preset = name.split_once("-no-").or_else(|| name.split_once("-aux-")).unwrap().0;
             assert_ne!(cuts_of(name), cuts_of(preset), "{name}");
         }
-        assert_eq!((NAMES.len(), ABLATION.len()), (11, 15));
+        assert_eq!((NAMES.len(), ABLATION.len()), (12, 15));
         assert!(by_name::<4>("phr").is_none());
     }
 }

@@ -25,6 +25,7 @@ fn line(entrant: &Entrant) -> Line {
         "embree-morton" => "#56b4e9",
         "embree-sah" => "#0072b2",
         "phr-fast" => "#d55e00",
+        "phr-draft" => "#f0e442",
         "phr-turbo" => "#e69f00",
         "phr-speed" => "#cc79a7",
         "phr-quality" | "phr-hq" => "#009e73",

@@ -69,8 +69,10 @@ const PAPER: [Target; 5] = [
 ];
 
 /// Of ours, at either width.
-const TIMES: [Target; 9] = [
+const TIMES: [Target; 11] = [
     both("lbvh", Build(MORTON), 0.6, 0.8),
+    beside("phr-draft", Build(MORTON)),
+    beside("phr-draft", Trace(MORTON)),
     both("phr-turbo", Build(MORTON), 1.0, 1.25),
     both("phr-turbo", Trace(SAH), 0.95, 1.15),
     both("phr-speed", Build(SAH), 0.4, 0.7),
@@ -82,7 +84,7 @@ const TIMES: [Target; 9] = [
 ];
 
 /// Memory, at either width.
-const BYTES: [Target; 25] = [
+const BYTES: [Target; 27] = [
     mean("lbvh", PeakTo(MORTON), 0.8),
     mean("phr-turbo", PeakTo(MORTON), 0.8),
     mean("phr-speed", PeakTo(MORTON), 0.8),
@@ -91,6 +93,7 @@ const BYTES: [Target; 25] = [
     beside("lbvh", Peak),
     beside("phr-fast", Peak),
     beside("phr-hq", Peak),
+    beside("phr-draft", Peak),
     beside("phr-turbo", Peak),
     beside("phr-speed", Peak),
     beside("phr-quality", Peak),
@@ -101,6 +104,7 @@ const BYTES: [Target; 25] = [
     beside("lbvh", Tree),
     beside("phr-fast", Tree),
     beside("phr-hq", Tree),
+    beside("phr-draft", Tree),
     beside("phr-turbo", Tree),
     beside("phr-speed", Tree),
     beside("phr-quality", Tree),
@@ -111,10 +115,11 @@ const BYTES: [Target; 25] = [
 ];
 
 /// A second thread, of 4-wide trees.
-const THREADS: [Target; 10] = [
+const THREADS: [Target; 11] = [
     mean("lbvh", Threads, 1.85),
     mean("phr-fast", Threads, 1.85),
     mean("phr-hq", Threads, 1.85),
+    beside("phr-draft", Threads),
     mean("phr-turbo", Threads, 1.85),
     mean("phr-speed", Threads, 1.85),
     mean("phr-quality", Threads, 1.85),

@@ -36,6 +36,14 @@ pub struct ClusteredPhrConfig {
 }
 
 impl ClusteredPhrConfig {
+    /// That of `phr-draft`: clusters so large that cuts are short, and no spatial splits.
+    pub const DRAFT: Self = Self {
+        max_cut: 512,
+        spatial_threshold: f32::INFINITY,
+        clusters: Clusters { most: 4096, area: 3e-2 },
+        ..Self::TURBO
+    };
+
     /// That of `phr-turbo`.
     pub const TURBO: Self = Self {
         alpha: 0.45,

@@ -1,7 +1,7 @@
 //! Where [`super::config::Extensions`] change the tree, and the presets that use them.
 //!
 //! * [`presets`]: `phr-speed` and `phr-quality`;
-//! * [`clustered`]: `phr-turbo`, cuts over clusters that are widened with the auxiliary tree;
+//! * [`clustered`]: `phr-draft` and `phr-turbo`, cuts over clusters that are widened with the auxiliary tree;
 //! * [`small_cuts`]: `subtree_sweep`, which splits by [`crate::builders::split::subtree_sweep`];
 //! * [`collapse`]: the extension of that name;
 //! * [`auxiliary_tree`]: other auxiliary trees than an LBVH; [`binned`] makes one of them;
