@@ -58,7 +58,7 @@ const DRAFT: [Constant<ClusteredPhrConfig>; 5] = [
     ("alpha", &[0.4, 0.5], |c, v| c.alpha = v),
     ("delta", &[4.0, 6.0], |c, v| c.delta = v),
     ("max_cut", &[256.0, 1024.0], |c, v| c.max_cut = v as usize),
-    ("clusters.most", &[2048.0, 8192.0], |c, v| c.clusters.most = v as u32),
+    ("clusters.most", &[1024.0, 2048.0], |c, v| c.clusters.most = v as u32),
     ("clusters.area", &[1.5e-2, 6e-2], |c, v| c.clusters.area = v),
 ];
 
