@@ -109,9 +109,11 @@ pub fn constants(folder: &Path) -> Result<String, String> {
     let mut scenes: Vec<&str> = neighbours.iter().map(|of| of.scene.as_str()).collect();
     scenes.sort_unstable();
     scenes.dedup();
+    let is_timed = neighbours.iter().any(|of| of.build.is_some());
+    let builds = if is_timed { ", build times the least of three or more by turns" } else { "" };
     Ok(format!(
-        "{}\nRelative to the preset: geometric means over {}. Costs and counts are exact, build times the least \
-         of three or more by turns. most visits: the scene whose node visits differ most.\n",
+        "{}\nRelative to the preset: geometric means over {}. Costs and counts are exact{builds}. most visits: the \
+         scene whose node visits differ most.\n",
         grid.markdown(),
         scenes.join(", ")
     ))
