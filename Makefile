@@ -92,7 +92,7 @@ GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
 ABLATED = phr-fast $(addprefix phr-fast-,bucket coarse clusters subtrees) \
 	phr-speed $(addprefix phr-speed-no-,auxiliary_leaf calibration cut_share local_threshold presplit)
 ABLATED_QUALITY = phr-quality $(addprefix phr-quality-no-,calibration clip_triangles clusters collapse cut_share \
-	local_threshold presplit spatial_bias subtree_sweep)
+	local_threshold presplit subtree_sweep)
 SCALED = lbvh phr-fast phr-hq phr-draft phr-turbo phr-speed phr-quality phr-best
 # The paper's methods, and where its protocol is run.
 METHODS = embree-morton hunt-50 aac embree-sah hunt-500 embree-fast-spatial phr-fast phr-hq
