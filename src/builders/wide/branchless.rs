@@ -19,7 +19,7 @@ pub(crate) struct Slot(TaggedBox);
 impl Slot {
     const LEAF: u32 = 1 << 31;
     const CLOSED: u32 = Self::LEAF | 1;
-    const OPEN: u32 = Self::LEAF | 2;
+    const BARE: u32 = Self::LEAF | 2;
 
     /// An unused slot.
     pub const NONE: Self = Self(TaggedBox::empty([u32::MAX, Self::LEAF]));
@@ -44,10 +44,10 @@ impl Slot {
         Self(TaggedBox::new(bounds, [pair as u32, Self::CLOSED]))
     }
 
-    /// A leaf without a block that is no part of a wide node, the given one of those.
+    /// A leaf without a block that is no part of a wide node.
     #[inline]
-    pub fn open(bounds: Aabb, number: usize) -> Self {
-        Self(TaggedBox::new(bounds, [number as u32, Self::OPEN]))
+    pub fn bare(bounds: Aabb) -> Self {
+        Self(TaggedBox::new(bounds, [u32::MAX, Self::BARE]))
     }
 
     /// Whether it is the leaf of a block.
@@ -64,11 +64,11 @@ impl Slot {
 
     /// Whether it is a leaf without a block.
     #[inline(always)]
-    pub fn is_open(&self) -> bool {
-        self.0.second() == Self::OPEN
+    pub fn is_bare(&self) -> bool {
+        self.0.second() == Self::BARE
     }
 
-    /// The index of the pair of children, of the block, or of the leaf without one.
+    /// The index of the pair of children, or of the block.
     #[inline(always)]
     pub fn index(&self) -> usize {
         (self.link() & !Self::LEAF) as usize

@@ -27,10 +27,28 @@ pub(crate) struct AboveClusters {
 #[derive(Default)]
 pub(crate) struct ClusterTreelet<I, const N: usize> {
     direct: DirectTreelet<I, N>,
-    subtrees: Subtrees,
     /// The pairs of the largest clusters.
     clusters: Vec<u32>,
+    /// Where their references begin in the treelet.
+    begins: Vec<u32>,
     copied_keys: Vec<MortonKey>,
+}
+
+/// A subtree of a treelet.
+#[derive(Clone, Copy)]
+struct Part {
+    slot: Slot,
+    /// Where its references begin in the treelet; of a closed one the index of its pair in the auxiliary BVH.
+    begin: u32,
+    /// Its references.
+    count: u32,
+    /// Inner levels.
+    levels: u32,
+}
+
+impl Part {
+    /// Never read.
+    const NONE: Self = Self { slot: Slot::NONE, begin: 0, count: 0, levels: 0 };
 }
 
 impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
@@ -44,52 +62,54 @@ impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
         rule: LeafRule,
         wide: &mut WideTreelet<N, G::Block>,
     ) -> AboveClusters {
-        let Self { direct, subtrees, clusters, copied_keys } = self;
+        let Self { direct, clusters, begins, copied_keys } = self;
         let is_compact = |bounds: Aabb| rule.is_compact(bounds);
         direct.make_leaves(isa, geometry, (keys, depth), is_compact, &mut wide.blocks);
         let DirectTreelet { deltas, equal_codes, leaves, slots, widen, .. } = direct;
         equal_codes.reorder(keys, copied_keys);
         widen.pairs.clear();
-        subtrees.of_leaves(slots, leaves);
         clusters.clear();
-        let mut pairs = Vec::with_capacity(leaves.len() / 4);
-        let mut close = |slot: &Slot, subtrees: &Subtrees| {
-            let Subtree { begin, count, .. } = subtrees.of(slot);
+        begins.clear();
+        let mut pairs = Vec::new();
+        let mut close = |Part { slot, begin, count, .. }: &Part| {
             if slot.is_closed() {
-                return Node::of_pair(slot.bounds(), begin as usize, count);
+                return Node::of_pair(slot.bounds(), *begin as usize, *count);
             }
-            if slot.is_open() {
-                return Node::leaf(slot.bounds(), first + begin as usize, count);
+            let from = *begin as usize;
+            if slot.is_bare() {
+                return Node::leaf(slot.bounds(), first + from, *count);
             }
             if slot.is_leaf() {
-                put_link(&mut keys[begin as usize], Link::leaf(slot.index(), 1));
+                put_link(&mut keys[from], Link::leaf(slot.index(), 1));
             } else {
                 clusters.push(slot.index() as u32);
+                begins.push(*begin);
             }
-            Node::finished(slot.bounds(), first + begin as usize, count)
+            Node::finished(slot.bounds(), first + from, *count)
         };
-        let of_leaves =
-            slots.iter().zip(&*leaves).map(|(&slot, &begin)| (slot, deltas.before(begin as usize)));
-        let root = cartesian_tree(Slot::NONE, of_leaves, |children| {
-            let [left, right] = children.each_ref().map(|child| subtrees.of(child));
-            let parent = Slot::inner(&children, widen.pairs.len());
+        let of_leaves = slots.iter().zip(leaves.windows(2)).map(|(&slot, leaf)| {
+            let [begin, end] = [leaf[0], leaf[1]];
+            (Part { slot, begin, count: end - begin, levels: 0 }, deltas.before(begin as usize))
+        });
+        let root = cartesian_tree(Part::NONE, of_leaves, |parts| {
+            let [left, right] = &parts;
+            let children = parts.map(|part| part.slot);
+            let slot = Slot::inner(&children, widen.pairs.len());
             let count = left.count + right.count;
             let levels = left.levels.max(right.levels) + 1;
             // One branch: that a subtree is a cluster is foreseen near the leaves, but not by which of the limits.
             let is_cluster =
-                (count <= rule.most) & rule.is_compact(parent.bounds()) & (levels <= FINISHED_LEVELS);
+                (count <= rule.most) & rule.is_compact(slot.bounds()) & (levels <= FINISHED_LEVELS);
             widen.pairs.push(children);
             if is_cluster {
-                subtrees.push(Subtree { begin: left.begin, count, levels });
-                return parent;
+                return Part { slot, begin: left.begin, count, levels };
             }
-            let pair = children.each_ref().map(|child| close(child, subtrees));
+            pairs.push(parts.each_ref().map(&mut close));
             // Subtrees of clusters are clusters: nothing above is one.
-            subtrees.push(Subtree { begin: pairs.len() as u32, count, levels: FINISHED_LEVELS });
-            pairs.push(pair);
-            Slot::closed(parent.bounds(), widen.pairs.len() - 1)
+            let slot = Slot::closed(slot.bounds(), widen.pairs.len() - 1);
+            Part { slot, begin: pairs.len() as u32 - 1, count, levels: FINISHED_LEVELS }
         });
-        let root = close(&root, subtrees);
+        let root = close(&root);
         if !clusters.is_empty() {
             let nodes = &mut wide.nodes;
             isa.run(
@@ -97,8 +117,7 @@ impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
                 || widen.write_below(clusters, nodes),
             );
         }
-        for &pair in &*clusters {
-            let begin = subtrees.of_pair(pair as usize).begin;
+        for (&pair, &begin) in clusters.iter().zip(&*begins) {
             put_link(&mut keys[begin as usize], Link::inner(widen.number(pair as usize) as usize));
         }
         AboveClusters { root, pairs }
@@ -107,54 +126,4 @@ impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
 
 fn put_link(key: &mut MortonKey, link: Link) {
     *key = key_of(link.bits(), reference(*key));
-}
-
-/// What is known of a subtree.
-#[derive(Clone, Copy)]
-struct Subtree {
-    /// Where its references begin in the treelet; of a closed one the index of its pair in the auxiliary BVH.
-    begin: u32,
-    /// Its references.
-    count: u32,
-    /// Inner levels.
-    levels: u32,
-}
-
-/// Leaves with a block, and then pairs in order.
-#[derive(Default)]
-struct Subtrees {
-    all: Vec<Subtree>,
-    leaves: usize,
-    /// Leaves without a block.
-    open: Vec<Subtree>,
-}
-
-impl Subtrees {
-    /// Begins with the leaves, given by where each begins and the last one ends.
-    fn of_leaves(&mut self, slots: &[Slot], leaves: &[u32]) {
-        let Self { all, open, .. } = self;
-        all.clear();
-        open.clear();
-        for (slot, leaf) in slots.iter().zip(leaves.windows(2)) {
-            let subtree = Subtree { begin: leaf[0], count: leaf[1] - leaf[0], levels: 0 };
-            if slot.is_open() { open.push(subtree) } else { all.push(subtree) }
-        }
-        self.leaves = self.all.len();
-    }
-
-    fn push(&mut self, pair: Subtree) {
-        self.all.push(pair);
-    }
-
-    #[inline(always)]
-    fn of(&self, slot: &Slot) -> Subtree {
-        if slot.is_open() {
-            return self.open[slot.index()];
-        }
-        self.all[slot.index() + if slot.is_leaf() { 0 } else { self.leaves }]
-    }
-
-    fn of_pair(&self, pair: usize) -> Subtree {
-        self.all[self.leaves + pair]
-    }
 }

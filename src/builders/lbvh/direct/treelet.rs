@@ -103,7 +103,7 @@ fn emit_leaves<G: Geometry>(
             slots.push(Slot::leaf(bounds, blocks.len()));
             blocks.push(block);
         } else {
-            slots.push(Slot::open(bounds, slots.len() - blocks.len()));
+            slots.push(Slot::bare(bounds));
         }
     }
 }
