@@ -25,14 +25,13 @@ impl Needle {
     #[inline]
     pub fn of(corners: [Vec3A; 3], prim: u32, min_area: f32, filled: f32) -> Option<Self> {
         let area = Aabb::of_triangle(corners).half_area();
-        if area <= min_area {
-            return None;
-        }
         let projected = projected_area(corners);
-        (projected < filled * area).then(|| Self {
-            prim,
-            projected,
-            levels: halvings(((area / min_area).log2() * 0.5).min((filled * area / projected).log2())),
+        // One branch: needles are rare, but which boxes are large cannot be foreseen.
+        ((area > min_area) & (projected < filled * area)).then(|| {
+            // A halving quarters the area, and halves what is missing of the share.
+            let until_small = ceil_log2(area / min_area).div_ceil(2);
+            let until_filled = ceil_log2(filled * area / projected);
+            Self { prim, projected, levels: until_small.min(until_filled).clamp(1, MAX_LEVELS) }
         })
     }
 
@@ -42,8 +41,12 @@ impl Needle {
     }
 }
 
-fn halvings(levels: f32) -> u32 {
-    (levels.ceil() as u32).clamp(1, MAX_LEVELS)
+/// The logarithm to base 2 of `x`, rounded up, from its bits: the same on any platform. `x` is at least 1; much of
+/// infinity.
+fn ceil_log2(x: f32) -> u32 {
+    let bits = x.to_bits();
+    let is_no_power = bits.trailing_zeros() < f32::MANTISSA_DIGITS - 1;
+    (bits >> (f32::MANTISSA_DIGITS - 1)).saturating_sub(127) + u32::from(is_no_power)
 }
 
 /// The sum of the areas of a triangle's projections on the coordinate planes: each lies in a face of its box,
@@ -124,5 +127,21 @@ impl Grid {
             self.origin[axis] + self.extent[axis] * ((high >> bit << bit) as f32 / CELLS)
         };
         (bounds.min[axis] < plane && plane < bounds.max[axis]).then_some((axis, plane))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ceil_log2;
+
+    #[test]
+    fn logarithms_are_rounded_up() {
+        for exponent in 0..127 {
+            let power = (1u128 << exponent) as f32;
+            assert_eq!(ceil_log2(power), exponent);
+            assert_eq!(ceil_log2(power.next_up()), exponent + 1);
+            assert_eq!(ceil_log2((2.0 * power).next_down()), exponent + 1);
+        }
+        assert!(ceil_log2(f32::INFINITY) > 100);
     }
 }

@@ -15,6 +15,8 @@ use crate::memory::pool::Pool;
 use crate::parallel;
 use crate::parallel::ordered_append::{self, Chunk, Offset};
 use rayon::prelude::*;
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
 
 /// Which triangles are presplit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,23 +63,32 @@ impl Presplit {
     pub fn split(&mut self, mesh: &Mesh, scene: Aabb, config: &PresplitConfig) {
         self.clear();
         let min_area = scene.half_area() * config.min_area;
+        let most_extra = (mesh.len() as f64 * f64::from(config.max_extra)) as u64;
+        let extra = AtomicU64::new(0);
         let chunks = mesh.triangles().par_chunks(GRAIN).enumerate();
         let needles: Vec<Vec<Needle>> = parallel::map(chunks, |(chunk, triangles)| {
             let mut needles = Vec::new();
+            // Too many already: none will be split.
+            if extra.load(Relaxed) > most_extra {
+                return needles;
+            }
             for (prim, triangle) in (chunk as u32 * GRAIN as u32..).zip(triangles) {
                 if let Some(needle) = Needle::of(mesh.corners_of(triangle), prim, min_area, config.filled) {
                     huge_pages::push(&mut needles, needle, "needles");
                 }
             }
+            extra.fetch_add(needles.iter().map(|needle| needle.most_pieces() - 1).sum(), Relaxed);
             needles
         });
-        let count = needles.iter().map(|needles| needles.len() as u64).sum::<u64>();
-        let pieces = needles.iter().flatten().map(Needle::most_pieces).sum::<u64>();
-        if pieces - count > (mesh.len() as f64 * f64::from(config.max_extra)) as u64 {
+        let count = needles.iter().map(Vec::len).sum::<usize>();
+        let extra = extra.into_inner();
+        if count == 0 || extra > most_extra {
             return;
         }
         let splitter = Splitter::new(scene, min_area, config.filled);
         let Self { fragments, chunks, pool } = self;
+        huge_pages::reserve(fragments, count + extra as usize, "pieces of needles");
+        huge_pages::reserve(chunks, needles.len(), "chunks of needles");
         ordered_append::append(needles.len(), pool, fragments, chunks, |i, pieces: &mut Pieces| {
             for needle in &needles[i] {
                 let corners = mesh.corners(needle.prim);
