@@ -1,17 +1,14 @@
 //! Refitting a binary tree to references that have moved: boxes are made anew bottom-up, the topology stays.
 
 use super::node::Node;
-use super::tree::BinaryTree;
+use super::tree::{BinaryTree, TREELET};
 use crate::geometry::Aabb;
 use crate::parallel;
 use std::ops::Range;
 
-/// Subtrees of at most so many references are refitted by one task: a treelet of an LBVH.
-const GRAIN: u32 = 1 << 12;
-
 impl BinaryTree {
     /// Makes all boxes anew, where `leaf` gives the box of a run of references. In the array of pairs children
-    /// stand before parents, and the pairs of subtrees of up to 4096 references in rows, one after the other.
+    /// stand before parents, and the pairs of subtrees of up to [`TREELET`] references in rows, one after the other.
     pub fn refit(&mut self, leaf: impl Fn(Range<usize>) -> Aabb + Sync) {
         let Some(root) = self.root else { return };
         let mut ends = Vec::new();
@@ -33,7 +30,7 @@ impl BinaryTree {
     fn rows(&self, node: &Node, ends: &mut Vec<usize>) {
         match node.pair() {
             None => {}
-            Some(pair) if node.count() <= GRAIN => ends.push(pair + 1),
+            Some(pair) if node.count() <= TREELET as u32 => ends.push(pair + 1),
             Some(_) => self.children(node).iter().for_each(|child| self.rows(child, ends)),
         }
     }

@@ -3,6 +3,9 @@
 use super::node::Node;
 use crate::memory::prefetch;
 
+/// Subtrees of at most so many references are built by one task: their pairs lie in a row, children before parents.
+pub(crate) const TREELET: usize = 1 << 12;
+
 /// A binary tree whose leaves are runs of references.
 #[derive(Default)]
 pub(crate) struct BinaryTree {
@@ -28,6 +31,19 @@ impl BinaryTree {
         }
         let start = first.run().start;
         start..start + node.count() as usize
+    }
+
+    /// The pairs below a node of at most [`TREELET`] references, its own included, in a tree built in Morton order.
+    #[inline]
+    pub fn row(&self, node: &Node) -> std::ops::Range<usize> {
+        let Some(last) = node.pair() else { return 0..0 };
+        let (mut first, mut next) = (last, Some(last));
+        while let Some(pair) = next {
+            first = pair;
+            let [left, right] = &self.pairs[pair];
+            next = left.pair().or(right.pair());
+        }
+        first..last + 1
     }
 
     /// Prefetches the children of a node that is likely to be opened soon.

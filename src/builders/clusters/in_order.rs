@@ -2,7 +2,7 @@
 //! is a run of them, and the pairs below a node lie in a row that ends with its own. Small subtrees become leaves.
 
 use crate::builders::binary::node::Node;
-use crate::builders::binary::tree::BinaryTree;
+use crate::builders::binary::tree::{BinaryTree, TREELET};
 use crate::builders::lbvh::key::MortonKey;
 use crate::builders::lbvh::treelet::LeafRule;
 use crate::memory::huge_pages;
@@ -10,8 +10,6 @@ use crate::memory::pool::Pool;
 use crate::parallel::ordered_append::{self, Chunk, Offset};
 use crate::parallel::task_tree::{Division, TaskTree};
 
-/// Subtrees of at most so many references are copied by one task.
-const GRAIN: u32 = 1 << 12;
 /// Subtrees so many levels below the root are copied by one task, too.
 const MOST_DIVIDED_LEVELS: u32 = 64;
 
@@ -33,7 +31,7 @@ pub(crate) fn in_order(
     huge_pages::reserve(&mut ordered_keys, keys.len(), "ordered keys");
     huge_pages::reserve(&mut ordered.pairs, tree.pairs.len(), "ordered pairs");
     let divided = TaskTree::grow((root, 0, 0), &|(node, first, level): (Node, u32, u32)| {
-        if node.count() <= GRAIN || node.is_leaf() || level == MOST_DIVIDED_LEVELS {
+        if node.count() <= TREELET as u32 || node.is_leaf() || level == MOST_DIVIDED_LEVELS {
             return Division::Task((node, first, level));
         }
         let [left, right] = tree.children(&node);

@@ -2,12 +2,10 @@
 
 use super::key::MortonKey;
 use super::partition::partition;
+use crate::builders::binary::tree::TREELET;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::parallel::task_tree::{Division, TaskTree, Tasks};
-
-/// Most references of a treelet.
-pub(crate) const TREELET: usize = 1 << 12;
 
 /// The keys of a treelet.
 pub(crate) struct Treelet<'a> {

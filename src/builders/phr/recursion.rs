@@ -126,15 +126,14 @@ impl<P: CutPolicy, G: Geometry> TopDown for CutRecursion<'_, P, G> {
     fn prefetch(&self, cut: &Cut, scratch: &CutScratch) {
         // Of finished leaves nothing is needed but their links.
         if cut.level != CutLevel::SplitDown && !self.has_finished_leaves {
-            let leaf = self.config.extensions.auxiliary.max_leaf();
             for node in &scratch.arena[cut.range()] {
-                prefetch::subtree(self.tree, self.order.keys, &self.order.refs, node, leaf);
+                prefetch::subtree(self.tree, self.order.keys, &self.order.refs, node);
             }
         }
     }
 
     fn grain(&self, n: usize) -> usize {
-        // A finished leaf of some hundred references is no more work than another.
+        // A finished leaf of hundreds of references is no more work than another.
         if self.has_finished_leaves { (n / 32).clamp(1 << 12, 1 << 15) } else { grain(n) }
     }
 
