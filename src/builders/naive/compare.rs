@@ -6,7 +6,7 @@ use super::meshes::{
 };
 use super::ploc::ploc;
 use super::wide::Wide;
-use crate::builders::lbvh::top_tree::TREELET;
+use crate::builders::binary::tree::TREELET;
 use crate::builders::{
     AuxiliaryConfig, AuxiliaryTree, Build, Builder, ClusteredPhr, ClusteredPhrConfig, Clusters,
     CollapseCosts, Extensions, Hunt, HuntConfig, Lbvh, LocalThreshold, OptimiseConfig, OptimisedPhr,
@@ -16,6 +16,7 @@ use crate::bvh::WideBvh;
 use crate::geometry::Mesh;
 use crate::scene::scalable;
 use crate::simd::Isa;
+use rayon::prelude::*;
 
 /// Configurations that between them use all that there is.
 fn configs() -> Vec<(&'static str, PhrConfig)> {
@@ -96,9 +97,10 @@ const FAR_BEYOND: ClusteredPhrConfig = ClusteredPhrConfig {
     clusters: Clusters { most: 40, area: 0.3 },
 };
 
-/// The preset; that; the same over single blocks; shorter cuts of small clusters; nearly nothing finished; no spatial
+/// The presets; that; the same over single blocks; shorter cuts of small clusters; nearly nothing finished; no spatial
 /// splits.
-const CLUSTERED: [ClusteredPhrConfig; 6] = [
+const CLUSTERED: [ClusteredPhrConfig; 7] = [
+    ClusteredPhrConfig::DRAFT,
     ClusteredPhrConfig::TURBO,
     FAR_BEYOND,
     ClusteredPhrConfig { clusters: Clusters { most: 4, area: 2.0 }, ..FAR_BEYOND },
@@ -187,7 +189,7 @@ fn compare<const N: usize>(what: &str, mesh: &Mesh) -> Vec<u64> {
 
 #[test]
 fn small_trees_are_the_naive_ones_node_for_node() {
-    small_meshes().iter().for_each(|(what, mesh)| {
+    small_meshes().par_iter().for_each(|(what, mesh)| {
         compare::<4>(what, mesh);
         compare::<8>(what, mesh);
     });

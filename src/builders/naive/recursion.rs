@@ -38,6 +38,7 @@ impl Naive<'_> {
     /// Whether a cut is small, and to be split down to its leaves in one go.
     fn is_small(&self, cut: &Cut) -> bool {
         cut.count() <= self.extensions().subtree_sweep.unwrap_or(0)
+            && cut.depth < self.cut_depth
             && cut.bounds().half_area() <= self.spatial_above
     }
 

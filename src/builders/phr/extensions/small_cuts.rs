@@ -12,7 +12,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
     /// Whether a cut that is not split spatially is split down to its leaves in one go.
     #[inline]
     pub(in crate::builders::phr) fn is_small(&self, cut: &Cut) -> bool {
-        cut.count <= self.config.extensions.subtree_sweep.unwrap_or(0)
+        cut.count <= self.config.extensions.subtree_sweep.unwrap_or(0) && cut.depth < self.cut_depth
     }
 
     /// Whether any cut of more than a block is.
