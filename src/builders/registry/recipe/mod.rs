@@ -79,7 +79,11 @@ impl Recipe {
             known: fields::names(&template).join(", "),
         })?;
         if let (Value::Object(inner), Value::Object(_)) = (value, fields::at(&template, &path)) {
-            return inner.iter().try_for_each(|(name, value)| self.set(&format!("{path}.{name}"), value));
+            // All of them, or none.
+            let mut changed = self.clone();
+            inner.iter().try_for_each(|(name, value)| changed.set(&format!("{path}.{name}"), value))?;
+            *self = changed;
+            return Ok(());
         }
         let refused = |reason: String| RecipeError::Value {
             builder: self.base,
