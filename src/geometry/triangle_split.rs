@@ -26,9 +26,7 @@ pub(crate) fn split_triangle(corners: &[Vec3A; 3], bounds: Aabb, axis: usize, pl
             right = right.union(crossing);
         }
     }
-    left.max[axis] = left.max[axis].min(plane);
-    right.min[axis] = right.min[axis].max(plane);
-    [left.intersection(bounds), right.intersection(bounds)]
+    [left.below(axis, plane).intersection(bounds), right.above(axis, plane).intersection(bounds)]
 }
 
 /// A box around the point where the edge from `a` to `b` crosses the plane.
