@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut rays = Vec::new();
     println!("{name}, {millions} million rays, ms:");
-    for preset in ["lbvh", "phr-fast", "phr-speed", "phr-quality", "phr-best"] {
+    for preset in ["lbvh", "phr-turbo", "phr-speed", "phr-quality", "phr-best"] {
         let mut builder = builders::by_name::<4>(preset).ok_or("no such builder")?;
         let cold = builder.build(&scene.mesh).tree; // the first build also waits for memory
         builder.recycle(cold);

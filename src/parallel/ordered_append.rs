@@ -6,7 +6,9 @@
 //!
 //! Threads that wait spin. They cannot wait for ever: tasks are begun in order, so the earliest chunk without an offset
 //! belongs to a task that some thread has begun. That thread waits for nothing before it has told the chunk's length,
-//! unless it panics, which the alarm tells the others. So there always is a thread that makes progress.
+//! unless it panics, which the alarm tells the others. So there always is a thread that makes progress, as long as
+//! tasks do not wait for rayon's: a thread that does may take up another task on top of its own, and wait there for its
+//! own chunk.
 
 #![allow(unsafe_code)]
 

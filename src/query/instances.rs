@@ -54,7 +54,7 @@ pub struct InstanceBvh<B> {
 }
 
 impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
-    /// Builds the tree over `instances` on the current rayon pool. `lbvh` and `phr-turbo` build fastest.
+    /// Builds the tree over `instances` on the current rayon pool. `lbvh`, `phr-draft` and `phr-turbo` build fastest.
     ///
     /// # Errors
     /// [`BvhError::Transform`]: one that cannot be inverted, or takes its object too far away; those of

@@ -1,7 +1,7 @@
-//! Trees are bit for bit those on record, for every builder but variants (`phr-speed[...]`), on every built-in
-//! scene, at any number of threads and with every instruction set of this processor. A change that is meant to
-//! change trees records them again: `PHR_RECORD_TREES=1 cargo test --test library tree_hashes::`, and says so in
-//! the changelog.
+//! Trees are bit for bit those on record, for every builder of the tables and the paper's presets with one extension
+//! each, on every built-in scene, at any number of threads and with every instruction set of this processor. A change
+//! that is meant to change trees records them again: `PHR_RECORD_TREES=1 cargo test --test library tree_hashes::`, and
+//! says so in the changelog.
 
 use phr::builders;
 use phr::bvh::{Child, Link, WideBvh};

@@ -48,8 +48,8 @@ pub struct Extensions {
     /// Which builder makes the auxiliary tree (paper 5.5).
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "AuxiliaryTree::is_lbvh"))]
     pub auxiliary_tree: AuxiliaryTree,
-    /// The initial cut has this share of the triangles as nodes, at least 2048 and at most `max_cut`, however small
-    /// they are: in a scene of a few huge triangles all else is smaller than a threshold taken from the scene's
+    /// The initial cut has this share of the triangles as nodes, at least 2048, but never more than `max_cut`, however
+    /// small they are: in a scene of a few huge triangles all else is smaller than a threshold taken from the scene's
     /// area.
     pub cut_share: Option<f32>,
     /// Large parts of the scene are opened by their own area too.

@@ -42,8 +42,8 @@ pub trait Primitives: Sync {
     fn bounds(&self, id: u32) -> Aabb;
 
     /// Whether primitives may be split where a builder splits space: `phr-quality` and `phr-best` by
-    /// [`Primitives::split`], the other presets and the paper's at the plane alone. One that is split is in
-    /// several leaves, and may be tested more than once by a ray.
+    /// [`Primitives::split`], `phr-turbo`, `phr-speed` and the paper's presets at the plane alone. One that is split is
+    /// in several leaves, and may be tested more than once by a ray.
     fn splits(&self) -> bool {
         false
     }
@@ -51,6 +51,8 @@ pub trait Primitives: Sync {
     /// Splits what of primitive `id` lies in `part`, a part of its box, by the plane at `position` along `axis` (0
     /// for x): the boxes of what is below and above. Tighter ones than the halves of `part`, which are the default,
     /// make better trees; a box that misses some of the primitive makes rays miss it. Empty where nothing is.
+    /// It must not wait for other tasks of the rayon pool: the builder's tasks, which may run meanwhile, wait for each
+    /// other.
     fn split(&self, id: u32, part: Aabb, axis: usize, position: f32) -> [Aabb; 2] {
         let _ = id;
         [part.below(axis, position), part.above(axis, position)]

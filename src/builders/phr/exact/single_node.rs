@@ -19,7 +19,7 @@ use crate::builders::wide::treelet::{Subtree, WideTreelet};
 use crate::bvh::Link;
 use crate::bvh::limits::BLOCK;
 
-/// The splits of an auxiliary BVH over single references.
+/// The splits of an auxiliary BVH over its leaves.
 struct SingleNodes<'a, G> {
     tree: &'a BinaryTree,
     order: &'a RefOrder<'a, G>,

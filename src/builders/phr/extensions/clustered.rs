@@ -1,5 +1,6 @@
-//! PHR over finished clusters: an LBVH is widened below compact clusters of some hundred triangles, and cuts of what is
-//! above them are split and refined. That takes little longer than the LBVH alone, which is worst at the top.
+//! PHR over finished clusters: an LBVH is widened below compact clusters of some hundred triangles, or thousand, and
+//! cuts of what is above them are split and refined. That takes little longer than the LBVH alone, which is worst at
+//! the top.
 
 use crate::builders::api::builder::{Build, Builder, Stopwatch};
 use crate::builders::api::config_error::{ConfigError, check};
