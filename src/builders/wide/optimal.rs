@@ -51,29 +51,25 @@ impl CollapseCosts {
     #[inline]
     fn over<const N: usize>(&self, area: f32, l: &Solved<N>, r: &Solved<N>) -> (Solved<N>, Choice) {
         let count = l.count + r.count;
-        // The least of both sides as so many children, and how many of them are on the left.
-        let (mut shared, mut lefts) = ([f32::INFINITY; N], [1; N]);
-        for left in 1..N {
-            for slots in left + 1..=N {
-                let cost = l.cost[left - 1] + r.cost[slots - left - 1];
-                let is_less = cost < shared[slots - 1];
-                shared[slots - 1] = if is_less { cost } else { shared[slots - 1] };
-                lefts[slots - 1] = if is_less { left as u32 } else { lefts[slots - 1] };
-            }
-        }
+        let shared = |slots: usize| {
+            let of = |left: usize| (l.cost[left - 1] + r.cost[slots - left - 1], left);
+            (2..slots).map(of).fold(of(1), |best, other| if other.0 < best.0 { other } else { best })
+        };
         let leaf =
             if count <= self.max_leaf { area * self.of_leaf(count.div_ceil(BLOCK)) } else { f32::INFINITY };
-        let inner = area * self.node + shared[N - 1];
+        let all = shared(N);
+        let inner = area * self.node + all.0;
         // Costs of huge scenes overflow to infinity: a node always is possible, a leaf is not.
         let is_leaf = leaf <= inner && leaf < f32::INFINITY;
         let mut choice = Choice::new(count, is_leaf);
         let mut cost = [least(leaf, inner); N];
         for slots in 2..N {
-            let (shared, fewer) = (shared[slots - 1], cost[slots - 2]);
+            let (shared, left) = shared(slots);
+            let fewer = cost[slots - 2];
             cost[slots - 1] = least(shared, fewer);
-            choice.set_left(slots, if shared < fewer { lefts[slots - 1] } else { 0 });
+            choice.set_left(slots, if shared < fewer { left } else { 0 });
         }
-        choice.set_left(N, lefts[N - 1]);
+        choice.set_left(N, all.1);
         (Solved { cost, count }, choice)
     }
 }
@@ -118,8 +114,8 @@ impl Choice {
 
     /// Of `slots` children, those on the left side; 0 if fewer children cost no more.
     #[inline(always)]
-    fn set_left(&mut self, slots: usize, left: u32) {
-        self.0 |= left << Self::LEFT[slots];
+    fn set_left(&mut self, slots: usize, left: usize) {
+        self.0 |= (left as u32) << Self::LEFT[slots];
     }
 
     /// References below, or 2^14 - 1 of more.
@@ -234,7 +230,7 @@ mod tests {
     fn choices_round_trip() {
         let mut choice = Choice::new(77, true);
         for slots in 2..=MAX_WIDTH {
-            choice.set_left(slots, slots as u32 - 1);
+            choice.set_left(slots, slots - 1);
         }
         assert_eq!((choice.count(), choice.is_leaf()), (77, true));
         (2..=MAX_WIDTH).for_each(|slots| assert_eq!(choice.left(slots), slots - 1));

@@ -124,17 +124,14 @@ unsafe impl<const N: usize> Vectors for WideNode<N> {
     #[inline(always)]
     fn for_each(&self, mut write: impl FnMut(usize, Vec4)) {
         const { assert!(N.is_multiple_of(4) && size_of::<Self>() == 8 * N * size_of::<f32>()) };
-        // In ascending order: lines that are written past the cache are filled one after the other.
-        for (row, plane) in self.lower.iter().chain(&self.upper).enumerate() {
-            for i in 0..N / 4 {
-                write(row * N / 4 + i, Vec4::from_slice(&plane[4 * i..]));
-            }
-        }
         for i in 0..N / 4 {
+            let four = |plane: &[f32; N]| Vec4::from_slice(&plane[4 * i..]);
             let link = |lane: usize| f32::from_bits(self.links[4 * i + lane].bits());
+            for axis in 0..3 {
+                write(axis * N / 4 + i, four(&self.lower[axis]));
+                write((3 + axis) * N / 4 + i, four(&self.upper[axis]));
+            }
             write(6 * N / 4 + i, Vec4::new(link(0), link(1), link(2), link(3)));
-        }
-        for i in 0..N / 4 {
             write(7 * N / 4 + i, Vec4::ZERO);
         }
     }
@@ -145,8 +142,10 @@ unsafe impl<const N: usize> Vectors for WideNode<N> {
 unsafe impl Vectors for TriangleBlock {
     #[inline(always)]
     fn for_each(&self, mut write: impl FnMut(usize, Vec4)) {
-        for (row, &corners) in self.v0.iter().chain(&self.e1).chain(&self.e2).enumerate() {
-            write(row, corners.into());
+        for axis in 0..3 {
+            write(axis, self.v0[axis].into());
+            write(3 + axis, self.e1[axis].into());
+            write(6 + axis, self.e2[axis].into());
         }
         let prim = |lane: usize| f32::from_bits(self.prims[lane]);
         write(9, Vec4::new(prim(0), prim(1), prim(2), prim(3)));
