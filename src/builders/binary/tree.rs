@@ -33,19 +33,6 @@ impl BinaryTree {
         start..start + node.count() as usize
     }
 
-    /// The pairs below a node of at most [`TREELET`] references, its own included, in a tree built in Morton order.
-    #[inline]
-    pub fn row(&self, node: &Node) -> std::ops::Range<usize> {
-        let Some(last) = node.pair() else { return 0..0 };
-        let (mut first, mut next) = (last, Some(last));
-        while let Some(pair) = next {
-            first = pair;
-            let [left, right] = &self.pairs[pair];
-            next = left.pair().or(right.pair());
-        }
-        first..last + 1
-    }
-
     /// Prefetches the children of a node that is likely to be opened soon.
     #[inline]
     pub fn prefetch(&self, node: &Node) {

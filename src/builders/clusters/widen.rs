@@ -102,7 +102,7 @@ impl<G: Geometry> TopDown for ClusterTree<'_, G> {
     fn prefetch(&self, part: &ClusterPart, _: &Vec<u32>) {
         if let ClusterPart::Subtree(node, _) = part {
             if self.has_rows {
-                prefetch::subtree(self.tree, self.keys, &self.refs, node);
+                prefetch::subtree(self.tree, self.keys, &self.refs, node, 1);
             } else {
                 prefetch::run(self.tree, self.keys, &self.refs, node);
             }

@@ -7,18 +7,22 @@ use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::memory::prefetch::line;
 
-/// Prefetches the pairs and the primitives below `node`, which one thread is about to build. Their addresses depend on
-/// loads; here many such loads are in flight at once.
+/// Prefetches the pairs and the primitives below `node`, which one thread is about to build, in a tree of leaves of
+/// up to `leaf` references. Their addresses depend on loads; here many such loads are in flight at once.
 pub(crate) fn subtree<G: Geometry>(
     tree: &BinaryTree,
     keys: &[MortonKey],
     refs: &PrimRefs<'_, G>,
     node: &Node,
+    leaf: u32,
 ) {
-    let row = tree.row(node);
-    // Other trees than the LBVH have rows only nearly so.
-    let most = row.end.saturating_sub(node.count() as usize);
-    (row.start.max(most)..row.end).for_each(|pair| line(&tree.pairs, pair));
+    // The pairs of a subtree lie in a row that ends with its root's; leaves of several references are half full.
+    // To look for where it begins would take longer than it saves.
+    if let Some(pair) = node.pair() {
+        let count = node.count() as usize;
+        let pairs = if leaf == 1 { count } else { count / 2 }.min(pair);
+        (pair - pairs..pair).for_each(|pair| line(&tree.pairs, pair));
+    }
     run(tree, keys, refs, node);
 }
 

@@ -126,8 +126,9 @@ impl<P: CutPolicy, G: Geometry> TopDown for CutRecursion<'_, P, G> {
     fn prefetch(&self, cut: &Cut, scratch: &CutScratch) {
         // Of finished leaves nothing is needed but their links.
         if cut.level != CutLevel::SplitDown && !self.has_finished_leaves {
+            let leaf = self.config.extensions.auxiliary.max_leaf();
             for node in &scratch.arena[cut.range()] {
-                prefetch::subtree(self.tree, self.order.keys, &self.order.refs, node);
+                prefetch::subtree(self.tree, self.order.keys, &self.order.refs, node, leaf);
             }
         }
     }
