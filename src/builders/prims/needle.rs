@@ -28,7 +28,7 @@ impl Needle {
         let projected = projected_area(corners);
         // One branch: needles are rare, but which boxes are large cannot be foreseen.
         ((area > min_area) & (projected < filled * area)).then(|| {
-            // A halving quarters the area, and halves what is missing of the share.
+            // A halving quarters the area of the box, and so doubles the share that is filled.
             let until_small = ceil_log2(area / min_area).div_ceil(2);
             let until_filled = ceil_log2(filled * area / projected);
             Self { prim, projected, levels: until_small.min(until_filled).clamp(1, MAX_LEVELS) }

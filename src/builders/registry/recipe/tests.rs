@@ -62,6 +62,8 @@ fn objects_set_what_is_within() {
     let mut recipe = Recipe::of("phr-hq").unwrap();
     recipe.set("clusters", &serde_json::json!({"most": 16, "area": 0.25})).unwrap();
     assert_eq!(recipe.name(), "phr-hq[clusters.area=0.25+clusters.most=16]");
+    recipe.set("clusters", &serde_json::json!({"area": 0.5, "most": 0})).unwrap_err();
+    assert_eq!(recipe.name(), "phr-hq[clusters.area=0.25+clusters.most=16]", "all of them, or none");
 }
 
 #[test]
