@@ -17,7 +17,6 @@ pub(crate) fn subtree<G: Geometry>(
     leaf: u32,
 ) {
     // The pairs of a subtree lie in a row that ends with its root's; leaves of several references are half full.
-    // To look for where it begins would take longer than it saves.
     if let Some(pair) = node.pair() {
         let count = node.count() as usize;
         let pairs = if leaf == 1 { count } else { count / 2 }.min(pair);
