@@ -11,7 +11,7 @@ use crate::builders::prims::refs::{GRAIN, PrimInfo, PrimRefs};
 use crate::geometry::Aabb;
 use crate::memory::huge_pages;
 use crate::parallel;
-use crate::parallel::radix_sort::{self, BUCKET_BITS};
+use crate::parallel::radix_sort;
 use std::mem::MaybeUninit;
 use std::ops::Range;
 
@@ -30,7 +30,7 @@ impl SortBits {
     pub const fn mask(self) -> u32 {
         match self {
             Self::All => u32::MAX,
-            Self::Highest => u32::MAX << (u32::BITS - BUCKET_BITS),
+            Self::Highest => u32::MAX << (u32::BITS - 12),
         }
     }
 }
@@ -77,16 +77,17 @@ impl MortonOrder {
         watch: &mut Stopwatch,
     ) {
         let info = self.info.expect("references are taken up before they are sorted");
-        let keys = huge_pages::lend(spare, prims.len() + self.more(), "keys");
-        self.encode(geometry, prims, &MortonEncoder::new(info.centers), bits.mask(), keys);
+        let len = prims.len() + self.more();
+        let mut keys = std::mem::take(&mut self.keys);
+        keys.clear();
+        huge_pages::reserve(&mut keys, len, "keys");
+        let places = &mut keys.spare_capacity_mut()[..len];
+        self.encode(geometry, prims, &MortonEncoder::new(info.centers), bits.mask(), places);
         // SAFETY: `encode` has written every key.
-        let keys = unsafe { &mut *(std::ptr::from_mut(keys) as *mut [MortonKey]) };
+        unsafe { keys.set_len(len) };
         watch.lap("codes");
-        huge_pages::resize(&mut self.keys, keys.len(), 0, "sorted keys");
-        match bits {
-            SortBits::All => radix_sort::sort(keys, &mut self.keys),
-            SortBits::Highest => radix_sort::bucket_sort(keys, &mut self.keys),
-        }
+        radix_sort::sort(&mut keys, huge_pages::lend(spare, len, "unsorted keys"));
+        self.keys = keys;
         watch.lap("sort");
     }
 
