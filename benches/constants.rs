@@ -132,12 +132,11 @@ const QUALITY: [Constant<Cuts>; 8] = [
     ("subtree_sweep", &[16.0, 64.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
 ];
 
-const BEST: [Constant<Cuts>; 11] = [
+const BEST: [Constant<Cuts>; 10] = [
     ("alpha", &[0.5, 0.6], |c, v| c.config.phr.alpha = v),
     ("delta", &[7.0, 9.0], |c, v| c.config.phr.delta = v),
     ("cut_share", &[1.0 / 64.0, 1.0 / 16.0], |c, v| extensions(c).cut_share = Some(v)),
     ("spatial_threshold", &[1.5e-4, 6e-4], |c, v| c.config.phr.spatial_threshold = v),
-    ("spatial_bias", &[1.0, 1.16], |c, v| extensions(c).spatial_bias = Some(v)),
     ("subtree_sweep", &[32.0, 128.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
     ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
     ("own_threshold.references", &[8192.0, 32768.0], |c, v| local(c).references = v as u32),

@@ -102,7 +102,6 @@ fn phr(random: &mut SplitMix64) -> PhrConfig {
             ),
             cut_share: maybe_float(random, &[0.1, 1.0, 0.0]),
             local_threshold: maybe(random, &[local]),
-            spatial_bias: maybe_float(random, &[1.07, 0.0, 5.0]),
             clip_triangles: random.below(2) == 0,
             triangle_counts: random.below(4) == 0,
             subtree_sweep: maybe(random, &[32, 256, 5, 32, 32, 257]),

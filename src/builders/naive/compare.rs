@@ -42,10 +42,7 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
         ("subtree sweep", fast(Extensions { subtree_sweep: Some(256), ..none })),
         ("calibration", auxiliary(AuxiliaryConfig { calibration: Some(0.3), ..clusters })),
         ("local threshold", PhrConfig { delta: 2.0, ..fast(Extensions { local_threshold, ..none }) }),
-        (
-            "spatial bias",
-            PhrConfig { spatial_threshold: 1e-4, ..fast(Extensions { spatial_bias: Some(1.2), ..none }) },
-        ),
+        ("small spatial splits", PhrConfig { spatial_threshold: 1e-4, ..PhrConfig::FAST }),
         (
             "over PLOC",
             fast(Extensions { auxiliary_tree: AuxiliaryTree::Ploc(PlocConfig { radius: 8 }), ..none }),
@@ -74,7 +71,6 @@ fn configs() -> Vec<(&'static str, PhrConfig)> {
                     },
                     subtree_sweep: Some(50),
                     clip_triangles: true,
-                    spatial_bias: Some(1.1),
                     local_threshold,
                     collapse,
                     ..none

@@ -228,15 +228,12 @@ impl Naive<'_> {
             && let Some((cost, plane)) = splits::spatial(&boxes, &counts, weight)
             && cost < area * weight.of(counts.iter().sum())
         {
-            let object_cost = object.as_ref().map_or(f32::INFINITY, |object| object.cost);
+            let is_preferred = object.as_ref().is_none_or(|object| cost < object.cost);
             let counted = |member: &Member| {
                 let sides = plane.cut(member.bounds).iter().flatten().count();
                 sides as u64 * u64::from(member.tree.count)
             };
             let references = cut.members.iter().map(counted).sum::<u64>();
-            let growth = references as f32 / cut.count() as f32;
-            let is_preferred = cost < object_cost
-                || cost * growth < object_cost * self.extensions().spatial_bias.unwrap_or(1.0);
             let both =
                 |side: usize| cut.members.iter().any(|member| self.parts(member, plane)[side].is_some());
             // Finished leaves, which are not cut, may all be on one side.

@@ -56,9 +56,6 @@ pub struct Extensions {
     // The name in JSON is that of committed results.
     #[cfg_attr(feature = "serde", serde(rename = "own_threshold"))]
     pub local_threshold: Option<LocalThreshold>,
-    /// A spatial split is taken if it costs less than the best object split, as in the paper, or if its cost times the
-    /// growth in references is less than this multiple of the object split's.
-    pub spatial_bias: Option<f32>,
     /// Where a spatial split cuts a node of a single triangle, the triangle is clipped and not only its box.
     pub clip_triangles: bool,
     /// Sides of splits are weighed by the triangles below their nodes in place of the nodes, the alternative that
@@ -90,7 +87,6 @@ impl Extensions {
         auxiliary_tree: AuxiliaryTree::Lbvh,
         cut_share: None,
         local_threshold: None,
-        spatial_bias: None,
         clip_triangles: false,
         triangle_counts: false,
         subtree_sweep: None,
@@ -140,7 +136,6 @@ impl Extensions {
         auxiliary_tree.check().map_err(|error| error.within("auxiliary_tree"))?;
         check_option("cut_share", self.cut_share, 0.0..=1.0)?;
         check_option("own_threshold.area", local_threshold.map(|local| local.area), 0.0..=f32::MAX)?;
-        check_option("spatial_bias", self.spatial_bias, 0.0..=16.0)?;
         check_option("subtree_sweep", self.subtree_sweep, 0..=SUBTREE_MOST as u32)?;
         collapse.map_or(Ok(()), |costs| costs.check().map_err(|error| error.within("collapse")))
     }

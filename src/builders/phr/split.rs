@@ -134,7 +134,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         (object, self.find_spatial(cut, nodes, &object, whole, find))
     }
 
-    /// A spatial split, if the thresholds allow one and it is preferred to `object`; `find` finds the one of least cost
+    /// A spatial split, if the thresholds allow one and it costs less than `object`; `find` finds the one of least cost
     /// below a limit, and without a split the cut costs `whole`.
     #[inline]
     fn find_spatial(
@@ -148,8 +148,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         if !self.splits_in_space(cut) {
             return None;
         }
-        let bias = self.config.extensions.spatial_bias.unwrap_or(1.0);
-        let split = find((object.cost * bias).min(whole));
+        let split = find(object.cost.min(whole));
         if split == SpatialSplit::NONE {
             return None;
         }
@@ -158,10 +157,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
             u64::from(node.count()) * sides
         };
         let references: u64 = nodes.iter().map(count).sum();
-        // A split that costs more than the object split has to pay for the references that it makes.
-        let growth = references as f32 / cut.count as f32;
-        let is_preferred = split.cost < object.cost || split.cost * growth < object.cost * bias;
-        (is_preferred && references <= u64::from(cut.capacity)).then_some(split)
+        (references <= u64::from(cut.capacity)).then_some(split)
     }
 
     /// Puts the pieces of nodes on the sides of a spatial split. False, and nothing on either, if all are on one:

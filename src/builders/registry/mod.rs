@@ -45,7 +45,6 @@ impl OptimisedPhrConfig {
                 auxiliary: AuxiliaryConfig { clusters: None, ..QUALITY.auxiliary },
                 cut_share: Some(1.0 / 32.0),
                 local_threshold: Some(LocalThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
-                spatial_bias: Some(1.08),
                 subtree_sweep: Some(64),
                 collapse: None,
                 ..QUALITY
@@ -107,7 +106,6 @@ const REGISTRY: &[(&str, Config)] = &[
         }),
     ),
     ("phr-hq-own", hq(Extensions { local_threshold: QUALITY.local_threshold, ..NONE })),
-    ("phr-hq-bias", hq(Extensions { spatial_bias: BEST.spatial_bias, ..NONE })),
     ("phr-hq-subtrees", hq(Extensions { subtree_sweep: QUALITY.subtree_sweep, ..NONE })),
     ("phr-hq-clip", hq(Extensions { clip_triangles: true, ..NONE })),
     ("phr-hq-presplit", hq(auxiliary(AuxiliaryConfig { presplit: Some(PresplitConfig::NEEDLES), ..PAPER }))),
@@ -240,7 +238,7 @@ mod tests {
             let preset = name.split_once("-no-").or_else(|| name.split_once("-aux-")).unwrap().0;
             assert_ne!(cuts_of(name), cuts_of(preset), "{name}");
         }
-        assert_eq!((NAMES.len(), ABLATION.len()), (12, 15));
+        assert_eq!((NAMES.len(), ABLATION.len()), (12, 14));
         assert!(by_name::<4>("phr").is_none());
     }
 }
