@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     fn large_parts_are_dealt_once_more() {
-        let keys: Vec<u64> = (0..50_000).map(|i| (5 << 21 | i % 997 << 10) << 32 | i).collect();
+        let keys: Vec<u64> = (0..50_000).map(|i| (5 << 21 | (i % 997) << 10) << 32 | i).collect();
         let mut dealt = Box::new_uninit_slice(keys.len());
         let mut parts = |bits| deal_to_parts(&keys, &mut dealt, bits, 1000);
         assert!(parts(u32::BITS).iter().any(|part| (part.keys, part.bits) == (keys.len(), 21)));
