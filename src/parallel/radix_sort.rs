@@ -32,9 +32,20 @@ pub(crate) fn sort(keys: &mut [u64], spare: &mut [MaybeUninit<u64>]) {
     }
 }
 
+/// Sorts `keys` by the highest 12 bits of their codes alone, in one pass, likewise.
+pub(crate) fn sort_by_highest_12_bits(keys: &mut [u64], spare: &mut [MaybeUninit<u64>]) {
+    assert_eq!(keys.len(), spare.len());
+    deal_to_parts::<{ 1 << 12 }>(keys, spare, u32::BITS, 0);
+    // SAFETY: all keys were dealt, each to a place of its own.
+    let dealt = unsafe { &*(std::ptr::from_mut(spare) as *const [u64]) };
+    super::for_each(keys.par_chunks_mut(SMALL).zip(dealt.par_chunks(SMALL)), |(to, from)| {
+        to.copy_from_slice(from)
+    });
+}
+
 /// Sorts `keys` by the lowest `bits` of their codes, the others of which are alike, in parts of at most `most` keys.
 fn sort_lowest(keys: &mut [u64], spare: &mut [MaybeUninit<u64>], bits: u32, most: usize) {
-    let parts = deal_to_parts(keys, spare, bits, most);
+    let parts = deal_to_parts::<DIGITS>(keys, spare, bits, most);
     // SAFETY: all keys were dealt, each to a place of its own.
     let dealt = unsafe { &mut *(std::ptr::from_mut(spare) as *mut [u64]) };
     let (mut keys, mut dealt) = (keys, dealt);
@@ -64,11 +75,17 @@ struct Part {
     bits: u32,
 }
 
-/// Writes `keys` to `dealt`, part by part.
-fn deal_to_parts(keys: &[u64], dealt: &mut [MaybeUninit<u64>], bits: u32, most: usize) -> Vec<Part> {
+/// Writes `keys` to `dealt`, part by part: by the highest digit of the lowest `bits`, in order.
+fn deal_to_parts<const DIGITS: usize>(
+    keys: &[u64],
+    dealt: &mut [MaybeUninit<u64>],
+    bits: u32,
+    most: usize,
+) -> Vec<Part> {
     let chunk = keys.len().div_ceil(timeline::workers()).max(SMALL);
-    let shift = 32 + bits - DIGIT_BITS;
-    let counts: Vec<[u32; DIGITS]> = super::map(keys.par_chunks(chunk), |keys| count(keys, shift));
+    let below = bits - DIGITS.ilog2();
+    let digit = |key: u64| digit::<DIGITS>(key, 32 + below);
+    let counts: Vec<[u32; DIGITS]> = super::map(keys.par_chunks(chunk), |keys| count(keys, digit));
     let mut totals = [0; DIGITS];
     for counts in &counts {
         totals.iter_mut().zip(counts).for_each(|(total, &count)| *total += count as usize);
@@ -78,7 +95,7 @@ fn deal_to_parts(keys: &[u64], dealt: &mut [MaybeUninit<u64>], bits: u32, most: 
         match parts.last_mut() {
             Some(_) if more == 0 => {}
             Some(part) if part.keys + more <= most => *part = Part { keys: part.keys + more, bits },
-            _ => parts.push(Part { keys: more, bits: bits - DIGIT_BITS }),
+            _ => parts.push(Part { keys: more, bits: below }),
         }
         parts.len() - 1
     });
@@ -99,7 +116,7 @@ fn deal_to_parts(keys: &[u64], dealt: &mut [MaybeUninit<u64>], bits: u32, most: 
         deal(
             keys,
             &mut next,
-            |key| part_of_digit[digit(key, shift)],
+            |key| part_of_digit[digit(key)],
             |place, key| {
                 // SAFETY: a chunk begins in each part behind the keys that the chunks before it have there, and has as
                 // many places as keys: every key of every chunk has a place of its own below `keys.len()`, which is the
@@ -116,13 +133,14 @@ fn sort_part(from: &mut [u64], to: &mut [u64], bits: u32) {
     let (mut from, mut to) = (from, to);
     let mut is_in_to = false;
     for shift in (32..32 + bits).step_by(DIGIT_BITS as usize) {
-        let mut next = count(from, shift);
-        if from.first().is_none_or(|&key| next[digit(key, shift)] as usize == from.len()) {
+        let digit = |key| digit::<DIGITS>(key, shift);
+        let mut next: [u32; DIGITS] = count(from, digit);
+        if from.first().is_none_or(|&key| next[digit(key)] as usize == from.len()) {
             continue;
         }
         let mut sum = 0;
         next.iter_mut().for_each(|next| sum += std::mem::replace(next, sum));
-        deal(from, &mut next, |key| digit(key, shift), |place, key| to[place] = key);
+        deal(from, &mut next, digit, |place, key| to[place] = key);
         std::mem::swap(&mut from, &mut to);
         is_in_to = !is_in_to;
     }
@@ -132,14 +150,14 @@ fn sort_part(from: &mut [u64], to: &mut [u64], bits: u32) {
 }
 
 #[inline]
-fn digit(key: u64, shift: u32) -> usize {
+fn digit<const DIGITS: usize>(key: u64, shift: u32) -> usize {
     (key >> shift) as usize & (DIGITS - 1)
 }
 
 /// How many keys have each digit.
-fn count(keys: &[u64], shift: u32) -> [u32; DIGITS] {
+fn count<const DIGITS: usize>(keys: &[u64], digit: impl Fn(u64) -> usize) -> [u32; DIGITS] {
     let mut counts = [0; DIGITS];
-    keys.iter().for_each(|&key| counts[digit(key, shift)] += 1);
+    keys.iter().for_each(|&key| counts[digit(key)] += 1);
     counts
 }
 
@@ -172,6 +190,13 @@ mod tests {
         expected.sort_by_key(|key| key >> 32);
         sort(&mut keys, &mut Box::new_uninit_slice(n));
         assert!(keys == expected, "{n} keys");
+
+        let highest = |key: &u64| key >> 52;
+        keys.reverse();
+        expected.reverse();
+        expected.sort_by_key(highest);
+        sort_by_highest_12_bits(&mut keys, &mut Box::new_uninit_slice(n));
+        assert!(keys == expected, "{n} keys by 12 bits");
     }
 
     #[test]
@@ -191,7 +216,7 @@ mod tests {
     fn large_parts_are_dealt_once_more() {
         let keys: Vec<u64> = (0..50_000).map(|i| (5 << 21 | (i % 997) << 10) << 32 | i).collect();
         let mut dealt = Box::new_uninit_slice(keys.len());
-        let mut parts = |bits| deal_to_parts(&keys, &mut dealt, bits, 1000);
+        let mut parts = |bits| deal_to_parts::<DIGITS>(&keys, &mut dealt, bits, 1000);
         assert!(parts(u32::BITS).iter().any(|part| (part.keys, part.bits) == (keys.len(), 21)));
         let parts = parts(21);
         assert!(parts.len() > 50 && parts.iter().all(|part| part.keys <= 1000));

@@ -86,7 +86,11 @@ impl MortonOrder {
         // SAFETY: `encode` has written every key.
         unsafe { keys.set_len(len) };
         watch.lap("codes");
-        radix_sort::sort(&mut keys, huge_pages::lend(spare, len, "unsorted keys"));
+        let unsorted = huge_pages::lend(spare, len, "unsorted keys");
+        match bits {
+            SortBits::All => radix_sort::sort(&mut keys, unsorted),
+            SortBits::Highest => radix_sort::sort_by_highest_12_bits(&mut keys, unsorted),
+        }
         self.keys = keys;
         watch.lap("sort");
     }
