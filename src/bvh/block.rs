@@ -11,6 +11,12 @@ pub(super) fn transposed([a, b, c, d]: [Vec3A; 4]) -> [Vec4; 3] {
     [rows.x_axis, rows.y_axis, rows.z_axis]
 }
 
+/// The first `count` of `prims`, then `u32::MAX`: without a branch, which could not be predicted.
+#[inline(always)]
+pub(super) fn first_of(count: usize, prims: [u32; 4]) -> [u32; 4] {
+    std::array::from_fn(|lane| prims[lane] | u32::from(lane >= count).wrapping_neg())
+}
+
 /// Four triangles in structure-of-arrays form, ready for intersection: first corner and two edges.
 /// Unused lanes hold zeros (never hit) and id [`crate::geometry::Hit::NONE`]; used lanes come first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +38,7 @@ impl TriangleBlock {
         Self { v0: [[0.0; 4]; 3], e1: [[0.0; 4]; 3], e2: [[0.0; 4]; 3], prims: [u32::MAX; 4] };
 
     /// A block of the first `count` triangles, one to four, of `prims`, all of them triangles of `mesh`.
-    #[inline]
+    #[inline(always)]
     pub fn of_first(count: usize, prims: [u32; 4], mesh: &Mesh) -> Self {
         // Corners are fetched for all lanes: a branch on their number could not be foreseen.
         let [p, q, r, s] = prims;
@@ -46,13 +52,13 @@ impl TriangleBlock {
         let a = transposed([p[0], q[0], r[0], s[0]]);
         let b = transposed([p[1], q[1], r[1], s[1]]);
         let c = transposed([p[2], q[2], r[2], s[2]]);
-        let used = Vec4::new(0.0, 1.0, 2.0, 3.0).cmplt(Vec4::splat(count as f32));
+        let used = Vec4::new(0.0, 1.0, 2.0, 3.0).cmplt(Vec4::splat(count as u8 as f32));
         let lanes = |v: Vec4| Vec4::select(used, v, Vec4::ZERO).to_array();
         Self {
             v0: [lanes(a[0]), lanes(a[1]), lanes(a[2])],
             e1: [lanes(a[0] - b[0]), lanes(a[1] - b[1]), lanes(a[2] - b[2])],
             e2: [lanes(c[0] - a[0]), lanes(c[1] - a[1]), lanes(c[2] - a[2])],
-            prims: std::array::from_fn(|lane| if lane < count { prims[lane] } else { u32::MAX }),
+            prims: first_of(count, prims),
         }
     }
 

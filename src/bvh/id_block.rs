@@ -1,6 +1,7 @@
 //! Leaves of anything: four numbers of primitives, which the caller's own test takes up.
 
 use super::TriangleBlock;
+use super::block::first_of;
 use std::fmt::Debug;
 
 /// Up to four primitives of a leaf, used lanes first.
@@ -41,7 +42,7 @@ impl IdBlock {
     /// The first `count` of `prims`.
     #[inline]
     pub fn of_first(count: usize, prims: [u32; 4]) -> Self {
-        Self { prims: std::array::from_fn(|lane| if lane < count { prims[lane] } else { u32::MAX }) }
+        Self { prims: first_of(count, prims) }
     }
 }
 

@@ -66,7 +66,8 @@ impl<const N: usize, B> WideTreelet<N, B> {
     }
 
     /// Appends the block of a leaf of the first `count` primitives, one to four, of `prims`.
-    #[inline]
+    // Not inlined, so that it is made in place: callers of much else copy it.
+    #[inline(never)]
     pub fn block<G: Geometry<Block = B>>(&mut self, geometry: &G, count: usize, prims: [u32; 4]) -> Link {
         self.blocks.push(geometry.block(count, prims));
         Link::leaf(self.blocks.len() - 1, 1)
