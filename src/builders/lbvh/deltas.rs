@@ -38,12 +38,18 @@ impl Deltas {
         }
     }
 
-    /// The first references of one code, of which there are two or more, from `begin` on.
+    /// The first references of one code, of which there are three or more, from `begin` on.
     pub fn equal_codes(&self, begin: usize) -> Option<std::ops::Range<usize>> {
-        let deltas = &self.padded[PAD..];
-        let second = begin + deltas[begin..].iter().position(|&delta| delta == EQUAL)?;
+        const MANY: usize = 64;
+        let deltas = &self.padded[PAD + begin..];
+        // Few codes are that common: many deltas are passed over at once.
+        let pairs = deltas.chunks(MANY).zip(deltas[1..].chunks(MANY));
+        let least = |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).fold(END, |least, (a, b)| least.min(a | b));
+        let passed = MANY * pairs.take_while(|pairs| least(pairs) != EQUAL).count();
+        let second =
+            passed + deltas[passed.min(deltas.len())..].windows(2).position(|pair| pair == [EQUAL; 2])?;
         let others = deltas[second..].iter().take_while(|&&delta| delta == EQUAL).count();
-        Some(second - 1..second + others)
+        Some(begin + second - 1..begin + second + others)
     }
 
     /// Separates references of one code, partitioned by the middle `depth` times before, in front of `split`.

@@ -51,7 +51,7 @@ impl EqualCodes {
         let mut begin = 0;
         while let Some(equal) = deltas.equal_codes(begin) {
             begin = equal.end;
-            if equal.len() > leaf.max(2) as usize {
+            if equal.len() > leaf as usize {
                 for i in equal.clone() {
                     centers[i] = center2(i).extend(i as f32);
                 }
