@@ -42,18 +42,6 @@ pub(crate) trait BinarySource {
         Some([child(left), child(right)])
     }
 
-    /// Appends a leaf, unless it is finished.
-    #[inline(always)]
-    fn emit_leaf<G: Geometry, const N: usize>(
-        &self,
-        run: &NodeRun,
-        leaves: &Leaves<'_, G>,
-        treelet: &mut WideTreelet<N, G::Block>,
-    ) -> Subtree {
-        let finished = self.finished(run).map(|link| (run.node.bounds(), link));
-        finished.or_else(|| leaves.emit(self, run, treelet))
-    }
-
     /// Appends the wide nodes and leaf blocks of a subtree, as [`open_largest`] forms them. `None` if there are splits
     /// below `levels` others: the treelet is then to be rolled back. Counts binary splits.
     fn emit<G: Geometry, const N: usize>(
@@ -65,7 +53,8 @@ pub(crate) trait BinarySource {
         splits: &mut u64,
     ) -> Option<Subtree> {
         if kind != Kind::Inner {
-            return Some(self.emit_leaf(run, leaves, treelet));
+            let finished = self.finished(run).map(|link| (run.node.bounds(), link));
+            return Some(finished.or_else(|| leaves.emit(self, run, treelet)));
         }
         let mut children = ArrayVec::<OpenChild, N>::new();
         children.extend(self.open(run, levels, leaves.max_leaf)?);
@@ -83,12 +72,7 @@ pub(crate) trait BinarySource {
         )?;
         let mut built = ArrayVec::<(Aabb, Link), N>::new();
         for OpenChild { run, kind, levels, .. } in &children {
-            // Most are leaves, and need no call.
-            if *kind == Kind::Inner {
-                built.extend(self.emit((run, *kind), *levels, leaves, treelet, splits)?);
-            } else {
-                built.extend(self.emit_leaf(run, leaves, treelet));
-            }
+            built.extend(self.emit((run, *kind), *levels, leaves, treelet, splits)?);
         }
         *splits += children.len() as u64 - 1;
         Some(treelet.node(&built))
