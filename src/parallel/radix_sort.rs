@@ -13,6 +13,8 @@ use std::mem::MaybeUninit;
 
 const DIGIT_BITS: u32 = 11;
 const DIGITS: usize = 1 << DIGIT_BITS;
+/// Bits that the paper sorts by (4.7).
+pub(crate) const BUCKET_BITS: u32 = 12;
 /// Below this the standard library's sort wins.
 const SMALL: usize = 1 << 12;
 /// Most keys of a part, but for a digit that more of them share.
@@ -23,7 +25,6 @@ const BATCH: usize = 8;
 
 /// Sorts `keys` by their upper 32 bits, equal ones in their given order, in memory for as many that is lent.
 pub(crate) fn sort(keys: &mut [u64], spare: &mut [MaybeUninit<u64>]) {
-    assert_eq!(keys.len(), spare.len());
     if keys.len() < SMALL {
         keys.sort_by_key(|&key| key >> 32);
     } else {
@@ -32,12 +33,9 @@ pub(crate) fn sort(keys: &mut [u64], spare: &mut [MaybeUninit<u64>]) {
     }
 }
 
-/// Sorts `keys` by the highest 12 bits of their codes alone, in one pass, likewise.
-pub(crate) fn sort_by_highest_12_bits(keys: &mut [u64], spare: &mut [MaybeUninit<u64>]) {
-    assert_eq!(keys.len(), spare.len());
-    deal_to_parts::<{ 1 << 12 }>(keys, spare, u32::BITS, 0);
-    // SAFETY: all keys were dealt, each to a place of its own.
-    let dealt = unsafe { &*(std::ptr::from_mut(spare) as *const [u64]) };
+/// Sorts `keys` by the highest [`BUCKET_BITS`] of their codes alone, in one pass, likewise.
+pub(crate) fn bucket_sort(keys: &mut [u64], spare: &mut [MaybeUninit<u64>]) {
+    let (_, dealt) = deal_to_parts::<{ 1 << BUCKET_BITS }>(keys, spare, u32::BITS, 0);
     super::for_each(keys.par_chunks_mut(SMALL).zip(dealt.par_chunks(SMALL)), |(to, from)| {
         to.copy_from_slice(from)
     });
@@ -45,9 +43,7 @@ pub(crate) fn sort_by_highest_12_bits(keys: &mut [u64], spare: &mut [MaybeUninit
 
 /// Sorts `keys` by the lowest `bits` of their codes, the others of which are alike, in parts of at most `most` keys.
 fn sort_lowest(keys: &mut [u64], spare: &mut [MaybeUninit<u64>], bits: u32, most: usize) {
-    let parts = deal_to_parts::<DIGITS>(keys, spare, bits, most);
-    // SAFETY: all keys were dealt, each to a place of its own.
-    let dealt = unsafe { &mut *(std::ptr::from_mut(spare) as *mut [u64]) };
+    let (parts, dealt) = deal_to_parts::<DIGITS>(keys, spare, bits, most);
     let (mut keys, mut dealt) = (keys, dealt);
     let slices = parts.into_iter().map(|part| {
         let (to, keys_behind) = std::mem::take(&mut keys).split_at_mut(part.keys);
@@ -75,13 +71,14 @@ struct Part {
     bits: u32,
 }
 
-/// Writes `keys` to `dealt`, part by part: by the highest digit of the lowest `bits`, in order.
-fn deal_to_parts<const DIGITS: usize>(
+/// Copies `keys` part by part, by the highest digit of the lowest `bits`, in order, to memory for as many.
+fn deal_to_parts<'a, const DIGITS: usize>(
     keys: &[u64],
-    dealt: &mut [MaybeUninit<u64>],
+    memory: &'a mut [MaybeUninit<u64>],
     bits: u32,
     most: usize,
-) -> Vec<Part> {
+) -> (Vec<Part>, &'a mut [u64]) {
+    assert_eq!(keys.len(), memory.len());
     let chunk = keys.len().div_ceil(timeline::workers()).max(SMALL);
     let below = bits - DIGITS.ilog2();
     let digit = |key: u64| digit::<DIGITS>(key, 32 + below);
@@ -111,7 +108,7 @@ fn deal_to_parts<const DIGITS: usize>(
         own
     };
     let begins: Vec<Vec<u32>> = counts.iter().map(begin_chunk).collect();
-    let dealt = DisjointSlice::new(dealt);
+    let dealt = DisjointSlice::new(&mut *memory);
     super::for_each(keys.par_chunks(chunk).zip(begins), |(keys, mut next)| {
         deal(
             keys,
@@ -120,12 +117,13 @@ fn deal_to_parts<const DIGITS: usize>(
             |place, key| {
                 // SAFETY: a chunk begins in each part behind the keys that the chunks before it have there, and has as
                 // many places as keys: every key of every chunk has a place of its own below `keys.len()`, which is the
-                // length of `dealt`.
+                // length of `memory`.
                 unsafe { dealt.write(place, MaybeUninit::new(key)) }
             },
         );
     });
-    parts
+    // SAFETY: all keys were dealt, each to a place of its own.
+    (parts, unsafe { &mut *(std::ptr::from_mut(memory) as *mut [u64]) })
 }
 
 /// Sorts the keys of `from` likewise into `to`, by one thread; `from` is lost.
@@ -191,12 +189,12 @@ mod tests {
         sort(&mut keys, &mut Box::new_uninit_slice(n));
         assert!(keys == expected, "{n} keys");
 
-        let highest = |key: &u64| key >> 52;
+        let highest = |key: &u64| key >> (u64::BITS - BUCKET_BITS);
         keys.reverse();
         expected.reverse();
         expected.sort_by_key(highest);
-        sort_by_highest_12_bits(&mut keys, &mut Box::new_uninit_slice(n));
-        assert!(keys == expected, "{n} keys by 12 bits");
+        bucket_sort(&mut keys, &mut Box::new_uninit_slice(n));
+        assert!(keys == expected, "{n} keys in buckets");
     }
 
     #[test]
@@ -216,7 +214,7 @@ mod tests {
     fn large_parts_are_dealt_once_more() {
         let keys: Vec<u64> = (0..50_000).map(|i| (5 << 21 | (i % 997) << 10) << 32 | i).collect();
         let mut dealt = Box::new_uninit_slice(keys.len());
-        let mut parts = |bits| deal_to_parts::<DIGITS>(&keys, &mut dealt, bits, 1000);
+        let mut parts = |bits| deal_to_parts::<DIGITS>(&keys, &mut dealt, bits, 1000).0;
         assert!(parts(u32::BITS).iter().any(|part| (part.keys, part.bits) == (keys.len(), 21)));
         let parts = parts(21);
         assert!(parts.len() > 50 && parts.iter().all(|part| part.keys <= 1000));

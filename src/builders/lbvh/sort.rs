@@ -11,7 +11,7 @@ use crate::builders::prims::refs::{GRAIN, PrimInfo, PrimRefs};
 use crate::geometry::Aabb;
 use crate::memory::huge_pages;
 use crate::parallel;
-use crate::parallel::radix_sort;
+use crate::parallel::radix_sort::{self, BUCKET_BITS};
 use std::mem::MaybeUninit;
 use std::ops::Range;
 
@@ -30,7 +30,7 @@ impl SortBits {
     pub const fn mask(self) -> u32 {
         match self {
             Self::All => u32::MAX,
-            Self::Highest => u32::MAX << (u32::BITS - 12),
+            Self::Highest => u32::MAX << (u32::BITS - BUCKET_BITS),
         }
     }
 }
@@ -89,7 +89,7 @@ impl MortonOrder {
         let unsorted = huge_pages::lend(spare, len, "unsorted keys");
         match bits {
             SortBits::All => radix_sort::sort(&mut keys, unsorted),
-            SortBits::Highest => radix_sort::sort_by_highest_12_bits(&mut keys, unsorted),
+            SortBits::Highest => radix_sort::bucket_sort(&mut keys, unsorted),
         }
         self.keys = keys;
         watch.lap("sort");
