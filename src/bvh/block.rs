@@ -5,7 +5,7 @@ use glam::{Mat4, Vec3A, Vec4};
 
 /// The x, the y and the z of four points.
 #[inline(always)]
-pub(super) fn transposed([a, b, c, d]: [Vec3A; 4]) -> [Vec4; 3] {
+pub(crate) fn transposed([a, b, c, d]: [Vec3A; 4]) -> [Vec4; 3] {
     // Not by `map`, which is not always inlined.
     let rows = Mat4::from_cols(a.extend(0.0), b.extend(0.0), c.extend(0.0), d.extend(0.0)).transpose();
     [rows.x_axis, rows.y_axis, rows.z_axis]

@@ -14,6 +14,7 @@ mod validate;
 mod wide;
 
 pub use block::TriangleBlock;
+pub(crate) use block::transposed;
 pub use epo::epo;
 pub use id_block::{IdBlock, LeafBlock};
 pub use limits::{MAX_DEPTH, MAX_LEAF_BLOCKS};

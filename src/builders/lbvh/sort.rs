@@ -55,15 +55,17 @@ impl MortonOrder {
         watch: &mut Stopwatch,
     ) {
         debug_assert!(presplit.is_none() || prims == geometry.prims());
-        let mut info = PrimInfo::of(geometry, prims);
-        watch.lap("bounds");
         self.presplit.clear();
-        if let (Some(config), Some(mesh)) = (presplit, geometry.triangles()) {
-            self.presplit.split(mesh, info.bounds, config);
-            info = self.presplit.chunks.iter().fold(info, |info, chunk| info.union(chunk.info));
-            watch.lap("presplit");
-        }
-        self.info = Some(info);
+        let (Some(config), Some(mesh)) = (presplit, geometry.triangles()) else {
+            self.info = Some(PrimInfo::of(geometry, prims));
+            watch.lap("bounds");
+            return;
+        };
+        let info = self.presplit.find(mesh, config);
+        watch.lap("bounds");
+        self.presplit.split(mesh, info.bounds, config);
+        self.info = Some(self.presplit.chunks.iter().fold(info, |info, chunk| info.union(chunk.info)));
+        watch.lap("presplit");
     }
 
     /// Sorts the references of `prims`, which were taken up before, by these bits of their codes. The memory of

@@ -122,7 +122,8 @@ pub fn lbvh(mesh: &Mesh, config: &AuxiliaryConfig) -> Option<(Rc<Tree>, f32)> {
     let mut centers: Aabb = references.iter().fold(Aabb::EMPTY, |all, r| all.grow(r.bounds.center2()));
     let mut presplit = Presplit::default();
     if let Some(config) = &config.presplit {
-        presplit.split(mesh, mesh.bounds(), config);
+        let info = presplit.find(mesh, config);
+        presplit.split(mesh, info.bounds, config);
     }
     let mut is_split = vec![false; mesh.len()];
     for piece in presplit.fragments {

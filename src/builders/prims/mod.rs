@@ -6,3 +6,4 @@ pub(crate) mod geometry;
 pub(crate) mod needle;
 pub(crate) mod presplit;
 pub(crate) mod refs;
+pub(crate) mod thin;

@@ -9,6 +9,7 @@
 
 use crate::builders::prims::needle::{Needle, Splitter};
 use crate::builders::prims::refs::{Fragment, GRAIN, PrimInfo};
+use crate::builders::prims::thin::Thin;
 use crate::geometry::{Aabb, Mesh};
 use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
@@ -17,6 +18,9 @@ use crate::parallel::ordered_append::{self, Chunk, Offset};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
+
+/// Triangles of the sample that tells which boxes are too small to be split.
+const SAMPLE: usize = 256;
 
 /// Which triangles are presplit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +48,8 @@ pub(crate) struct Presplit {
     pub fragments: Vec<Fragment>,
     /// By [`GRAIN`] triangles; none where none is split.
     pub chunks: Vec<ChunkInfo>,
+    /// Thin triangles, some too small to be split, likewise.
+    thin: Vec<Vec<u32>>,
     pool: Pool<Pieces>,
 }
 
@@ -59,21 +65,38 @@ pub(crate) struct ChunkInfo {
 }
 
 impl Presplit {
-    /// Splits the needles of `mesh`, whose box is `scene`.
+    /// Finds the thin triangles of `mesh`; returns the bounds of all. One pass does both, though which of the thin are
+    /// large enough to be split is known after it: a sample of the scene tells of most that they are not.
+    pub fn find(&mut self, mesh: &Mesh, config: &PresplitConfig) -> PrimInfo {
+        let triangles = mesh.triangles();
+        let sample = triangles.iter().step_by(triangles.len().div_ceil(SAMPLE).max(1));
+        let bounds: Aabb = sample.map(|triangle| Aabb::of_triangle(mesh.corners_of(triangle))).collect();
+        let thin = Thin { min_area: bounds.half_area() * config.min_area, filled: config.filled };
+        let chunks = triangles.par_chunks(GRAIN).enumerate();
+        let found = parallel::map(chunks, |(chunk, triangles)| {
+            let mut found = Vec::new();
+            (thin.find(mesh, (chunk * GRAIN) as u32, triangles, &mut found), found)
+        });
+        let (infos, thin): (Vec<_>, _) = found.into_iter().unzip();
+        self.thin = thin;
+        infos.into_iter().fold(PrimInfo::EMPTY, PrimInfo::union)
+    }
+
+    /// Splits the needles among the thin triangles of `mesh` that were found; its box is `scene`.
     pub fn split(&mut self, mesh: &Mesh, scene: Aabb, config: &PresplitConfig) {
         self.clear();
+        let thin = std::mem::take(&mut self.thin);
         let min_area = scene.half_area() * config.min_area;
         let most_extra = (mesh.len() as f64 * f64::from(config.max_extra)) as u64;
         let extra = AtomicU64::new(0);
-        let chunks = mesh.triangles().par_chunks(GRAIN).enumerate();
-        let needles: Vec<Vec<Needle>> = parallel::map(chunks, |(chunk, triangles)| {
+        let needles: Vec<Vec<Needle>> = parallel::map(thin.into_par_iter(), |thin| {
             let mut needles = Vec::new();
             // Too many already: none will be split.
             if extra.load(Relaxed) > most_extra {
                 return needles;
             }
-            for (prim, triangle) in (chunk as u32 * GRAIN as u32..).zip(triangles) {
-                if let Some(needle) = Needle::of(mesh.corners_of(triangle), prim, min_area, config.filled) {
+            for prim in thin {
+                if let Some(needle) = Needle::of(mesh.corners(prim), prim, min_area, config.filled) {
                     huge_pages::push(&mut needles, needle, "needles");
                 }
             }
@@ -86,7 +109,7 @@ impl Presplit {
             return;
         }
         let splitter = Splitter::new(scene, min_area, config.filled);
-        let Self { fragments, chunks, pool } = self;
+        let Self { fragments, chunks, pool, .. } = self;
         huge_pages::reserve(fragments, count + extra as usize, "pieces of needles");
         huge_pages::reserve(chunks, needles.len(), "chunks of needles");
         ordered_append::append(needles.len(), pool, fragments, chunks, |i, pieces: &mut Pieces| {
@@ -150,7 +173,9 @@ mod tests {
 
     fn presplit_all(mesh: &Mesh, config: &PresplitConfig) -> Vec<Fragment> {
         let mut presplit = Presplit::default();
-        presplit.split(mesh, mesh.bounds(), config);
+        let info = presplit.find(mesh, config);
+        assert_eq!(info, PrimInfo::of(mesh, 0..mesh.len() as u32));
+        presplit.split(mesh, info.bounds, config);
         presplit.fragments
     }
 
