@@ -62,13 +62,18 @@ const DRAFT: [Constant<ClusteredPhrConfig>; 5] = [
     ("clusters.area", &[1.5e-2, 6e-2], |c, v| c.clusters.area = v),
 ];
 
-const TURBO: [Constant<ClusteredPhrConfig>; 6] = [
+fn needles(preset: &mut ClusteredPhrConfig) -> &mut PresplitConfig {
+    preset.presplit.as_mut().expect("a preset that presplits")
+}
+
+const TURBO: [Constant<ClusteredPhrConfig>; 7] = [
     ("alpha", &[0.4, 0.5], |c, v| c.alpha = v),
     ("delta", &[4.0, 6.0], |c, v| c.delta = v),
     ("max_cut", &[1024.0, 4096.0], |c, v| c.max_cut = v as usize),
     ("spatial_threshold", &[1.5e-2, 6e-2], |c, v| c.spatial_threshold = v),
     ("clusters.most", &[256.0, 1024.0], |c, v| c.clusters.most = v as u32),
     ("clusters.area", &[1.5e-3, 6e-3], |c, v| c.clusters.area = v),
+    ("presplit.min_area", &[1.0 / 16384.0, 1.0 / 4096.0], |c, v| needles(c).min_area = v),
 ];
 
 fn extensions(preset: &mut Cuts) -> &mut Extensions {

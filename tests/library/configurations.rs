@@ -65,12 +65,16 @@ fn costs(random: &mut SplitMix64) -> CollapseCosts {
     }
 }
 
-fn phr(random: &mut SplitMix64) -> PhrConfig {
-    let presplit = PresplitConfig {
+fn presplit(random: &mut SplitMix64) -> PresplitConfig {
+    PresplitConfig {
         filled: float(random, &[0.15, 0.5]),
         min_area: float(random, &[1e-4, 1e-6]),
         max_extra: float(random, &[0.25, 3.0]),
-    };
+    }
+}
+
+fn phr(random: &mut SplitMix64) -> PhrConfig {
+    let presplit = presplit(random);
     let clusters = Clusters { most: one(random, &[1, 32, 300]), area: float(random, &[1e-3, 1.0, 0.0]) };
     let local = LocalThreshold { references: one(random, &[0, 30, 1000]), area: float(random, &[1e-2, 1.0]) };
     let collapse = costs(random);
@@ -146,6 +150,10 @@ fn builder<const N: usize>(random: &mut SplitMix64) -> Result<Box<dyn Builder<N>
                 clusters: Clusters {
                     most: one(random, &[512, 1, 32, 4096, 0, 4097]),
                     area: float(random, &[1e-2, 1.0, 0.0]),
+                },
+                presplit: {
+                    let presplit = presplit(random);
+                    maybe(random, &[presplit])
                 },
             },
         )?),

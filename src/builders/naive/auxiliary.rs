@@ -48,6 +48,7 @@ impl Tree {
             Content::Leaf(references) => {
                 let mut prims: Vec<u32> = references.iter().map(|reference| reference.prim).collect();
                 prims.sort_unstable();
+                prims.dedup();
                 return Wide::Leaf(self.bounds, prims);
             }
             Content::Finished(tree) => return tree.widened(width),

@@ -91,14 +91,16 @@ const FAR_BEYOND: ClusteredPhrConfig = ClusteredPhrConfig {
     max_cut: 2048,
     spatial_threshold: 0.0,
     clusters: Clusters { most: 40, area: 0.3 },
+    presplit: None,
 };
 
-/// The presets; that; the same over single blocks; shorter cuts of small clusters; nearly nothing finished; no spatial
-/// splits.
-const CLUSTERED: [ClusteredPhrConfig; 7] = [
+/// The presets; that; the same over pieces of needles; over single blocks; shorter cuts of small clusters; nearly
+/// nothing finished; no spatial splits.
+const CLUSTERED: [ClusteredPhrConfig; 8] = [
     ClusteredPhrConfig::DRAFT,
     ClusteredPhrConfig::TURBO,
     FAR_BEYOND,
+    ClusteredPhrConfig { presplit: Some(PresplitConfig::NEEDLES), ..FAR_BEYOND },
     ClusteredPhrConfig { clusters: Clusters { most: 4, area: 2.0 }, ..FAR_BEYOND },
     ClusteredPhrConfig { max_cut: 64, clusters: Clusters { most: 40, area: 1e-3 }, ..FAR_BEYOND },
     ClusteredPhrConfig { clusters: Clusters { most: 4, area: 0.0 }, ..ClusteredPhrConfig::TURBO },

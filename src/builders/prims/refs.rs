@@ -52,8 +52,9 @@ impl<G: Geometry> PrimRefs<'_, G> {
         self.fragment(reference).map_or(reference, |fragment| fragment.prim)
     }
 
+    /// The piece of a triangle that it refers to, if it is no whole primitive.
     #[inline]
-    fn fragment(&self, reference: u32) -> Option<&Fragment> {
+    pub fn fragment(&self, reference: u32) -> Option<&Fragment> {
         // One comparison for nearly all references.
         (reference as usize).checked_sub(self.geometry.len()).map(|i| &self.fragments[i])
     }

@@ -8,6 +8,7 @@ use crate::builders::lbvh::key::{MortonKey, key_of, reference};
 use crate::builders::lbvh::top_tree::Treelet;
 use crate::builders::lbvh::treelet::LeafRule;
 use crate::builders::prims::geometry::Geometry;
+use crate::builders::prims::refs::PrimRefs;
 use crate::builders::wide::branchless::Slot;
 use crate::builders::wide::treelet::WideTreelet;
 use crate::bvh::Link;
@@ -52,21 +53,24 @@ impl Part {
 }
 
 impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
-    /// Builds the tree over the keys of a treelet, whole primitives of `geometry`. The code in the first key of each
-    /// leaf gives way to its link, relative to `wide`.
+    /// Builds the tree over the keys of a treelet. The code in the first key of each leaf gives way to its link,
+    /// relative to `wide`.
     pub fn build<G: Geometry<Item = I>>(
         &mut self,
         isa: Isa,
-        geometry: &G,
+        refs: &PrimRefs<'_, G>,
         Treelet { first, depth, keys }: Treelet<'_>,
         rule: LeafRule,
         wide: &mut WideTreelet<N, G::Block>,
     ) -> AboveClusters {
         let Self { direct, clusters, begins, copied_keys } = self;
         let is_compact = |bounds: Aabb| rule.is_compact(bounds);
-        direct.make_leaves(isa, geometry, (keys, depth), is_compact, &mut wide.blocks);
-        let DirectTreelet { deltas, equal_codes, leaves, slots, widen, .. } = direct;
-        equal_codes.reorder(keys, copied_keys);
+        direct.make_leaves(isa, refs, (keys, depth), is_compact, &mut wide.blocks);
+        direct.equal_codes.reorder(keys, copied_keys);
+        if !refs.fragments.is_empty() {
+            direct.fit_pieces(refs, keys, is_compact, &mut wide.blocks);
+        }
+        let DirectTreelet { deltas, leaves, slots, widen, .. } = direct;
         widen.pairs.clear();
         clusters.clear();
         begins.clear();

@@ -8,6 +8,7 @@ use crate::builders::lbvh::area_scale::AreaScale;
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::lbvh::config::AuxiliaryConfig;
 use crate::builders::lbvh::key::{MortonKey, code, key_of, reference};
+use crate::builders::lbvh::sort::SortBits;
 use crate::builders::lbvh::top_tree::top_tree;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::memory::{Finished, Memory};
@@ -32,7 +33,7 @@ impl<const N: usize, I: Default> Default for ClusterTreelets<N, I> {
 impl<const N: usize, I: Copy + Default + Send> ClusterTreelets<N, I> {
     /// Builds the LBVH of `geometry` in `auxiliary`, and the nodes and blocks of its leaves. In the first key of each
     /// leaf the code has given way to its link ([`link`](crate::builders::phr::clip::RefOrder::link)). The
-    /// configuration has neither presplit needles nor a bucket sort.
+    /// configuration has no bucket sort.
     pub fn build<G: Geometry<Item = I, Block: LeafBlock + Vectors>, S: Default>(
         &mut self,
         auxiliary: &mut Auxiliary,
@@ -42,12 +43,15 @@ impl<const N: usize, I: Copy + Default + Send> ClusterTreelets<N, I> {
         (isa, watch): (Isa, &mut Stopwatch),
     ) -> Finished<N, G::Block> {
         let Auxiliary { order, tree, scale, has_finished_leaves, .. } = auxiliary;
-        order.sort_all(geometry, memory.blocks(geometry.len()), watch);
+        let prims = geometry.prims();
+        order.presplit(geometry, prims.clone(), config.presplit.as_ref(), watch);
+        let references = geometry.len() + order.more();
+        order.sort(geometry, prims, SortBits::All, memory.blocks(references), watch);
         let mut keys = std::mem::take(&mut order.keys);
         let refs = order.refs(geometry);
         *scale = AreaScale::in_order(order.bounds(), &keys, &refs, config.calibration);
         *has_finished_leaves = true;
-        let (mut nodes, mut blocks) = memory.arrays(geometry.len());
+        let (mut nodes, mut blocks) = memory.arrays(references);
         tree.root = None;
         tree.pairs.clear();
         if !keys.is_empty() {
@@ -57,7 +61,7 @@ impl<const N: usize, I: Copy + Default + Send> ClusterTreelets<N, I> {
                 let mut treelet = self.0.take();
                 let task = tasks.take(i);
                 let len = task.keys.len();
-                let above = treelet.build(isa, geometry, task, rule, wide);
+                let above = treelet.build(isa, &refs, task, rule, wide);
                 self.0.put(treelet);
                 (above, len)
             };

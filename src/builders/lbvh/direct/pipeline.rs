@@ -73,7 +73,7 @@ impl<const N: usize, B: LeafBlock + Vectors, I: Copy + Default + Send> Lbvh<N, B
         let make = |i: usize, wide: &mut WideTreelet<N, B>| {
             let mut treelet = self.treelets.take();
             let Treelet { depth, keys, .. } = tasks.take(i);
-            let built = treelet.build(self.isa, geometry, keys, depth, wide);
+            let built = treelet.build(self.isa, refs, keys, depth, wide);
             self.treelets.put(treelet);
             built
         };

@@ -7,11 +7,13 @@ use crate::builders::lbvh::equal_codes::EqualCodes;
 use crate::builders::lbvh::key::{MortonKey, reference};
 use crate::builders::lbvh::prefetch;
 use crate::builders::prims::geometry::Geometry;
+use crate::builders::prims::refs::PrimRefs;
 use crate::builders::wide::branchless::{Slot, Widen};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
 use crate::bvh::limits::BLOCK;
 use crate::geometry::Aabb;
 use crate::simd::Isa;
+use arrayvec::ArrayVec;
 
 /// Memory of a task that builds one treelet.
 #[derive(Default)]
@@ -29,17 +31,16 @@ pub(crate) struct DirectTreelet<I, const N: usize> {
 }
 
 impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
-    /// Builds the subtree over `keys`, whole primitives of `geometry` that have been partitioned by the middle
-    /// `depth` times.
+    /// Builds the subtree over `keys`, whole primitives that have been partitioned by the middle `depth` times.
     pub fn build<G: Geometry<Item = I>>(
         &mut self,
         isa: Isa,
-        geometry: &G,
+        refs: &PrimRefs<'_, G>,
         keys: &[MortonKey],
         depth: u32,
         treelet: &mut WideTreelet<N, G::Block>,
     ) -> Subtree {
-        self.make_leaves(isa, geometry, (keys, depth), |_| true, &mut treelet.blocks);
+        self.make_leaves(isa, refs, (keys, depth), |_| true, &mut treelet.blocks);
         let Self { deltas, leaves, slots, widen, .. } = self;
         widen.pairs.clear();
         let leaves = slots.iter().zip(&*leaves).map(|(&slot, &begin)| (slot, deltas.before(begin as usize)));
@@ -56,29 +57,72 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
     }
 
     /// Makes the leaves over `keys`, likewise, and the blocks of those whose box `has_block`, the first of `blocks`.
+    /// Leaves with pieces of needles are made as if the needles were whole ([`Self::fit_pieces`]).
     pub fn make_leaves<G: Geometry<Item = I>>(
         &mut self,
         isa: Isa,
-        geometry: &G,
+        refs: &PrimRefs<'_, G>,
         (keys, depth): (&[MortonKey], u32),
         has_block: impl Fn(Aabb) -> bool,
         blocks: &mut Vec<G::Block>,
     ) {
         let Self { items, copied_items, deltas, equal_codes, leaves, slots, .. } = self;
+        let geometry = refs.geometry;
         items.clear();
         items.extend(keys.iter().enumerate().map(|(i, &key)| {
             prefetch::far_ahead(geometry, keys, i);
-            geometry.item(reference(key))
+            geometry.item(refs.prim(reference(key)))
         }));
         deltas.of_codes(keys);
-        equal_codes
-            .partition(deltas, keys.len(), [depth, BLOCK], |i| geometry.bounds_of_item(&items[i]).center2());
+        equal_codes.partition(deltas, keys.len(), [depth, BLOCK], |i| {
+            let whole = || geometry.bounds_of_item(&items[i]);
+            refs.fragment(reference(keys[i])).map_or_else(whole, |piece| piece.bounds).center2()
+        });
         equal_codes.reorder(items, copied_items);
         deltas.leaves(BLOCK, leaves);
         isa.run(
             #[inline(always)]
             || emit_leaves(geometry, items, leaves, has_block, (slots, blocks)),
         );
+    }
+
+    /// Gives leaves with pieces of needles, which were made as if the needles were whole, the boxes of the pieces; some
+    /// have a block then. A triangle is once in a block. The keys are in the order of the leaves.
+    pub fn fit_pieces<G: Geometry<Item = I>>(
+        &mut self,
+        refs: &PrimRefs<'_, G>,
+        keys: &[MortonKey],
+        has_block: impl Fn(Aabb) -> bool,
+        blocks: &mut Vec<G::Block>,
+    ) {
+        let Self { items, leaves, slots, .. } = self;
+        let piece = |i: usize| refs.fragment(reference(keys[i]));
+        for (slot, leaf) in slots.iter_mut().zip(leaves.windows(2)) {
+            let leaf = || leaf[0] as usize..leaf[1] as usize;
+            if leaf().all(|i| piece(i).is_none()) {
+                continue;
+            }
+            let bounds_of =
+                |i: usize| piece(i).map_or_else(|| refs.geometry.bounds_of_item(&items[i]), |p| p.bounds);
+            let bounds: Aabb = leaf().map(bounds_of).collect();
+            let mut prims = ArrayVec::<u32, { BLOCK as usize }>::new();
+            for prim in leaf().map(|i| refs.prim(reference(keys[i]))) {
+                if !prims.contains(&prim) {
+                    prims.push(prim);
+                }
+            }
+            *slot = if !has_block(bounds) {
+                Slot::bare(bounds)
+            } else if slot.is_bare() {
+                blocks.push(refs.geometry.block_of(&prims));
+                Slot::leaf(bounds, blocks.len() - 1)
+            } else {
+                if prims.len() < leaf().len() {
+                    blocks[slot.index()] = refs.geometry.block_of(&prims);
+                }
+                Slot::leaf(bounds, slot.index())
+            };
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! PHR over finished clusters: an LBVH is widened below compact clusters of some hundred triangles, or thousand, and
 //! cuts of what is above them are split and refined. That takes little longer than the LBVH alone, which is worst at
-//! the top.
+//! the top and where needles are.
 
 use crate::builders::api::builder::{Build, Builder, Stopwatch};
 use crate::builders::api::config_error::{ConfigError, check};
@@ -12,6 +12,7 @@ use crate::builders::phr::config::{Extensions, PhrConfig};
 use crate::builders::phr::memory::CutMemory;
 use crate::builders::phr::pipeline::begin;
 use crate::builders::prims::geometry::Geometry;
+use crate::builders::prims::presplit::PresplitConfig;
 use crate::builders::wide::build;
 use crate::bvh::limits::BLOCK;
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
@@ -34,6 +35,8 @@ pub struct ClusteredPhrConfig {
     /// Which subtrees of the LBVH are not opened: of at most so many triangles, and in a cube of at most this area. The
     /// longest edge counts, as a long cluster would reach far beyond the planes of spatial splits.
     pub clusters: Clusters,
+    /// As [`AuxiliaryConfig::presplit`]: pieces are put into clusters like triangles.
+    pub presplit: Option<PresplitConfig>,
 }
 
 impl ClusteredPhrConfig {
@@ -42,6 +45,7 @@ impl ClusteredPhrConfig {
         max_cut: 512,
         spatial_threshold: f32::INFINITY,
         clusters: Clusters { most: 4096, area: 3e-2 },
+        presplit: None,
         ..Self::TURBO
     };
 
@@ -52,6 +56,7 @@ impl ClusteredPhrConfig {
         max_cut: 2048,
         spatial_threshold: 3e-2,
         clusters: Clusters { most: 512, area: 3e-3 },
+        presplit: Some(PresplitConfig { min_area: 1.0 / (1 << 13) as f32, ..PresplitConfig::NEEDLES }),
     };
 
     /// The parameters that the recursion shares with PHR.
@@ -59,7 +64,7 @@ impl ClusteredPhrConfig {
     /// # Errors
     /// A parameter out of range.
     pub(crate) fn cuts(&self) -> Result<PhrConfig, ConfigError> {
-        let Self { alpha, delta, max_cut, spatial_threshold, clusters } = *self;
+        let Self { alpha, delta, max_cut, spatial_threshold, clusters, presplit } = *self;
         check("max_cut", max_cut, 1..=1 << 24)?;
         let speed = PhrConfig::SPEED.extensions;
         let calibration = speed.auxiliary.calibration;
@@ -75,6 +80,7 @@ impl ClusteredPhrConfig {
                 auxiliary: AuxiliaryConfig {
                     auxiliary_leaf,
                     clusters: Some(clusters),
+                    presplit,
                     calibration,
                     ..AuxiliaryConfig::PAPER
                 },

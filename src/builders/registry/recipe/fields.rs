@@ -1,6 +1,7 @@
 //! The fields of a configuration by name, as its JSON has them: `delta`, `presplit.filled`, `optimise.costs.leaf`.
 
 use crate::builders::phr::config::PhrConfig;
+use crate::builders::phr::extensions::clustered::ClusteredPhrConfig;
 use crate::builders::registry::Config;
 use serde_json::Value;
 
@@ -11,16 +12,17 @@ pub fn fields(config: &Config) -> Value {
 }
 
 /// The fields of a configuration with every extension on, which has all names that there are; what is off in the
-/// configuration has the value of `phr-quality`.
+/// configuration has the value of `phr-quality`, or of `phr-turbo` in one over clusters.
 pub fn with_everything_on(config: &Config) -> Value {
     let mut on = fields(config);
-    let phr = match config {
-        Config::Phr(_) => Some(&mut on),
-        Config::OptimisedPhr(_) => on.get_mut("phr"),
-        Config::Lbvh | Config::Aac(_) | Config::Ploc(_) | Config::Hunt(_) | Config::ClusteredPhr(_) => None,
+    let (phr, standard) = match config {
+        Config::Phr(_) => (Some(&mut on), Config::Phr(PhrConfig::QUALITY)),
+        Config::OptimisedPhr(_) => (on.get_mut("phr"), Config::Phr(PhrConfig::QUALITY)),
+        Config::ClusteredPhr(_) => (Some(&mut on), Config::ClusteredPhr(ClusteredPhrConfig::TURBO)),
+        Config::Lbvh | Config::Aac(_) | Config::Ploc(_) | Config::Hunt(_) => return on,
     };
     if let Some(phr) = phr {
-        fill(phr, &fields(&Config::Phr(PhrConfig::QUALITY)));
+        fill(phr, &fields(&standard));
     }
     on
 }
