@@ -66,7 +66,7 @@ fn needles(preset: &mut ClusteredPhrConfig) -> &mut PresplitConfig {
     preset.presplit.as_mut().expect("a preset that presplits")
 }
 
-const TURBO: [Constant<ClusteredPhrConfig>; 7] = [
+const TURBO: [Constant<ClusteredPhrConfig>; 8] = [
     ("alpha", &[0.4, 0.5], |c, v| c.alpha = v),
     ("delta", &[4.0, 6.0], |c, v| c.delta = v),
     ("max_cut", &[1024.0, 4096.0], |c, v| c.max_cut = v as usize),
@@ -74,6 +74,7 @@ const TURBO: [Constant<ClusteredPhrConfig>; 7] = [
     ("clusters.most", &[256.0, 1024.0], |c, v| c.clusters.most = v as u32),
     ("clusters.area", &[1.5e-3, 6e-3], |c, v| c.clusters.area = v),
     ("presplit.min_area", &[1.0 / 16384.0, 1.0 / 4096.0], |c, v| needles(c).min_area = v),
+    ("presplit.max_extra", &[0.03125, 0.125], |c, v| needles(c).max_extra = v),
 ];
 
 fn extensions(preset: &mut Cuts) -> &mut Extensions {

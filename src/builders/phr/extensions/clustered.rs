@@ -56,7 +56,12 @@ impl ClusteredPhrConfig {
         max_cut: 2048,
         spatial_threshold: 3e-2,
         clusters: Clusters { most: 512, area: 3e-3 },
-        presplit: Some(PresplitConfig { min_area: 1.0 / (1 << 13) as f32, ..PresplitConfig::NEEDLES }),
+        // Small needles end in clusters anyhow; of large ones there are few, unless the scene is of needles throughout.
+        presplit: Some(PresplitConfig {
+            min_area: 1.0 / (1 << 13) as f32,
+            max_extra: 0.0625,
+            ..PresplitConfig::NEEDLES
+        }),
     };
 
     /// The parameters that the recursion shares with PHR.
