@@ -99,3 +99,37 @@ impl FourBoxes {
         Aabb { min: corner(self.min.map(Vec4::min_element)), max: corner(self.max.map(Vec4::max_element)) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builders::prims::needle::Needle;
+    use crate::builders::testing::mesh;
+    use glam::Vec3;
+
+    #[test]
+    fn every_needle_is_found_and_hardly_another_triangle() {
+        for (n, scale) in [(1, 1.0), (2, 1.0), (3, 1.0), (4, 1e9), (1001, 1e-3), (1003, 5e17), (1002, 1e-15)]
+        {
+            let mesh = mesh(n, 7, |i, random| {
+                let [a, b] = [random.point(0.0, scale), random.point(0.0, scale)];
+                let width = scale * [0.0, 1e-4, 1e-2, 1.0][i % 4];
+                [a, b, a + width * Vec3::new(1.0, 0.5, 0.0)]
+            });
+            for (min_area, filled) in [(0.1 * scale * scale, 0.15), (0.0, 0.5), (0.0, 0.0)] {
+                let mut found = Vec::new();
+                let info = Thin { min_area, filled }.find(&mesh, 0, mesh.triangles(), &mut found);
+                assert_eq!(info, PrimInfo::of(&mesh, 0..n as u32));
+                let needles = |filled: f32| {
+                    let is_needle =
+                        |prim: &u32| Needle::of(mesh.corners(*prim), *prim, min_area, filled).is_some();
+                    (0..n as u32).filter(is_needle).collect::<Vec<u32>>()
+                };
+                assert!(found.is_sorted() && needles(filled).iter().all(|prim| found.contains(prim)));
+                // A thousandth above the share, and those without any area at all.
+                let most = needles(1.002 * filled + 1e-6).len();
+                assert!(found.len() <= most, "{n} of size {scale}: {} found, {most} needles", found.len());
+            }
+        }
+    }
+}
