@@ -271,7 +271,7 @@ test: packages
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --workspace --all-targets -- -D warnings
 	$(CARGO) clippy -p phr --lib --no-default-features -- -D warnings
-	$(CARGO) clippy -p phr -p embree-sys --lib --bins --no-default-features --features phr/harness -- -D warnings
+	$(CARGO) clippy -p phr -p embree-sys --lib --bins --examples --no-default-features --features phr/harness -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -p phr --lib --no-deps
 ifeq ($(NEXTEST),yes)
 	$(CARGO) nextest run --workspace --lib --tests
