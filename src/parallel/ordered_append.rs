@@ -115,7 +115,7 @@ pub(crate) fn append<C: Chunk, R: Send>(
         }
     };
     let threads = rayon::current_num_threads().min(tasks);
-    timeline::fork(|| rayon::scope(|scope| (0..threads).for_each(|_| scope.spawn(|_| work()))));
+    super::on_threads(threads, &work);
 
     let Links { tasks, end, .. } = chain.0.into_inner().expect("no task panics");
     let mut left_over = left_over.into_inner().expect("no task panics");

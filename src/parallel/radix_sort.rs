@@ -8,7 +8,6 @@
 
 use super::disjoint::DisjointSlice;
 use super::timeline;
-use rayon::prelude::*;
 use std::mem::MaybeUninit;
 
 const DIGIT_BITS: u32 = 11;
@@ -36,9 +35,7 @@ pub(crate) fn sort(keys: &mut [u64], spare: &mut [MaybeUninit<u64>]) {
 /// Sorts `keys` by the highest [`BUCKET_BITS`] of their codes alone, in one pass, likewise.
 pub(crate) fn bucket_sort(keys: &mut [u64], spare: &mut [MaybeUninit<u64>]) {
     let (_, dealt) = deal_to_parts::<{ 1 << BUCKET_BITS }>(keys, spare, u32::BITS, 0);
-    super::for_each(keys.par_chunks_mut(SMALL).zip(dealt.par_chunks(SMALL)), |(to, from)| {
-        to.copy_from_slice(from)
-    });
+    super::for_each(keys.chunks_mut(SMALL).zip(dealt.chunks(SMALL)), |(to, from)| to.copy_from_slice(from));
 }
 
 /// Sorts `keys` by the lowest `bits` of their codes, the others of which are alike, in parts of at most `most` keys.
@@ -51,7 +48,7 @@ fn sort_lowest(keys: &mut [u64], spare: &mut [MaybeUninit<u64>], bits: u32, most
         (keys, dealt) = (keys_behind, dealt_behind);
         (from, to, part.bits)
     });
-    super::for_each(slices.collect::<Vec<_>>(), |(from, to, bits)| {
+    super::for_each(slices, |(from, to, bits)| {
         // Threads share what is much larger, as all that is in one place of a large scene.
         if from.len() > 4 * most && bits > DIGIT_BITS {
             // SAFETY: nothing but keys is written to it.
@@ -82,7 +79,7 @@ fn deal_to_parts<'a, const DIGITS: usize>(
     let chunk = keys.len().div_ceil(timeline::workers()).max(SMALL);
     let below = bits - DIGITS.ilog2();
     let digit = |key: u64| digit::<DIGITS>(key, 32 + below);
-    let counts: Vec<[u32; DIGITS]> = super::map(keys.par_chunks(chunk), |keys| count(keys, digit));
+    let counts: Vec<[u32; DIGITS]> = super::map(keys.chunks(chunk), |keys| count(keys, digit));
     let mut totals = [0; DIGITS];
     for counts in &counts {
         totals.iter_mut().zip(counts).for_each(|(total, &count)| *total += count as usize);
@@ -109,7 +106,7 @@ fn deal_to_parts<'a, const DIGITS: usize>(
     };
     let begins: Vec<Vec<u32>> = counts.iter().map(begin_chunk).collect();
     let dealt = DisjointSlice::new(&mut *memory);
-    super::for_each(keys.par_chunks(chunk).zip(begins), |(keys, mut next)| {
+    super::for_each(keys.chunks(chunk).zip(begins), |(keys, mut next)| {
         deal(
             keys,
             &mut next,

@@ -1,6 +1,6 @@
 //! The upper part of a recursion, divided in parallel down to tasks that one thread each completes.
 
-use std::sync::Mutex;
+use super::slots::Slots;
 
 /// A tree over tasks of type `T`.
 pub(crate) enum TaskTree<T> {
@@ -17,9 +17,6 @@ pub(crate) enum Division<P, T = P> {
     /// It is divided into these.
     Parts(Vec<P>),
 }
-
-/// The tasks of a tree, each to be taken once.
-pub(crate) struct Tasks<T>(Vec<Mutex<Option<T>>>);
 
 impl<T> TaskTree<T> {
     /// As [`Self::grow`], on this thread alone: where a division takes less time than a thread to wake.
@@ -43,34 +40,22 @@ impl<T: Send> TaskTree<T> {
     }
 
     /// Moves the tasks to an array, depth first, and leaves their indices.
-    pub fn number(self) -> (TaskTree<usize>, Tasks<T>) {
+    pub fn number(self) -> (TaskTree<usize>, Slots<T>) {
         let mut tasks = Vec::new();
         let tree = self.number_into(&mut tasks);
-        (tree, Tasks(tasks))
+        (tree, tasks.into_iter().collect())
     }
 
-    fn number_into(self, tasks: &mut Vec<Mutex<Option<T>>>) -> TaskTree<usize> {
+    fn number_into(self, tasks: &mut Vec<T>) -> TaskTree<usize> {
         match self {
             Self::Task(task) => {
-                tasks.push(Mutex::new(Some(task)));
+                tasks.push(task);
                 TaskTree::Task(tasks.len() - 1)
             }
             Self::Node(parts) => {
                 TaskTree::Node(parts.into_iter().map(|part| part.number_into(tasks)).collect())
             }
         }
-    }
-}
-
-impl<T> Tasks<T> {
-    /// Number of tasks.
-    pub fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    /// Task `index`, which nobody has taken yet.
-    pub fn take(&self, index: usize) -> T {
-        self.0[index].lock().expect("no task panics").take().expect("each task is taken once")
     }
 }
 

@@ -7,7 +7,6 @@ use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::geometry::Aabb;
 use crate::parallel;
-use rayon::prelude::*;
 
 /// References of a part of a scene.
 pub(crate) const PART: usize = 2048;
@@ -42,7 +41,7 @@ impl AreaScale {
             let some = keys[first..first + PART].iter().step_by(STEP);
             some.map(|&key| refs.bounds(reference(key))).collect::<Aabb>().half_area()
         };
-        let mut measured: Vec<f32> = parallel::map((0..count).into_par_iter().with_min_len(16), area);
+        let mut measured: Vec<f32> = parallel::map(0..count, area);
         measured.sort_by(f32::total_cmp);
         let median = measured.get(count / 2).copied().unwrap_or(f32::INFINITY);
         Self { scene, scale: scene.min(median * parts) }

@@ -5,7 +5,8 @@ use super::partition::partition;
 use crate::builders::binary::tree::TREELET;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
-use crate::parallel::task_tree::{Division, TaskTree, Tasks};
+use crate::parallel::slots::Slots;
+use crate::parallel::task_tree::{Division, TaskTree};
 
 /// The keys of a treelet.
 pub(crate) struct Treelet<'a> {
@@ -23,7 +24,7 @@ pub(crate) fn top_tree<'a, G: Geometry>(
     refs: &PrimRefs<'_, G>,
     keys: &'a mut [MortonKey],
     depth: u32,
-) -> (TaskTree<usize>, Tasks<Treelet<'a>>) {
+) -> (TaskTree<usize>, Slots<Treelet<'a>>) {
     let divide = |Treelet { first, mut depth, keys }: Treelet<'a>| {
         if keys.len() <= TREELET {
             return Division::Task(Treelet { first, depth, keys });

@@ -3,7 +3,6 @@
 use super::tree::{ROOT, Tree};
 use crate::memory::huge_pages;
 use crate::parallel;
-use rayon::prelude::*;
 
 /// Pairs per task.
 const CHUNK: usize = 1 << 14;
@@ -24,15 +23,14 @@ impl Candidates {
     /// Finds the `wanted` nodes of `tree` of the highest promise among those not `tried`.
     pub fn find(&mut self, tree: &Tree, tried: &[bool], wanted: usize) {
         huge_pages::resize(&mut self.promises, tree.pairs.len(), [0; 2], "gains of nodes");
-        let histograms =
-            parallel::map(self.promises.par_chunks_mut(CHUNK).enumerate(), |(chunk, promises)| {
-                let mut histogram = vec![0u32; BUCKETS];
-                for (pair, promises) in (chunk * CHUNK..).zip(promises) {
-                    *promises = tree.promises(pair, tried);
-                    promises.iter().for_each(|&bucket| histogram[bucket as usize] += 1);
-                }
-                histogram
-            });
+        let histograms = parallel::map(self.promises.chunks_mut(CHUNK).enumerate(), |(chunk, promises)| {
+            let mut histogram = vec![0u32; BUCKETS];
+            for (pair, promises) in (chunk * CHUNK..).zip(promises) {
+                *promises = tree.promises(pair, tried);
+                promises.iter().for_each(|&bucket| histogram[bucket as usize] += 1);
+            }
+            histogram
+        });
         let mut histogram = vec![0; BUCKETS];
         for one in &histograms {
             histogram.iter_mut().zip(one).for_each(|(all, count)| *all += count);
@@ -44,7 +42,7 @@ impl Candidates {
             last -= 1;
         }
         let found: Vec<Vec<u32>> =
-            parallel::map(self.promises.par_chunks(CHUNK).enumerate(), |(chunk, promises)| {
+            parallel::map(self.promises.chunks(CHUNK).enumerate(), |(chunk, promises)| {
                 let indices = (2 * CHUNK * chunk) as u32..;
                 let found =
                     indices.zip(promises.iter().flatten()).filter(|(_, bucket)| **bucket as usize >= last);

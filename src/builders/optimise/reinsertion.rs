@@ -52,7 +52,7 @@ impl Reinsertion {
         self.candidates.find(tree, &self.tried, wanted);
         let nodes = &self.candidates.nodes;
         huge_pages::resize(&mut self.moves, nodes.len(), Move::default(), "moves of nodes");
-        let chunks = self.moves.par_chunks_mut(CHUNK).zip(nodes.par_chunks(CHUNK));
+        let chunks = self.moves.chunks_mut(CHUNK).zip(nodes.chunks(CHUNK));
         parallel::for_each(chunks, |(moves, nodes)| {
             let mut stack = Vec::new();
             for (to, &node) in moves.iter_mut().zip(nodes) {

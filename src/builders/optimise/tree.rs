@@ -4,7 +4,6 @@ use crate::builders::binary::tagged::TaggedBox;
 use crate::geometry::Aabb;
 use crate::memory::huge_pages;
 use crate::parallel;
-use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -125,7 +124,7 @@ impl Tree {
         self.pairs[0].0[0] = root;
         let Self { pairs, parents, .. } = self;
         // Every pair but the first has one parent.
-        parallel::for_each(pairs.par_chunks(CHUNK).enumerate(), |(chunk, pairs)| {
+        parallel::for_each(pairs.chunks(CHUNK).enumerate(), |(chunk, pairs)| {
             for (index, node) in (2 * CHUNK * chunk..).zip(pairs.iter().flat_map(|pair| &pair.0)) {
                 if let Some(pair) = node.pair() {
                     parents[pair].store(index as u32, Relaxed);

@@ -10,7 +10,6 @@ use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
 use crate::memory::huge_pages;
 use crate::parallel;
-use rayon::prelude::*;
 
 /// The initial cut below `root` in the order of the tree: nodes of an area of more than `threshold` are opened, the
 /// largest first and of equal ones the first, while there are fewer than `max_len`. A lone root is opened whatever its
@@ -92,7 +91,7 @@ struct OpenedCut {
 impl OpenedCut {
     /// Opens nodes, and nodes below them, as long as `is_opened` says so of their half areas.
     fn of(tree: &BinaryTree, cut: &[Node], is_opened: impl Fn(f32) -> bool + Sync) -> Self {
-        let chunks = parallel::map(cut.par_chunks(CHUNK), |chunk| {
+        let chunks = parallel::map(cut.chunks(CHUNK), |chunk| {
             let mut opened = Self::default();
             opened.open(tree, chunk, &is_opened);
             opened

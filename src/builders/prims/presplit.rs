@@ -15,7 +15,6 @@ use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
 use crate::parallel;
 use crate::parallel::ordered_append::{self, Chunk, Offset};
-use rayon::prelude::*;
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -72,7 +71,7 @@ impl Presplit {
         let sample = triangles.iter().step_by(triangles.len().div_ceil(SAMPLE).max(1));
         let bounds: Aabb = sample.map(|triangle| Aabb::of_triangle(mesh.corners_of(triangle))).collect();
         let thin = Thin { min_area: bounds.half_area() * config.min_area, filled: config.filled };
-        let chunks = triangles.par_chunks(GRAIN).enumerate();
+        let chunks = triangles.chunks(GRAIN).enumerate();
         let found = parallel::map(chunks, |(chunk, triangles)| {
             let mut found = Vec::new();
             (thin.find(mesh, (chunk * GRAIN) as u32, triangles, &mut found), found)
@@ -89,7 +88,7 @@ impl Presplit {
         let min_area = scene.half_area() * config.min_area;
         let most_extra = (mesh.len() as f64 * f64::from(config.max_extra)) as u64;
         let extra = AtomicU64::new(0);
-        let needles: Vec<Vec<Needle>> = parallel::map(thin.into_par_iter(), |thin| {
+        let needles: Vec<Vec<Needle>> = parallel::map(thin, |thin| {
             let mut needles = Vec::new();
             // Too many already: none will be split.
             if extra.load(Relaxed) > most_extra {

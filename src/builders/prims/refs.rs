@@ -4,7 +4,6 @@
 use super::geometry::Geometry;
 use crate::geometry::{Aabb, Mesh};
 use crate::parallel;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// References per task of a parallel pass over all of them.
@@ -76,7 +75,7 @@ impl PrimInfo {
     /// Of some primitives of `geometry`.
     pub fn of(geometry: &impl Geometry, prims: Range<u32>) -> Self {
         let (first, end) = (prims.start as usize, prims.end as usize);
-        let parts = parallel::map((0..(end - first).div_ceil(GRAIN)).into_par_iter(), |task| {
+        let parts = parallel::map(0..(end - first).div_ceil(GRAIN), |task| {
             let begin = first + task * GRAIN;
             let (mut bounds, mut centers) = (Aabb::EMPTY, Aabb::EMPTY);
             geometry.for_each(begin..end.min(begin + GRAIN), |b| {

@@ -10,7 +10,6 @@ use crate::geometry::{Aabb, Mesh};
 use crate::memory::{OutOfMemory, huge_pages, told};
 use crate::parallel;
 use glam::Vec3A;
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
 /// Nodes or blocks of one task.
@@ -54,7 +53,7 @@ impl<const N: usize> WideBvh<N> {
     }
 
     fn fit(&mut self, mesh: &Mesh) -> Result<(), RefitError> {
-        let (last, gaps): (Vec<_>, Vec<_>) = parallel::map(self.blocks.par_chunks(GRAIN), |blocks| {
+        let (last, gaps): (Vec<_>, Vec<_>) = parallel::map(self.blocks.chunks(GRAIN), |blocks| {
             (
                 blocks.iter().flat_map(TriangleBlock::ids).max(),
                 blocks.iter().position(TriangleBlock::is_gapped),
@@ -76,13 +75,13 @@ impl<const N: usize> WideBvh<N> {
         let mut of_nodes: Vec<NodeBox> = Vec::new();
         huge_pages::reserve(&mut of_nodes, self.nodes.len(), "boxes of nodes");
         of_nodes.resize_with(self.nodes.len(), NodeBox::default);
-        let chunks = self.blocks.par_chunks_mut(GRAIN).zip(of_blocks.par_chunks_mut(GRAIN));
+        let chunks = self.blocks.chunks_mut(GRAIN).zip(of_blocks.chunks_mut(GRAIN));
         parallel::for_each(chunks, |(blocks, boxes)| {
             blocks.iter_mut().zip(boxes).for_each(|(block, bounds)| *bounds = refill(block, mesh));
         });
         let boxes = FittedBoxes { of_nodes: &of_nodes, of_blocks: &of_blocks };
         self.bounds = boxes.gather(&self.nodes, self.root, 0)?;
-        let chunks = self.nodes.par_chunks_mut(GRAIN).zip(of_nodes.par_chunks(GRAIN));
+        let chunks = self.nodes.chunks_mut(GRAIN).zip(of_nodes.chunks(GRAIN));
         parallel::for_each(chunks, |(nodes, places)| {
             // Nothing is known of what nodes that are never reached lead to.
             let reached = nodes.iter_mut().zip(places).filter(|(_, place)| place.is_reached.load(Relaxed));

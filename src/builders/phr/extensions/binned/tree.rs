@@ -91,5 +91,5 @@ fn split(config: &BinnedSahConfig, items: &mut [Item]) -> Option<usize> {
 
 /// What `f` makes of parts of the items, in order.
 fn in_parts<R: Send>(items: &[Item], f: impl Fn(&[Item]) -> R + Sync + Send) -> Vec<R> {
-    if items.len() <= GRAIN { vec![f(items)] } else { parallel::map(items.par_chunks(GRAIN), f) }
+    if items.len() <= GRAIN { vec![f(items)] } else { parallel::map(items.chunks(GRAIN), f) }
 }
