@@ -42,7 +42,7 @@ pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnc
 }
 
 // Rayon's code for a closure takes ten kilobytes. It is made for those below alone, which call what they are given, not
-// for each use at each width: the crate compiles in four fifths of the time.
+// for each use at each width: a release build of `phr` takes a tenth less.
 
 /// Calls `f` with each number below `count`.
 fn each_below(count: usize, f: &(dyn Fn(usize) + Sync)) {
