@@ -5,6 +5,7 @@ use crate::builders::prims::geometry::Geometry;
 use crate::bvh::{TriangleBlock, WideBvh};
 use crate::geometry::Mesh;
 use crate::memory::{self, OutOfMemory};
+use crate::parallel::awake::Awake;
 use crate::parallel::timeline;
 use std::time::{Duration, Instant};
 
@@ -85,9 +86,10 @@ impl<const N: usize, B> Build<N, B> {
     }
 }
 
-/// Times consecutive phases.
+/// Times consecutive phases, through which threads stay awake.
 #[derive(Debug)]
 pub(crate) struct Stopwatch {
+    _awake: Awake,
     last: Instant,
     /// The phases so far.
     pub phases: Vec<Phase>,
@@ -96,7 +98,8 @@ pub(crate) struct Stopwatch {
 impl Stopwatch {
     /// Starts the clock.
     pub fn start() -> Self {
-        Self { last: Instant::now(), phases: Vec::new() }
+        let last = Instant::now();
+        Self { _awake: Awake::begin(), last, phases: Vec::new() }
     }
 
     /// Ends a phase.

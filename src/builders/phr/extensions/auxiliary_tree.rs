@@ -147,7 +147,9 @@ mod tests {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let mut auxiliary = Auxiliary::default();
                 let part = (&mesh, 0..mesh.len() as u32);
-                pool.install(|| auxiliary_tree.build(&mut auxiliary, part, &AuxiliaryConfig::PAPER, isa));
+                pool.install(|| {
+                    drop(auxiliary_tree.build(&mut auxiliary, part, &AuxiliaryConfig::PAPER, isa))
+                });
                 let pairs = auxiliary.tree.pairs.as_flattened().iter();
                 let bits = |node: &Node| node.corners().map(|corner| corner.map(f32::to_bits));
                 (auxiliary.order.keys.clone(), pairs.map(bits).collect::<Vec<_>>())
