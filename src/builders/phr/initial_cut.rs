@@ -34,7 +34,7 @@ pub(crate) fn by_definition<T>(
 }
 
 /// Nodes opened by one task.
-const CHUNK: usize = 1 << 10;
+const CHUNK: usize = 1 << 7;
 
 /// The same of a tree by half areas, as `by_definition` has it.
 pub(crate) fn initial_cut(tree: &BinaryTree, root: Node, threshold: f32, max_len: usize) -> Vec<Node> {
