@@ -4,22 +4,15 @@ use super::chart::{GREY, INK, SMALL, sheet};
 use super::raster::text_width;
 use super::svg::{Anchor, Shape};
 use super::ticks::ticks;
-use crate::bench::rounds::paired;
 use crate::bench::row::Row;
-use crate::report::figures::interval::{Interval, Noise, SceneRatio};
+use crate::report::figures::interval::Interval;
 use crate::report::figures::{Tree, scenes, tree_name, trees};
-use crate::report::means::Ratios;
+use crate::report::speedup::{Mean, Speedup, means, speedups};
 
 const LENGTH: f64 = 620.0;
 const LINE: f64 = 30.0;
 const TOP: f64 = 84.0;
 const COLOUR: &str = "#0072b2";
-
-/// The speedup of a tree's builds in a scene.
-struct Speedup {
-    threads: u32,
-    ratio: SceneRatio,
-}
 
 /// The figure; `None` unless some builds were timed on one thread and on several.
 pub fn threads(rows: &[Row]) -> Option<String> {
@@ -80,58 +73,6 @@ pub fn threads(rows: &[Row]) -> Option<String> {
     Some(svg.finish())
 }
 
-/// The geometric mean of the speedups by a number of threads.
-struct Mean {
-    value: f64,
-    /// `None` where too little is known.
-    interval: Option<Interval>,
-}
-
-fn means(speedups: &[Speedup], counts: &[u32]) -> Vec<Mean> {
-    let mean = |&count: &u32| {
-        let of_count = speedups.iter().filter(|speedup| speedup.threads == count);
-        let ratios = Ratios(of_count.map(|speedup| speedup.ratio.clone()).collect());
-        let interval = ratios.interval(ratios.over()).filter(|interval| interval.high.is_finite());
-        Some(Mean { value: ratios.geometric()?, interval })
-    };
-    counts.iter().filter_map(mean).collect()
-}
-
-/// The speedups of a tree, scene by scene, by more threads than one.
-fn speedups(rows: &[Row], tree: Tree<'_>) -> Vec<Speedup> {
-    let is_of_tree = |row: &&Row| {
-        (row.builder.as_str(), row.width) == tree && row.is_total() && row.is_compared() && row.is_good()
-    };
-    let mut all = Vec::new();
-    for scene in scenes(rows) {
-        let of_scene = rows.iter().filter(is_of_tree).filter(|row| row.scene == scene);
-        // A tree has a row for each kernel, all with the same builds.
-        let mut builds: Vec<&Row> = of_scene.filter(|row| row.build_ms().is_some()).collect();
-        builds.sort_by_key(|row| row.threads);
-        builds.dedup_by_key(|row| row.threads);
-        if let Some((alone, several)) = builds.split_first().filter(|(alone, _)| alone.threads == 1) {
-            all.extend(several.iter().filter_map(|several| speedup(alone, several)));
-        }
-    }
-    all
-}
-
-/// How many times as fast as `alone` the builds of `several` threads are; both are timed in each round of a run.
-fn speedup(alone: &Row, several: &Row) -> Option<Speedup> {
-    // A time of zero has no place on a logarithmic axis.
-    let build = |row: &Row| row.build_ms().filter(|ms| ms.median > 0.0 && ms.median.is_finite());
-    let (one, more) = (build(alone)?, build(several)?);
-    let pairs = match alone.run_id == several.run_id {
-        true => paired(&alone.by_round.build, &several.by_round.build),
-        false => Vec::new(),
-    };
-    let (value, noise) = (one.median / more.median, Noise::of(&one, &more, pairs));
-    Some(Speedup {
-        threads: several.threads,
-        ratio: SceneRatio { scene: several.scene.clone(), value, noise },
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,37 +82,24 @@ mod tests {
     fn builds_on_one_thread_are_set_beside_those_on_more() {
         let row = |threads, ms| Row { threads, ..Row::by_hand("lbvh", 4, "none", ms, 1.0) };
         assert!(threads(&[row(2, 10.0)]).is_none());
-        let rows = [row(2, 10.0), row(1, 18.0), row(4, 6.0), row(4, 6.0)];
-        let told: Vec<(u32, f64)> =
-            speedups(&rows, ("lbvh", 4)).iter().map(|it| (it.threads, it.ratio.value)).collect();
-        assert_eq!(told, [(2, 1.8), (4, 3.0)]);
         assert!(threads(&[row(1, 18.0), row(2, 0.0)]).is_none(), "a time of zero");
-        let svg = threads(&rows).unwrap();
+        let svg = threads(&[row(2, 10.0), row(1, 18.0), row(4, 6.0), row(4, 6.0)]).unwrap();
         assert!(svg.contains("on 2, 4 threads") && svg.contains(">lbvh<"), "{svg}");
     }
 
     #[test]
-    fn means_have_intervals_over_scenes_and_paired_rounds() {
+    fn means_are_drawn_with_their_intervals() {
         let row = |scene: &str, threads, times: [f64; 3]| {
-            let build = (0..).zip(times).collect();
-            let by_round = RowRounds { build, ..RowRounds::default() };
+            let by_round = RowRounds { build: (0..).zip(times).collect(), ..RowRounds::default() };
             let scene = scene.into();
             Row { scene, threads, by_round, ..Row::by_hand("lbvh", 4, "none", times[1], 1.0) }
         };
-        // Drift from round to round hits both.
         let rows = [
             row("a", 1, [9.0, 18.0, 36.0]),
             row("a", 2, [5.0, 10.0, 20.0]),
             row("b", 1, [8.0, 16.0, 32.0]),
             row("b", 2, [5.0, 10.0, 20.0]),
         ];
-        let both = speedups(&rows, ("lbvh", 4));
-        let mean = |speedups: &[Speedup]| means(speedups, &[2]).remove(0);
-        let Mean { value, interval } = mean(&both[..1]);
-        let Interval { low, high } = interval.unwrap();
-        assert!((value - 1.8).abs() < 1e-9 && (low - 1.8).abs() < 1e-9 && (high - 1.8).abs() < 1e-9);
-        let Interval { low, high } = mean(&both).interval.unwrap();
-        assert!(low < 1.65 && 1.75 < high, "{low} {high}");
         let svg = threads(&rows).unwrap();
         assert!(svg.contains("with its 95 % interval (blue)"), "{svg}");
         assert_eq!(svg.matches("stroke-width=\"2.5\"").count(), 1, "{svg}");

@@ -22,11 +22,11 @@ use crate::report::summary::{spread, summary};
 use crate::report::table::details;
 use crate::report::table::table1::table1;
 use crate::report::table::{document_under, heading, remarks};
-use crate::report::{self, targets};
+use crate::report::{self, speedup, targets};
 use std::path::Path;
 
 /// The kinds of markers, each with the words that follow; `...` stands for more of the last.
-pub(super) const KINDS: [(&str, &str); 25] = [
+pub(super) const KINDS: [(&str, &str); 26] = [
     ("table", "RESULTS"),
     ("table1", "RESULTS"),
     ("means", "RESULTS"),
@@ -47,6 +47,7 @@ pub(super) const KINDS: [(&str, &str); 25] = [
     ("kernel-targets", "RESULTS"),
     ("leaks", "RESULTS"),
     ("scaling", "RESULTS"),
+    ("speedups", "RESULTS"),
     ("turns", "RESULTS"),
     ("findings", "EXPERIMENT"),
     ("advice", "RESULTS..."),
@@ -54,7 +55,7 @@ pub(super) const KINDS: [(&str, &str); 25] = [
     ("tuned", "SEARCHES"),
 ];
 /// Kinds with fixed kernels, which take no `--kernel`.
-const OF_FIXED_KERNELS: [&str; 16] = [
+const OF_FIXED_KERNELS: [&str; 17] = [
     "targets",
     "bars",
     "growth",
@@ -66,6 +67,7 @@ const OF_FIXED_KERNELS: [&str; 16] = [
     "kernel-targets",
     "leaks",
     "scaling",
+    "speedups",
     "turns",
     "findings",
     "advice",
@@ -219,6 +221,13 @@ impl<'a> Marker<'a> {
             }
             "holdout" => holdout(&rows, &read(self.words[1])?, &under),
             "assertions" => assertions(&rows, &read(self.words[1])?, &read(self.words[2])?),
+            "speedups" => match speedup::table(&rows) {
+                table if table.is_empty() => {
+                    return Err(self
+                        .wrong("no builds on one thread; run `phr bench --build-only --one-thread`".into()));
+                }
+                table => table,
+            },
             "fronts" => fronts(&[("open", &rows), ("withheld", &read(self.words[1])?)]),
             _ => document_under(&rows, is_complete, &under),
         })

@@ -79,6 +79,7 @@ fn every_column_and_marker_is_described() {
         "kernel-targets",
         "leaks",
         "scaling",
+        "speedups",
         "advice",
     ];
     for marker in markers {
