@@ -23,7 +23,6 @@ pub mod page;
 pub mod paper;
 pub mod plot;
 pub mod readme;
-pub mod speedup;
 pub mod table;
 pub mod targets;
 pub mod verdict;

@@ -5,9 +5,9 @@ use super::raster::text_width;
 use super::svg::{Anchor, Shape};
 use super::ticks::ticks;
 use crate::bench::row::Row;
+use crate::report::evidence::speedups::{Mean, Speedup, means, speedups};
 use crate::report::figures::interval::Interval;
 use crate::report::figures::{Tree, scenes, tree_name, trees};
-use crate::report::speedup::{Mean, Speedup, means, speedups};
 
 const LENGTH: f64 = 620.0;
 const LINE: f64 = 30.0;

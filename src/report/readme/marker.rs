@@ -15,6 +15,7 @@ use crate::report::evidence::assertions::assertions;
 use crate::report::evidence::constants::constants;
 use crate::report::evidence::fronts::fronts;
 use crate::report::evidence::holdout::holdout;
+use crate::report::evidence::speedups;
 use crate::report::figures::{Figure, Under, scenes, tree_named};
 use crate::report::kernels::{leaks_table, page, summary as kernel_targets};
 use crate::report::means::{Ratios, means};
@@ -22,7 +23,7 @@ use crate::report::summary::{spread, summary};
 use crate::report::table::details;
 use crate::report::table::table1::table1;
 use crate::report::table::{document_under, heading, remarks};
-use crate::report::{self, speedup, targets};
+use crate::report::{self, targets};
 use std::path::Path;
 
 /// The kinds of markers, each with the words that follow; `...` stands for more of the last.
@@ -221,7 +222,7 @@ impl<'a> Marker<'a> {
             }
             "holdout" => holdout(&rows, &read(self.words[1])?, &under),
             "assertions" => assertions(&rows, &read(self.words[1])?, &read(self.words[2])?),
-            "speedups" => match speedup::table(&rows) {
+            "speedups" => match speedups::table(&rows) {
                 table if table.is_empty() => {
                     return Err(self
                         .wrong("no builds on one thread; run `phr bench --build-only --one-thread`".into()));
