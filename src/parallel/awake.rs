@@ -18,6 +18,8 @@ use std::time::{Duration, Instant};
 
 /// How long a thread looks for work in vain: longer than most steps that one thread makes alone.
 const PATIENCE: Duration = Duration::from_millis(1);
+/// Builds over fewer primitives take less time than it takes to wake all threads.
+const FEW: usize = 1 << 14;
 /// Pauses of the processor between two looks for work: no more than some microseconds, in which the core's other thread
 /// has the core to itself.
 const PAUSES: usize = 32;
@@ -59,10 +61,11 @@ pub(crate) struct Awake {
 }
 
 impl Awake {
-    pub fn begin() -> Self {
+    /// Of a build over so many primitives.
+    pub fn begin(primitives: usize) -> Self {
         let is_over = Arc::new(AtomicBool::new(false));
         // One within another build, as of a test's, has threads that are awake.
-        if rayon::current_num_threads() > 1 && !AtWork::is_here() {
+        if primitives >= FEW && rayon::current_num_threads() > 1 && !AtWork::is_here() {
             let is_over = Arc::clone(&is_over);
             rayon::spawn_broadcast(move |_| {
                 if !AtWork::is_here() {
@@ -103,7 +106,7 @@ mod tests {
     #[test]
     fn builds_at_once_in_one_pool_end() {
         fn build(depth: usize) -> usize {
-            let _awake = Awake::begin();
+            let _awake = Awake::begin(FEW);
             for_each(0..3, |_| std::hint::black_box(()));
             if depth == 0 {
                 return 1;
@@ -126,7 +129,7 @@ mod tests {
     fn a_build_that_panics_is_over() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
         let build = |fails: bool| {
-            let _awake = Awake::begin();
+            let _awake = Awake::begin(FEW);
             for_each(0..4, |i| assert!(!fails || i != 2, "failed"));
         };
         let failed = pool.install(|| std::panic::catch_unwind(|| build(true)));

@@ -96,10 +96,10 @@ pub(crate) struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Starts the clock.
-    pub fn start() -> Self {
+    /// Starts the clock for a build over so many primitives.
+    pub fn start(primitives: usize) -> Self {
         let last = Instant::now();
-        Self { _awake: Awake::begin(), last, phases: Vec::new() }
+        Self { _awake: Awake::begin(primitives), last, phases: Vec::new() }
     }
 
     /// Ends a phase.

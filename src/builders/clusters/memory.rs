@@ -36,7 +36,7 @@ impl<const N: usize, B> ClusterMemory<N, B> {
         cluster: impl FnOnce(&PrimRefs<'_, G>, &mut [MortonKey], &mut Vec<[Node; 2]>) -> Option<Node>,
     ) -> Build<N, B> {
         let Self { order, tree, wide } = self;
-        let mut watch = Stopwatch::start();
+        let mut watch = Stopwatch::start(geometry.len());
         order.sort_all(geometry, wide.blocks(geometry.len()), &mut watch);
         let mut keys = std::mem::take(&mut order.keys);
         let refs = order.refs(geometry);

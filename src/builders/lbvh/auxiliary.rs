@@ -38,7 +38,7 @@ pub(crate) struct Auxiliary {
 impl Auxiliary {
     /// Builds the LBVH of `geometry`; the stopwatch goes on.
     pub fn build<G: Geometry>(&mut self, geometry: &G, config: &AuxiliaryConfig) -> Stopwatch {
-        let mut watch = Stopwatch::start();
+        let mut watch = Stopwatch::start(geometry.len());
         self.sort(geometry, geometry.prims(), config, &mut watch);
         self.grow_lbvh(geometry, config, &mut watch);
         watch

@@ -16,7 +16,7 @@ impl Auxiliary {
     /// # Errors
     /// A mesh of another number of triangles, and presplit needles.
     pub fn refit(&mut self, mesh: &Mesh, config: &AuxiliaryConfig) -> Result<Stopwatch, RefitError> {
-        let mut watch = Stopwatch::start();
+        let mut watch = Stopwatch::start(mesh.len());
         let Self { order, tree, scale, .. } = self;
         let refs = order.refs(mesh);
         if !refs.fragments.is_empty() {

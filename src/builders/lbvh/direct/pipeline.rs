@@ -43,7 +43,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Lbvh<N, G::Block, G::Item> {
     }
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
-        let mut watch = Stopwatch::start();
+        let mut watch = Stopwatch::start(geometry.len());
         self.order.sort_all(geometry, self.memory.blocks(geometry.len()), &mut watch);
         let mut keys = std::mem::take(&mut self.order.keys);
         let tree = if keys.is_empty() { WideBvh::default() } else { self.tree(geometry, &mut keys) };

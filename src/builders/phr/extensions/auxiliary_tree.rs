@@ -57,7 +57,7 @@ impl AuxiliaryTree {
         config: &AuxiliaryConfig,
         isa: Isa,
     ) -> Stopwatch {
-        let mut watch = Stopwatch::start();
+        let mut watch = Stopwatch::start(prims.len());
         auxiliary.sort(geometry, prims, config, &mut watch);
         if self.is_lbvh() {
             auxiliary.grow_lbvh(geometry, config, &mut watch);

@@ -153,7 +153,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for ClusteredPhr<N, G::Block, G:
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let Self { config, treelets, memory: CutMemory { auxiliary, recursion: memory }, isa, .. } = self;
         let cuts = &config.cuts().expect("in range, as was seen when the builder was made");
-        let mut watch = Stopwatch::start();
+        let mut watch = Stopwatch::start(geometry.len());
         // Sort, auxiliary tree, clusters.
         let config = &cuts.extensions.auxiliary;
         let clusters = treelets.build(auxiliary, geometry, config, memory, (*isa, &mut watch));
