@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 /// How long a thread looks for work in vain: longer than most steps that one thread makes alone.
 const PATIENCE: Duration = Duration::from_millis(1);
-/// Builds over fewer primitives take less time than it takes to wake all threads.
+/// For builds over fewer primitives not all threads are woken: most are of few tasks. The number was not tuned.
 const FEW: usize = 1 << 14;
 /// Pauses of the processor between two looks for work: no more than some microseconds, in which the core's other thread
 /// has the core to itself.

@@ -64,7 +64,7 @@ fn each_below(count: usize, f: &(dyn Fn(usize) + Sync)) {
 }
 
 fn both(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
-    // One begins and one ends it.
+    // 1 when it begins, 2 when it is over.
     let calls_of_b = AtomicUsize::new(0);
     let first = || {
         let _at_work = AtWork::begin();

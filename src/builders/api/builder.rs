@@ -44,7 +44,8 @@ pub struct Build<const N: usize, B = TriangleBlock> {
 
 /// Builds a BVH of nodes of up to `N` children, 4 or 8. Builders are total: any [`Mesh`], empty ones included, has
 /// a tree. They run on the rayon pool they are called from (`pool.install(|| builder.build(&mesh))`), and the tree
-/// is the same at any number of threads.
+/// is the same at any number of threads. Until a build is over, idle threads of the pool look for work, a millisecond
+/// at most, before they sleep.
 ///
 /// Builders of the list build over [`Boxes`](crate::builders::Boxes) of anything, too:
 /// [`over_boxes`](crate::builders::over_boxes).

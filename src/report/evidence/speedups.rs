@@ -113,9 +113,26 @@ fn speedup(alone: &Row, several: &Row) -> Option<Speedup> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(in crate::report) mod tests {
     use super::*;
     use crate::bench::rounds::RowRounds;
+
+    /// Builds of a tree in two scenes on one thread and on two, in three rounds.
+    pub(in crate::report) fn two_scenes() -> [Row; 4] {
+        let row = |scene: &str, threads, times: [f64; 3]| {
+            let build = (0..).zip(times).collect();
+            let by_round = RowRounds { build, ..RowRounds::default() };
+            let scene = scene.into();
+            Row { scene, threads, by_round, ..Row::by_hand("lbvh", 4, "none", times[1], 1.0) }
+        };
+        // Drift from round to round hits both.
+        [
+            row("a", 1, [9.0, 18.0, 36.0]),
+            row("a", 2, [5.0, 10.0, 20.0]),
+            row("b", 1, [8.0, 16.0, 32.0]),
+            row("b", 2, [5.0, 10.0, 20.0]),
+        ]
+    }
 
     #[test]
     fn builds_on_one_thread_are_set_beside_those_on_more() {
@@ -129,19 +146,7 @@ mod tests {
 
     #[test]
     fn means_have_intervals_over_scenes_and_paired_rounds() {
-        let row = |scene: &str, threads, times: [f64; 3]| {
-            let build = (0..).zip(times).collect();
-            let by_round = RowRounds { build, ..RowRounds::default() };
-            let scene = scene.into();
-            Row { scene, threads, by_round, ..Row::by_hand("lbvh", 4, "none", times[1], 1.0) }
-        };
-        // Drift from round to round hits both.
-        let rows = [
-            row("a", 1, [9.0, 18.0, 36.0]),
-            row("a", 2, [5.0, 10.0, 20.0]),
-            row("b", 1, [8.0, 16.0, 32.0]),
-            row("b", 2, [5.0, 10.0, 20.0]),
-        ];
+        let rows = two_scenes();
         let both = speedups(&rows, ("lbvh", 4));
         let mean = |speedups: &[Speedup]| means(speedups, &[2]).remove(0);
         let Mean { value, interval } = mean(&both[..1]);

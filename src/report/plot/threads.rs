@@ -76,7 +76,7 @@ pub fn threads(rows: &[Row]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::rounds::RowRounds;
+    use crate::report::evidence::speedups::tests::two_scenes;
 
     #[test]
     fn builds_on_one_thread_are_set_beside_those_on_more() {
@@ -89,18 +89,7 @@ mod tests {
 
     #[test]
     fn means_are_drawn_with_their_intervals() {
-        let row = |scene: &str, threads, times: [f64; 3]| {
-            let by_round = RowRounds { build: (0..).zip(times).collect(), ..RowRounds::default() };
-            let scene = scene.into();
-            Row { scene, threads, by_round, ..Row::by_hand("lbvh", 4, "none", times[1], 1.0) }
-        };
-        let rows = [
-            row("a", 1, [9.0, 18.0, 36.0]),
-            row("a", 2, [5.0, 10.0, 20.0]),
-            row("b", 1, [8.0, 16.0, 32.0]),
-            row("b", 2, [5.0, 10.0, 20.0]),
-        ];
-        let svg = threads(&rows).unwrap();
+        let svg = threads(&two_scenes()).unwrap();
         assert!(svg.contains("with its 95 % interval (blue)"), "{svg}");
         assert_eq!(svg.matches("stroke-width=\"2.5\"").count(), 1, "{svg}");
     }
