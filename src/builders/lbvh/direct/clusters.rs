@@ -67,8 +67,7 @@ impl<const N: usize, I: Copy + Default + Send> ClusterTreelets<N, I> {
             };
             let made = ordered_append::append(tasks.len(), &memory.treelets, &mut nodes, &mut blocks, make);
             drop(tasks);
-            let roots = append_above(&made, &mut tree.pairs);
-            place_links(&made, &mut keys);
+            let roots = place(&made, &mut tree.pairs, &mut keys);
             tree.root =
                 Some(top.fold(&roots, &mut |nodes| Node::join([nodes[0], nodes[1]], &mut tree.pairs)));
         }
@@ -81,35 +80,50 @@ impl<const N: usize, I: Copy + Default + Send> ClusterTreelets<N, I> {
 /// What a treelet has made, its number of references, and the place of its nodes and blocks.
 type Made = ((AboveClusters, usize), Offset);
 
-/// Appends the pairs above the leaves of all treelets; returns the roots of the treelets.
-fn append_above(made: &[Made], pairs: &mut Vec<[Node; 2]>) -> Vec<Node> {
+/// Appends the pairs above the leaves of all treelets, and makes the links in the first keys of leaves, which are
+/// relative to a treelet, those of the whole. Returns the roots of the treelets.
+fn place(made: &[Made], pairs: &mut Vec<[Node; 2]>, mut keys: &mut [MortonKey]) -> Vec<Node> {
     let own: usize = made.iter().map(|((above, _), _)| above.pairs.len()).sum();
     // One more for each treelet but one joins them.
     huge_pages::reserve(pairs, own + made.len(), "the auxiliary tree");
-    let roots = made.iter().map(|((above, _), _)| {
-        let first = pairs.len() as u32;
-        pairs.extend(above.pairs.iter().map(|pair| pair.map(|node| node.moved(first))));
-        above.root.moved(first)
+    pairs.resize(own, [Node::ZERO; 2]);
+    let mut pairs = &mut pairs[..];
+    let (mut first_pair, mut first_key) = (0, 0);
+    let treelets = made.iter().map(|((above, len), offset)| {
+        let places = pairs.split_off_mut(..above.pairs.len()).expect("there is a place for each pair");
+        let keys = keys.split_off_mut(..*len).expect("each key is in a treelet");
+        let treelet = Placed { above, offset: *offset, places, first_pair, keys, first_key };
+        first_pair += above.pairs.len() as u32;
+        first_key += len;
+        treelet
     });
-    roots.collect()
+    parallel::map(treelets.collect::<Vec<_>>(), Placed::place)
 }
 
-/// Makes the links in the first keys of leaves, which are relative to a treelet, those of the whole.
-fn place_links(made: &[Made], mut keys: &mut [MortonKey]) {
-    let mut treelets = Vec::with_capacity(made.len());
-    let mut first = 0;
-    for ((above, len), offset) in made {
-        let own = keys.split_off_mut(..*len).expect("each key is in a treelet");
-        treelets.push((above, first, own, *offset));
-        first += len;
-    }
-    parallel::for_each(treelets, |(above, first, keys, [nodes, blocks])| {
+/// A treelet with its place in the whole.
+struct Placed<'a> {
+    above: &'a AboveClusters,
+    offset: Offset,
+    /// Of its pairs.
+    places: &'a mut [[Node; 2]],
+    first_pair: u32,
+    keys: &'a mut [MortonKey],
+    first_key: usize,
+}
+
+impl Placed<'_> {
+    /// Returns its root.
+    fn place(self) -> Node {
+        let Self { above, offset: [nodes, blocks], places, first_pair, keys, first_key } = self;
+        for (place, pair) in places.iter_mut().zip(&above.pairs) {
+            *place = pair.map(|node| node.moved(first_pair));
+        }
         let lone = [above.root];
-        let leaves = above.pairs.iter().flatten().chain(&lone).filter(|node| node.is_finished());
-        for leaf in leaves {
-            let key = &mut keys[leaf.run().start - first];
+        for leaf in above.pairs.iter().flatten().chain(&lone).filter(|node| node.is_finished()) {
+            let key = &mut keys[leaf.run().start - first_key];
             let link = Link::from_bits(code(*key)).moved(nodes, blocks);
             *key = key_of(link.bits(), reference(*key));
         }
-    });
+        above.root.moved(first_pair)
+    }
 }
