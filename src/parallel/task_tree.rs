@@ -18,18 +18,6 @@ pub(crate) enum Division<P, T = P> {
     Parts(Vec<P>),
 }
 
-impl<T> TaskTree<T> {
-    /// As [`Self::grow`], on this thread alone: where a division takes less time than a thread to wake.
-    pub fn divide<P>(root: P, by: &impl Fn(P) -> Division<P, T>) -> Self {
-        match by(root) {
-            Division::Task(task) => Self::Task(task),
-            Division::Parts(parts) => {
-                Self::Node(parts.into_iter().map(|part| Self::divide(part, by)).collect())
-            }
-        }
-    }
-}
-
 impl<T: Send> TaskTree<T> {
     /// Divides `root` by `divide` until only tasks are left, parts in parallel.
     pub fn grow<P: Send>(root: P, divide: &(impl Fn(P) -> Division<P, T> + Sync)) -> Self {

@@ -34,5 +34,5 @@ pub(crate) fn top_tree<'a, G: Geometry>(
         let part = |first, keys| Treelet { first, depth, keys };
         Division::Parts(vec![part(first, left), part(first + split, right)])
     };
-    TaskTree::divide(Treelet { first: 0, depth, keys }, &divide).number()
+    TaskTree::grow(Treelet { first: 0, depth, keys }, &divide).number()
 }
