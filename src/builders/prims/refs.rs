@@ -7,7 +7,7 @@ use crate::parallel;
 use std::ops::Range;
 
 /// References per task of a parallel pass over all of them.
-pub(crate) const GRAIN: usize = 1 << 13;
+pub(crate) const GRAIN: usize = 1 << 12;
 
 /// A part of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
