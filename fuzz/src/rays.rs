@@ -21,6 +21,9 @@ fn scene() -> Scene {
     Scene { trees: [built(4), built(8)], mesh }
 }
 
+/// Distances to boxes and to triangles are rounded each in its own way, to within this share of them.
+const ROUNDING: f32 = 4.0 * f32::EPSILON;
+
 /// Checks the answers to `rays`.
 pub fn check(rays: Vec<Ray>) {
     let Scene { mesh, trees } = SCENE.get_or_init(scene);
@@ -31,8 +34,11 @@ pub fn check(rays: Vec<Ray>) {
         bvh.occluded_batch(&rays, &mut occluded);
         for (i, ray) in rays.iter().enumerate() {
             let alone = bvh.intersect(ray);
-            // Of hits at the same distance any may be reported.
-            assert_eq!(alone.map(|hit| hit.t), hits[i].map(|hit| hit.t), "{ray:?}");
+            // Of hits at the same distance up to rounding any may be reported.
+            match (alone, hits[i]) {
+                (Some(a), Some(b)) => assert!((a.t - b.t).abs() <= ROUNDING * a.t, "{ray:?} {a:?} {b:?}"),
+                (a, b) => assert_eq!(a, b, "{ray:?}"),
+            }
             assert_eq!(bvh.occluded(ray), occluded[i], "{ray:?}");
             // Of shorter directions closest hits are missed where any hits are found.
             let is_short = ray.dir.abs().max_element() < 1e-10;

@@ -70,5 +70,13 @@ fn configurations_and_rays_pass() {
     };
     let moderate: Vec<Ray> = (0..500).map(|_| (vector(100.0), vector(1.0))).map(ray).collect();
     rays::check(moderate);
+    // From so far away all distances are equal up to rounding.
+    let far = Ray {
+        org: [0.0, 6.5392e-41, -34_360_720_000.0].into(),
+        tnear: 3.009_317_2e-36,
+        dir: [0.0, 1.6143e-41, 525_459.5].into(),
+        tfar: 824_467.56,
+    };
+    rays::check(vec![far; 8]);
     rays::check((0..100).map(|_| (vector(1e18), vector(1e-30))).map(ray).collect());
 }
