@@ -34,10 +34,12 @@ pub fn check(rays: Vec<Ray>) {
         bvh.occluded_batch(&rays, &mut occluded);
         for (i, ray) in rays.iter().enumerate() {
             let alone = bvh.intersect(ray);
-            // Of hits at the same distance up to rounding any may be reported.
+            // Of triangles at the same distance up to rounding any may be reported.
             match (alone, hits[i]) {
-                (Some(a), Some(b)) => assert!((a.t - b.t).abs() <= ROUNDING * a.t, "{ray:?} {a:?} {b:?}"),
-                (a, b) => assert_eq!(a, b, "{ray:?}"),
+                (Some(a), Some(b)) if a.prim != b.prim => {
+                    assert!((a.t - b.t).abs() <= ROUNDING * a.t, "{ray:?} {a:?} {b:?}")
+                }
+                (a, b) => assert_eq!(a.map(|hit| hit.t), b.map(|hit| hit.t), "{ray:?}"),
             }
             assert_eq!(bvh.occluded(ray), occluded[i], "{ray:?}");
             // Of shorter directions closest hits are missed where any hits are found.
