@@ -80,7 +80,7 @@ impl<const N: usize, I: Copy + Default + Send> ClusterTreelets<N, I> {
 /// What a treelet has made, its number of references, and the place of its nodes and blocks.
 type Made = ((AboveClusters, usize), Offset);
 
-/// Appends the pairs above the leaves of all treelets, and makes the links in the first keys of leaves, which are
+/// Fills `pairs`, which is empty, with those above the leaves of all treelets, and makes the links in the first keys of leaves, which are
 /// relative to a treelet, those of the whole. Returns the roots of the treelets.
 fn place(made: &[Made], pairs: &mut Vec<[Node; 2]>, mut keys: &mut [MortonKey]) -> Vec<Node> {
     let own: usize = made.iter().map(|((above, _), _)| above.pairs.len()).sum();
@@ -97,7 +97,7 @@ fn place(made: &[Made], pairs: &mut Vec<[Node; 2]>, mut keys: &mut [MortonKey]) 
         first_key += len;
         treelet
     });
-    parallel::map(treelets.collect::<Vec<_>>(), Placed::place)
+    parallel::map(treelets, Placed::place)
 }
 
 /// A treelet with its place in the whole.
