@@ -80,8 +80,8 @@ impl<const N: usize, I: Copy + Default + Send> ClusterTreelets<N, I> {
 /// What a treelet has made, its number of references, and the place of its nodes and blocks.
 type Made = ((AboveClusters, usize), Offset);
 
-/// Fills `pairs`, which is empty, with those above the leaves of all treelets, and makes the links in the first keys of leaves, which are
-/// relative to a treelet, those of the whole. Returns the roots of the treelets.
+/// Fills `pairs`, which is empty, with those above the leaves of all treelets, and makes the links in the first keys of
+/// leaves, which are relative to a treelet, those of the whole. Returns the roots of the treelets.
 fn place(made: &[Made], pairs: &mut Vec<[Node; 2]>, mut keys: &mut [MortonKey]) -> Vec<Node> {
     let own: usize = made.iter().map(|((above, _), _)| above.pairs.len()).sum();
     // One more for each treelet but one joins them.
