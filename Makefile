@@ -82,7 +82,7 @@ ROUNDS ?= 3
 MIN_SECONDS ?= 60
 SIZE ?= 160
 RESULTS ?= results/builtin
-TARGETS = results/targets
+JUDGED = results/targets
 FULL = results/full
 REFERENCE = results/reference
 # Builders that have targets, and sizes over which they grow.
@@ -157,10 +157,10 @@ endef
 
 bench-builders: packages
 	$(CARGO) build --release --bin phr
-	$(call runs,$(TARGETS))
-	./target/release/phr plot $(TARGETS)
-	./target/release/phr plot $(TARGETS)/growth
-	./target/release/phr targets $(TARGETS)
+	$(call runs,$(JUDGED))
+	./target/release/phr plot $(JUDGED)
+	./target/release/phr plot $(JUDGED)/growth
+	./target/release/phr targets $(JUDGED)
 
 bench-kernel: packages
 	$(CARGO) build --release --bin phr

@@ -195,6 +195,27 @@ fn prose(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
+#[test]
+fn the_makefile_hands_on_what_scripts_are_told() {
+    // Make gives what runs below it its own value of a variable that the caller set.
+    let makefile = include_str!("../Makefile");
+    let is_assigned = |name: &str| {
+        let words = makefile.lines().filter_map(|line| line.strip_prefix(name)?.split_whitespace().next());
+        words.into_iter().any(|word| matches!(word, "=" | ":=" | "+="))
+    };
+    assert!(is_assigned("FULL") && !is_assigned("RESULTS"));
+    let mut told = 0;
+    for script in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".ci")).unwrap() {
+        let script = script.unwrap().path();
+        let text = std::fs::read_to_string(&script).unwrap();
+        for name in text.split("${").skip(1).filter_map(|rest| Some(rest.split_once(":-")?.0)) {
+            assert!(!is_assigned(name), "{}: {name} is the Makefile's; rename one", script.display());
+            told += 1;
+        }
+    }
+    assert!(told > 0, "no script has ${{NAME:-...}}");
+}
+
 /// Anchors of the headings of a page: lower case, words joined by hyphens, without punctuation.
 fn anchors(text: &str) -> Vec<String> {
     let headings = prose(text).filter(|(_, line)| line.starts_with('#'));
