@@ -106,8 +106,8 @@ impl PrimitiveBvh {
         hit.is_hit().then_some(PrimitiveHit { t: hit.t, id: hit.prim })
     }
 
-    /// Whether `test` says of any primitive that the ray hits it. Primitives come in no order, else as in
-    /// [`PrimitiveBvh::intersect_with`].
+    /// Whether `test` says of any primitive that the ray hits it, within the ray's interval: unlike a distance, that is
+    /// not checked again. Primitives come in no order, else as in [`PrimitiveBvh::intersect_with`].
     #[inline]
     pub fn occluded_with(&self, ray: &Ray, test: impl FnMut(u32, &Ray) -> bool) -> bool {
         match &self.0 {
