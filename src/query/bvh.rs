@@ -148,6 +148,17 @@ impl Bvh {
         if let Tree::Eight(tree) = &self.tree { Some(tree.get()) } else { None }
     }
 
+    /// The tree of nodes of four children, where it has these: for [`Builder::recycle`](builders::Builder::recycle),
+    /// before its mesh is built over again.
+    pub fn into_bvh4(self) -> Option<Bvh4> {
+        if let Tree::Four(tree) = self.tree { Some(tree.into_inner()) } else { None }
+    }
+
+    /// The tree of nodes of eight children, where it has these.
+    pub fn into_bvh8(self) -> Option<Bvh8> {
+        if let Tree::Eight(tree) = self.tree { Some(tree.into_inner()) } else { None }
+    }
+
     /// Bytes of the tree and of what finds a triangle in it.
     pub fn bytes(&self) -> usize {
         let tree = match &self.tree {

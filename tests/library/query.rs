@@ -36,6 +36,16 @@ fn a_bvh_is_shared_among_threads() {
 }
 
 #[test]
+fn the_tree_is_given_back() {
+    let [four, eight] = triangles();
+    let trees = (four.as_bvh4().cloned(), eight.as_bvh8().cloned());
+    assert!(trees.0.is_some() && trees.1.is_some());
+    assert_eq!((four.into_bvh4(), eight.into_bvh8()), trees);
+    let [four, eight] = triangles();
+    assert_eq!((four.into_bvh8(), eight.into_bvh4()), (None, None));
+}
+
+#[test]
 fn a_loaded_tree_answers_as_the_saved_one() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.phrtree");
