@@ -1,5 +1,5 @@
 //! Builds a tree over a generated room and traces the rays of a camera through it, all at once and one by one.
-//! `cargo run --release --example build_and_trace`
+//! `cargo run --release --no-default-features --example build_and_trace`
 
 use phr::trace::Camera;
 use phr::{Bvh, BvhConfig, scene};

@@ -1,5 +1,5 @@
 //! Which preset takes least time for build and trace together? More rays pay for a better tree.
-//! `cargo run --release --example choose_preset -- hair 20` (scene, million rays)
+//! `cargo run --release --no-default-features --example choose_preset -- hair 20` (scene, million rays)
 
 use phr::geometry::Hit;
 use phr::trace::{BvhTracer, PathSettings, RayKind, closest_in_parallel, record};

@@ -1,5 +1,5 @@
 //! Compares two builders on one scene: build time, SAH cost, work per ray; and their hits, which must agree.
-//! `cargo run --release --example compare_builders -- lbvh phr-quality`
+//! `cargo run --release --no-default-features --example compare_builders -- lbvh phr-quality`
 
 use phr::bvh::{Bvh4, sah_cost};
 use phr::geometry::Hit;

@@ -1,5 +1,5 @@
 //! Three ways to follow a mesh that moves: build again, refit the tree, refine it again from a refitted auxiliary tree.
-//! `cargo run --release --example follow_animation -- parade` (wrung, burst, parade)
+//! `cargo run --release --no-default-features --example follow_animation -- parade` (wrung, burst, parade)
 
 use phr::builders::{Builder, Phr, PhrConfig};
 use phr::bvh::sah_cost;

@@ -1,5 +1,5 @@
 //! A hundred thousand instances of one mesh, all of which move in every frame: the upper tree is rebuilt.
-//! `cargo run --release --example instances`
+//! `cargo run --release --no-default-features --example instances`
 
 use phr::glam::{Affine3A, Quat, Vec3};
 use phr::random::SplitMix64;

@@ -1,5 +1,5 @@
 //! A small path tracer over a scene of yours, without a window: glTF, GLB, OBJ, PLY or STL in, PNG out.
-//! `cargo run --release --example pathtracer -- scene.glb -o out.png`
+//! `cargo run --release --no-default-features --features harness --example pathtracer -- scene.glb -o out.png`
 
 mod arguments;
 mod camera;
