@@ -26,9 +26,10 @@ pub(crate) fn write<T: Vectors>(to: &mut MaybeUninit<T>, from: &T) {
             // SAFETY: the element has a vector `i`, as the trait promises, and is borrowed to be written; the
             // processor has these instructions, as every x86-64 has.
             unsafe {
-                #[cfg(target_arch = "x86_64")]
+                #[cfg(all(target_arch = "x86_64", not(miri)))]
                 std::arch::x86_64::_mm_stream_ps(to.add(i).cast(), vector.into());
-                #[cfg(not(target_arch = "x86_64"))]
+                // Miri has no such stores.
+                #[cfg(any(not(target_arch = "x86_64"), miri))]
                 to.add(i).write(vector);
             }
         },
@@ -38,7 +39,7 @@ pub(crate) fn write<T: Vectors>(to: &mut MaybeUninit<T>, from: &T) {
 /// Lets others see what was written before: such stores wait for no others.
 #[inline]
 pub(crate) fn fence() {
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", not(miri)))]
     // SAFETY: every x86-64 has this instruction, which touches no memory of ours.
     unsafe {
         std::arch::x86_64::_mm_sfence();
