@@ -5,7 +5,6 @@ use phr::geometry::{Aabb, Ray};
 use phr::{BvhConfig, PrimitiveBvh, Primitives, glam::Vec3, random::SplitMix64};
 
 const RADIUS: f32 = 0.004;
-
 struct Spheres(Vec<Vec3>);
 
 impl Primitives for Spheres {
@@ -25,11 +24,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Where a ray of unit direction first meets a sphere in the ray's interval. NaN, of a miss, is in none.
     let meet = |id: u32, ray: &Ray| {
         let to = ray.org - spheres.0[id as usize];
-        let (b, c) = (to.dot(ray.dir), to.length_squared() - RADIUS * RADIUS);
-        [-1.0, 1.0]
-            .map(|side: f32| -b + side * (b * b - c).sqrt())
-            .into_iter()
-            .find(|&t| ray.tnear < t && t <= ray.tfar)
+        let b = to.dot(ray.dir);
+        let root = (b * b - to.length_squared() + RADIUS * RADIUS).sqrt();
+        [-b - root, -b + root].into_iter().find(|&t| ray.tnear < t && t <= ray.tfar)
     };
     for y in -12..12 {
         let org = |x: i32| Vec3::new(x as f32 / 36.0, y as f32 / 12.0, 3.0);
