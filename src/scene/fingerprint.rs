@@ -5,8 +5,10 @@ use crate::geometry::Mesh;
 use crate::random::{GOLDEN, mix};
 use rayon::prelude::*;
 
-/// Triples hashed by one task.
+/// Triples that are hashed one after the other.
 const CHUNK: usize = 1 << 16;
+/// Chunks that a task hashes side by side, for each word has to wait for the one before it in its chunk.
+const ABREAST: usize = 4;
 
 /// 16 hex digits. The vertices' bits and then the triangles, each in chunks of 2^16 triples; a chunk is
 /// hashed by rotate, xor and multiply over 64-bit words, and the chunks' hashes in turn.
@@ -16,15 +18,27 @@ pub fn of(mesh: &Mesh) -> String {
 
 /// The same as a number.
 pub(crate) fn value(mesh: &Mesh) -> u64 {
-    let vertices = mesh.vertices().par_chunks(CHUNK).map(|c| chunk(c.iter().map(|v| v.map(f32::to_bits))));
-    let triangles = mesh.triangles().par_chunks(CHUNK).map(|c| chunk(c.iter().copied()));
+    let vertices =
+        mesh.vertices().par_chunks(ABREAST * CHUNK).flat_map_iter(|v| chunks(v, |v| v.map(f32::to_bits)));
+    let triangles = mesh.triangles().par_chunks(ABREAST * CHUNK).flat_map_iter(|t| chunks(t, |t| *t));
     let hashes: Vec<u64> = vertices.chain(triangles).collect();
     let counts = [mesh.vertices().len() as u64, mesh.len() as u64];
     mix(counts.into_iter().chain(hashes).fold(0, step))
 }
 
-fn chunk(triples: impl Iterator<Item = [u32; 3]>) -> u64 {
-    mix(triples.fold(0, |hash, [a, b, c]| step(step(hash, u64::from(a) | u64::from(b) << 32), u64::from(c))))
+/// The hashes of [`ABREAST`] chunks, or of those that are left.
+fn chunks<T>(triples: &[T], bits: impl Fn(&T) -> [u32; 3]) -> impl Iterator<Item = u64> {
+    let mut chunks = triples.chunks(CHUNK);
+    let chunks: [&[T]; ABREAST] = std::array::from_fn(|_| chunks.next().unwrap_or_default());
+    let mut hashes = [0; ABREAST];
+    for i in 0..chunks[0].len() {
+        for (hash, chunk) in hashes.iter_mut().zip(chunks) {
+            if let Some([a, b, c]) = chunk.get(i).map(&bits) {
+                *hash = step(step(*hash, u64::from(a) | u64::from(b) << 32), u64::from(c));
+            }
+        }
+    }
+    hashes.into_iter().map(mix).take(triples.len().div_ceil(CHUNK))
 }
 
 #[inline]
@@ -38,6 +52,22 @@ mod tests {
 
     fn hash(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> String {
         of(&Mesh::new(vertices, triangles).unwrap().0)
+    }
+
+    /// Of one chunk, of some, and of more than are hashed side by side.
+    #[test]
+    fn chunks_are_hashed_by_themselves() {
+        for len in [0, 1, CHUNK, CHUNK + 1, ABREAST * CHUNK, (ABREAST + 1) * CHUNK + 7] {
+            let triples: Vec<[u32; 3]> = (0..len as u32).map(|i| [i, 3 * i, i ^ 77]).collect();
+            let one = |chunk: &[[u32; 3]]| {
+                let words =
+                    chunk.iter().flat_map(|&[a, b, c]| [u64::from(a) | u64::from(b) << 32, u64::from(c)]);
+                mix(words.fold(0, step))
+            };
+            let expected: Vec<u64> = triples.chunks(CHUNK).map(one).collect();
+            let found: Vec<u64> = triples.chunks(ABREAST * CHUNK).flat_map(|t| chunks(t, |t| *t)).collect();
+            assert_eq!(found, expected, "{len} triples");
+        }
     }
 
     #[test]
