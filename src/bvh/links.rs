@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 /// Subtrees that are walked at the same time, where there are as many: some for each of many threads.
 const SUBTREES: usize = 1 << 10;
 
-/// Blocks whose primitives are looked at by one task.
+/// Blocks whose primitives, and places, that are looked at by one task.
 const GRAIN: usize = 1 << 12;
 
 impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
@@ -24,6 +24,19 @@ impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
     /// # Errors
     /// One of the violations.
     pub fn validate_links(&self, primitives: usize) -> Result<(), Invalid> {
+        self.validate_nodes()?;
+        let named = Named::new(primitives)?;
+        self.blocks.par_chunks(GRAIN).enumerate().try_for_each(|(chunk, blocks)| {
+            blocks.iter().enumerate().try_for_each(|(i, block)| named.note(chunk * GRAIN + i, block))
+        })?;
+        named.validate()
+    }
+
+    /// Proves of the links what [`WideBvh::validate_links`] does, without a look into blocks.
+    ///
+    /// # Errors
+    /// One of the violations.
+    pub(super) fn validate_nodes(&self) -> Result<(), Invalid> {
         let walk = Walk {
             tree: self,
             nodes: Seen::new("node", self.nodes.len())?,
@@ -48,20 +61,7 @@ impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
                 return Err(Invalid::Unreached { what: seen.what, index });
             }
         }
-        let prims = Seen::new("primitive", primitives)?;
-        self.blocks.par_chunks(GRAIN).enumerate().try_for_each(|(chunk, blocks)| {
-            for (i, block) in blocks.iter().enumerate() {
-                if block.is_gapped() {
-                    return Err(Invalid::Block(chunk * GRAIN + i));
-                }
-                for prim in block.ids() {
-                    let there = prims.places.get(prim as usize).ok_or(Invalid::Block(chunk * GRAIN + i))?;
-                    there.store(true, Relaxed);
-                }
-            }
-            Ok::<_, Invalid>(())
-        })?;
-        prims.first_unseen().map_or(Ok(()), |prim| Err(Invalid::Missing(prim as u32)))
+        Ok(())
     }
 }
 
@@ -94,6 +94,43 @@ impl<const N: usize, B> Walk<'_, N, B> {
     }
 }
 
+/// The primitives that blocks name.
+pub(super) struct Named(Seen);
+
+impl Named {
+    /// None of so many.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn new(primitives: usize) -> Result<Self, OutOfMemory> {
+        Seen::new("primitive", primitives).map(Self)
+    }
+
+    /// Notes those of a block.
+    ///
+    /// # Errors
+    /// A gap, or a primitive that is not there.
+    #[inline]
+    pub fn note<B: LeafBlock>(&self, index: usize, block: &B) -> Result<(), Invalid> {
+        if block.is_gapped() {
+            return Err(Invalid::Block(index));
+        }
+        block.ids().try_for_each(|prim| {
+            let place = self.0.places.get(prim as usize).ok_or(Invalid::Block(index))?;
+            place.store(true, Relaxed);
+            Ok(())
+        })
+    }
+
+    /// Proves that every primitive is named.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        self.0.first_unseen().map_or(Ok(()), |prim| Err(Invalid::Missing(prim as u32)))
+    }
+}
+
 /// Places that were reached.
 struct Seen {
     what: &'static str,
@@ -118,6 +155,8 @@ impl Seen {
     }
 
     fn first_unseen(&self) -> Option<usize> {
-        self.places.par_iter().position_first(|place| !place.load(Relaxed))
+        self.places.par_chunks(GRAIN).enumerate().find_map_first(|(chunk, places)| {
+            places.iter().position(|place| !place.load(Relaxed)).map(|i| chunk * GRAIN + i)
+        })
     }
 }

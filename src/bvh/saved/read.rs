@@ -4,9 +4,10 @@ use super::CHUNK;
 use super::SavedError;
 use super::header::{BYTES, Header, MAGIC, checksum, step};
 use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
+use crate::bvh::links::Named;
 use crate::bvh::record::Record;
 use crate::bvh::validate::Invalid;
-use crate::bvh::{MAX_DEPTH, WideBvh, WideNode};
+use crate::bvh::{MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Mesh;
 use crate::memory::huge_pages;
 use crate::memory::runs::{self, Run};
@@ -81,47 +82,58 @@ impl<const N: usize> WideBvh<N> {
             return Err(SavedError::unusable(path, what));
         }
         let blocks_at = BYTES as u64 + header.nodes * size_of::<WideNode<N>>() as u64;
-        let (nodes, sum) = get(header.nodes, 0, &file, BYTES as u64, path)?;
-        let (blocks, sum) = get(header.blocks, sum, &file, blocks_at, path)?;
+        let invalid = |source| match source {
+            Invalid::OutOfMemory(source) => SavedError::OutOfMemory { path: path.to_owned(), source },
+            source => SavedError::Invalid { path: path.to_owned(), source },
+        };
+        let named = Named::new(mesh.len()).map_err(|source| invalid(source.into()))?;
+        let (nodes, sum, _) = get(header.nodes, 0, &file, BYTES as u64, path, |_, _| Ok(()))?;
+        let note = |i: usize, block: &TriangleBlock| named.note(i, block);
+        let (blocks, sum, noted) = get(header.blocks, sum, &file, blocks_at, path, note)?;
         if sum != header.checksum {
             return Err(SavedError::unusable(path, "damaged nodes or blocks"));
         }
         let tree = Self { root: header.root, bounds: header.bounds, nodes, blocks };
-        let path = path.to_owned();
-        match tree.validate_links(mesh.len()) {
-            Ok(()) => Ok(tree),
-            Err(Invalid::OutOfMemory(source)) => Err(SavedError::OutOfMemory { path, source }),
-            Err(source) => Err(SavedError::Invalid { path, source }),
-        }
+        noted.and_then(|()| tree.validate_nodes()).and_then(|()| named.validate()).map_err(invalid)?;
+        Ok(tree)
     }
 }
 
-/// `count` records from byte `begin` on, and `sum` with their checksums: each chunk goes from the file through a
-/// thread's cache to its place.
+/// `count` records from byte `begin` on, `sum` with their checksums, and the first flaw that `look` finds in one: each
+/// chunk goes from the file through a thread's cache, where it is looked at, to its place.
+#[expect(clippy::type_complexity, reason = "its parts are told above")]
 fn get<R: Record + Copy>(
     count: u64,
     sum: u64,
     file: &File,
     begin: u64,
     path: &Path,
-) -> Result<(Vec<R>, u64), SavedError> {
-    // As many as the file is long.
+    look: impl Fn(usize, &R) -> Result<(), Invalid> + Sync + Send,
+) -> Result<(Vec<R>, u64, Result<(), Invalid>), SavedError> {
     let count = count as usize;
     let mut records: Vec<R> = Vec::new();
     huge_pages::try_reserve(&mut records, count, "a saved tree")
         .map_err(|source| SavedError::OutOfMemory { path: path.to_owned(), source })?;
     let chunk = R::BYTES * CHUNK;
     let one = |bytes: &mut Vec<u8>, number: usize, run: &mut Run<'_, R>| {
-        // A run is no longer than a chunk.
         let (bytes, _) =
             bytes.split_at_mut_checked(R::BYTES * run.len()).ok_or(io::ErrorKind::InvalidData)?;
         read_at(file, path, bytes, begin + (number * chunk) as u64)?;
-        bytes.chunks_exact(R::BYTES).for_each(|bytes| run.push(R::get(bytes)));
-        Ok(checksum(bytes))
+        let mut looked = Ok(());
+        for (i, bytes) in bytes.chunks_exact(R::BYTES).enumerate() {
+            let record = R::get(bytes);
+            looked = looked.and_then(|()| look(number * CHUNK + i, &record));
+            run.push(record);
+        }
+        Ok((checksum(bytes), looked))
     };
-    let sums =
+    let chunks =
         runs::fill(&mut records, count, CHUNK, || vec![0; chunk], one).map_err(SavedError::io(path))?;
-    Ok((records, sums.into_iter().fold(sum, step)))
+    let add = |(sum, found): (u64, Result<(), Invalid>), (of_chunk, looked)| {
+        (step(sum, of_chunk), found.and(looked))
+    };
+    let (sum, looked) = chunks.into_iter().fold((sum, Ok(())), add);
+    Ok((records, sum, looked))
 }
 
 #[cfg(unix)]
