@@ -43,7 +43,7 @@ pub(crate) const TRAVERSAL_STACK: usize = (MAX_WIDTH - 1) * MAX_DEPTH + 1;
 pub(crate) const CUT_DEPTH: u32 = 50;
 
 /// From this depth on, cuts over finished clusters, which are not opened, are halved by count.
-pub(crate) const CLUSTER_CUT_DEPTH: u32 = 32;
+pub(crate) const FINISHED_CUT_DEPTH: u32 = 32;
 
 /// Most inner levels of a finished cluster.
 pub(crate) const FINISHED_LEVELS: u32 = 20;
@@ -62,9 +62,10 @@ pub(crate) const MORTON_BITS: u32 = u32::BITS;
 /// the first of them, then halved by count.
 pub(crate) const MIDDLE_DEPTH: u32 = 12;
 
-/// From this depth on, a tree of clusters is no longer followed: its references are halved by count. Large
+/// From this depth on, a binary tree that was built with other depths in mind, bottom-up or by binned SAH, is no longer
+/// followed: its references are halved by count. Large
 /// subtrees are halved earlier, see [`follows_clusters`].
-pub(crate) const CLUSTER_DEPTH: u32 = 64;
+pub(crate) const BOTTOM_UP_DEPTH: u32 = 64;
 
 /// Inner levels above leaves of one block if `references` are halved by count.
 pub(crate) const fn halvings(references: usize) -> u32 {
@@ -75,13 +76,13 @@ pub(crate) const fn halvings(references: usize) -> u32 {
 /// has room to be halved. The halves below need `halvings(references)` levels at most, so no subtree ends below
 /// [`MAX_DEPTH`].
 pub(crate) const fn follows_clusters(depth: u32, references: usize) -> bool {
-    depth < CLUSTER_DEPTH && depth + halvings(references) < MAX_DEPTH as u32
+    depth < BOTTOM_UP_DEPTH && depth + halvings(references) < MAX_DEPTH as u32
 }
 
 /// Levels of splits that [`follows_clusters`] allows in any subtree of `references` at `depth`, whatever its shape.
 pub(crate) const fn followed_levels(depth: u32, references: usize) -> u32 {
     let room = (MAX_DEPTH as u32).saturating_sub(halvings(references));
-    (if room < CLUSTER_DEPTH { room } else { CLUSTER_DEPTH }).saturating_sub(depth)
+    (if room < BOTTOM_UP_DEPTH { room } else { BOTTOM_UP_DEPTH }).saturating_sub(depth)
 }
 
 /// Blocks are numbered without overflow.
@@ -91,7 +92,7 @@ const _: () = assert!(CUT_DEPTH + halvings(MAX_REFERENCES) <= MAX_DEPTH as u32);
 /// Trees of refined cuts over finished clusters, of which there are no more than references: cuts are halved down to
 /// one of them.
 const _: () = assert!(
-    CLUSTER_CUT_DEPTH + halvings(MAX_REFERENCES * BLOCK as usize) + FINISHED_LEVELS <= MAX_DEPTH as u32
+    FINISHED_CUT_DEPTH + halvings(MAX_REFERENCES * BLOCK as usize) + FINISHED_LEVELS <= MAX_DEPTH as u32
 );
 /// Trees of refined cuts whose lowest levels are built by one sweep.
 const _: () = assert!(CUT_DEPTH + SUBTREE_DEPTH + halvings(SUBTREE_MOST) <= MAX_DEPTH as u32);

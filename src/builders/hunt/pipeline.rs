@@ -45,7 +45,7 @@ impl<const N: usize, B: LeafBlock> Hunt<N, B> {
 
     /// A builder with the given instructions.
     pub(crate) fn with_isa(name: &'static str, config: HuntConfig, isa: Isa) -> Result<Self, ConfigError> {
-        Ok(Self { name, config, cuts: config.cuts()?, memory: CutMemory::default(), isa })
+        Ok(Self { name, config, cuts: config.of_cuts()?, memory: CutMemory::default(), isa })
     }
 }
 
@@ -78,7 +78,7 @@ impl HuntConfig {
     ///
     /// # Errors
     /// A parameter out of range.
-    pub(crate) fn cuts(&self) -> Result<PhrConfig, ConfigError> {
+    pub(crate) fn of_cuts(&self) -> Result<PhrConfig, ConfigError> {
         let Self { cut_length, max_leaf } = *self;
         check("cut_length", cut_length, 2..=1 << 16)?;
         check("max_leaf", max_leaf, BLOCK..=MAX_LEAF)?;

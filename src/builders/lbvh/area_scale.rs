@@ -1,6 +1,6 @@
 //! What thresholds of area are relative to. The paper's are relative to the scene's area; choosing its parameters by
 //! the scene is left open there (section 6). In a flat wide city most geometry is smaller than any threshold that suits
-//! a room, so extensions may be relative to the area of the scene's own parts.
+//! a room, so thresholds may be relative to the area of the scene's own parts.
 
 use super::key::{MortonKey, reference};
 use crate::builders::prims::geometry::Geometry;
@@ -13,19 +13,20 @@ pub(crate) const PART: usize = 2048;
 /// Most parts that are measured.
 pub(crate) const PARTS: usize = 64;
 /// One of so many references of a part is measured.
-pub(crate) const STEP: usize = 64;
+pub(crate) const STRIDE: usize = 64;
 
 /// Half areas of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct AreaScale {
     /// Of its box.
     pub scene: f32,
-    /// Thresholds of extensions are relative to this area; it is at most the scene's.
-    pub scale: f32,
+    /// What thresholds of clusters and of spatial splits are relative to: the scene's, or less with a calibration. That
+    /// of equation 2 is relative to the scene's.
+    pub reference: f32,
 }
 
 impl AreaScale {
-    /// Those of a scene whose keys are in the order of its tree. With a calibration of `parts` the scale is so many
+    /// Those of a scene whose keys are in the order of its tree. With a calibration of `parts` the reference is so many
     /// times the median area of parts of the scene, runs of [`PART`] references along the Morton curve.
     pub fn in_order<G: Geometry>(
         scene: Aabb,
@@ -34,17 +35,17 @@ impl AreaScale {
         calibration: Option<f32>,
     ) -> Self {
         let scene = scene.half_area();
-        let Some(parts) = calibration else { return Self { scene, scale: scene } };
+        let Some(parts) = calibration else { return Self { scene, reference: scene } };
         let count = PARTS.min(keys.len() / PART);
         let area = |i: usize| {
             let first = i * keys.len() / count;
-            let some = keys[first..first + PART].iter().step_by(STEP);
+            let some = keys[first..first + PART].iter().step_by(STRIDE);
             some.map(|&key| refs.bounds(reference(key))).collect::<Aabb>().half_area()
         };
         let mut measured: Vec<f32> = parallel::map(0..count, area);
         measured.sort_by(f32::total_cmp);
         let median = measured.get(count / 2).copied().unwrap_or(f32::INFINITY);
-        Self { scene, scale: scene.min(median * parts) }
+        Self { scene, reference: scene.min(median * parts) }
     }
 }
 
@@ -78,16 +79,16 @@ mod tests {
     fn areas_are_those_of_parts_where_the_scene_is_large_for_them() {
         let mesh = city(160, 10.0, 1.0);
         let scene = mesh.bounds().half_area();
-        assert_eq!(areas(&mesh, None), AreaScale { scene, scale: scene });
+        assert_eq!(areas(&mesh, None), AreaScale { scene, reference: scene });
         // A part of 2048 of the 160 x 160 is about a 12th of the scene, its box up to some times that.
-        let part = areas(&mesh, Some(1.0)).scale / scene;
+        let part = areas(&mesh, Some(1.0)).reference / scene;
         assert!((0.04..0.5).contains(&part), "{part}");
         let half = areas(&mesh, Some(0.5));
-        assert_eq!((half.scene, half.scale / scene), (scene, 0.5 * part));
+        assert_eq!((half.scene, half.reference / scene), (scene, 0.5 * part));
         // No more than the scene's area, nor anything without a part.
-        assert_eq!(areas(&mesh, Some(1e3)), AreaScale { scene, scale: scene });
+        assert_eq!(areas(&mesh, Some(1e3)), AreaScale { scene, reference: scene });
         let small = city(40, 10.0, 1.0);
         assert_eq!(areas(&small, Some(1e-6)), areas(&small, None));
-        assert_eq!(areas(&Mesh::new(vec![], vec![]).unwrap().0, Some(1.0)).scale, 0.0);
+        assert_eq!(areas(&Mesh::new(vec![], vec![]).unwrap().0, Some(1.0)).reference, 0.0);
     }
 }

@@ -54,7 +54,7 @@ impl Auxiliary {
         watch: &mut Stopwatch,
     ) {
         self.order.presplit(geometry, prims.clone(), config.presplit.as_ref(), watch);
-        let references = prims.len() + self.order.more();
+        let references = prims.len() + self.order.extra_references();
         reserve_pairs(&mut self.tree.pairs, references, config.leaf());
         self.order.sort(geometry, prims, config.sort().0, &mut self.tree.pairs, watch);
     }

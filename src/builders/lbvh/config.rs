@@ -14,7 +14,8 @@ use crate::bvh::limits::{BLOCK, MAX_REFERENCES_PER_TRIANGLE, MIDDLE_DEPTH};
 pub struct Clusters {
     /// Most references of a cluster.
     pub most: u32,
-    /// Largest area of its box, relative to the scene's ([`AuxiliaryConfig::calibration`]).
+    /// Largest area of its box as a share of the scene's, or of the calibrated area
+    /// ([`AuxiliaryConfig::calibration`]). Of a finished cluster: of a cube that the box must fit.
     pub area: f32,
 }
 
@@ -60,7 +61,7 @@ impl AuxiliaryConfig {
     }
 
     pub(in crate::builders) fn rule(&self, scale: &AreaScale) -> LeafRule {
-        let area = self.clusters.map_or(0.0, |clusters| clusters.area * scale.scale);
+        let area = self.clusters.map_or(0.0, |clusters| clusters.area * scale.reference);
         LeafRule { always: self.leaf(), most: self.max_leaf(), area }
     }
 

@@ -20,7 +20,7 @@ use std::ops::Range;
 pub(crate) enum SortBits {
     /// All 32 bits.
     All,
-    /// The highest 12 bits, the others of which are then zero: the buckets of the paper. Within one, references are
+    /// The highest 12 bits, the other bits of codes being set to zero: the buckets of the paper. Within one, references are
     /// in the order of the mesh, pieces of triangles after whole ones.
     Highest,
 }
@@ -46,7 +46,7 @@ pub(crate) struct MortonOrder {
 }
 
 impl MortonOrder {
-    /// Takes up `prims` of a geometry, needles in pieces where `presplit` says so, which it does only of whole meshes.
+    /// Computes the bounds of `prims`, and splits needles where there is a configuration, which is for whole meshes alone.
     pub fn presplit<G: Geometry>(
         &mut self,
         geometry: &G,
@@ -79,7 +79,7 @@ impl MortonOrder {
         watch: &mut Stopwatch,
     ) {
         let info = self.info.expect("references are taken up before they are sorted");
-        let len = prims.len() + self.more();
+        let len = prims.len() + self.extra_references();
         let mut keys = std::mem::take(&mut self.keys);
         keys.clear();
         huge_pages::reserve(&mut keys, len, "keys");
@@ -98,7 +98,7 @@ impl MortonOrder {
     }
 
     /// References beyond one of each primitive that was taken up.
-    pub fn more(&self) -> usize {
+    pub fn extra_references(&self) -> usize {
         self.presplit.chunks.iter().map(|chunk| chunk.pieces - chunk.needles).sum()
     }
 

@@ -1,7 +1,7 @@
 //! The auxiliary BVH (paper 4.7), by bisection of sorted Morton codes.
 
 use super::wide::Wide;
-use crate::builders::lbvh::area_scale::{PART, PARTS, STEP};
+use crate::builders::lbvh::area_scale::{PART, PARTS, STRIDE};
 use crate::builders::lbvh::config::{AuxiliaryConfig, Clusters};
 use crate::builders::lbvh::morton::MortonEncoder;
 use crate::builders::prims::presplit::Presplit;
@@ -160,7 +160,7 @@ fn area_of_parts(run: &[Item]) -> f32 {
     let parts = PARTS.min(run.len() / PART);
     let area = |part: usize| {
         let first = part * run.len() / parts;
-        let some = (first..first + PART).step_by(STEP);
+        let some = (first..first + PART).step_by(STRIDE);
         some.map(|i| run[i].1.bounds).collect::<Aabb>().half_area()
     };
     let mut areas: Vec<f32> = (0..parts).map(area).collect();

@@ -11,7 +11,7 @@ use crate::builders::phr::config::PhrConfig;
 use crate::builders::phr::extensions::auxiliary_tree::AuxiliaryTree;
 use crate::builders::phr::extensions::clustered::ClusteredPhrConfig;
 use crate::builders::phr::refine::Threshold;
-use crate::bvh::limits::{CLUSTER_CUT_DEPTH, CUT_DEPTH, MAX_REFERENCES_PER_TRIANGLE};
+use crate::bvh::limits::{CUT_DEPTH, FINISHED_CUT_DEPTH, MAX_REFERENCES_PER_TRIANGLE};
 use crate::geometry::{Aabb, Mesh};
 use std::rc::Rc;
 
@@ -27,10 +27,10 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig, width: usize) -> Option<Wide> {
 
 /// PHR over finished clusters.
 pub fn clustered_phr(mesh: &Mesh, config: &ClusteredPhrConfig, width: usize) -> Option<Wide> {
-    let config = config.cuts().unwrap();
+    let config = config.of_cuts().unwrap();
     let Clusters { most, area } = config.extensions.auxiliary.clusters.unwrap();
     let (root, scale) = lbvh(mesh, &AuxiliaryConfig { clusters: None, ..config.extensions.auxiliary })?;
-    cuts(mesh, &root.finished(most.max(4), area * scale), scale, &config, (width, CLUSTER_CUT_DEPTH))
+    cuts(mesh, &root.finished(most.max(4), area * scale), scale, &config, (width, FINISHED_CUT_DEPTH))
 }
 
 /// The tree from cuts of an auxiliary tree.

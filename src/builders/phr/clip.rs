@@ -1,29 +1,25 @@
 //! Clipping of cuts by the planes of spatial splits (paper 4.4): which child of an opened node belongs to which side of
-//! a plane. The node of the cut that a plane cuts is clipped in [`super::split`] (`pieces`). Finished leaves are never
+//! a plane. The node of the cut that a plane cuts is clipped in [`super::split_cut`] (`pieces`). Finished leaves are never
 //! cut: they are on the side of their centroid.
 
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
-use crate::builders::lbvh::key::{MortonKey, code, reference};
-use crate::builders::prims::geometry::Geometry;
-use crate::builders::prims::refs::PrimRefs;
-use crate::bvh::Link;
-use crate::geometry::{Aabb, Mesh};
+use crate::geometry::Aabb;
 
 /// Which boxes of a node's children reach into a clip box.
 ///
 /// A box that merely touches a split plane from one side belongs to that side alone, and one that lies in the
 /// plane belongs to the left, unless its parent began at the plane and so never was there: else an
 /// axis-aligned wall in the plane would be on both sides, or on neither.
-struct Clipper<'a> {
-    clip: &'a Aabb,
-    parent: Aabb,
+pub(super) struct Clipper<'a> {
+    pub clip: &'a Aabb,
+    pub parent: Aabb,
 }
 
 impl Clipper<'_> {
     /// The part of a box that reaches into the clip box.
     #[inline]
-    fn clip(&self, b: Aabb) -> Option<Aabb> {
+    pub fn clip(&self, b: Aabb) -> Option<Aabb> {
         let clip = self.clip;
         // Right of a split plane (clip.min): a box that ends there is on the left, if the parent was there at all.
         let left_of = b.max.cmple(clip.min) & self.parent.min.cmplt(clip.min);
@@ -72,51 +68,5 @@ pub(crate) fn open(tree: &BinaryTree, node: &Node, clip: &Aabb, mut take: impl F
         } else if let Some(bounds) = clipper.clip(child.bounds()) {
             take(child.with_bounds(bounds));
         }
-    }
-}
-
-/// The references in Morton order, to which the leaves of the auxiliary BVH are opened.
-pub(crate) struct RefOrder<'a, G = Mesh> {
-    /// Sorted keys.
-    pub keys: &'a [MortonKey],
-    /// What they refer to.
-    pub refs: PrimRefs<'a, G>,
-}
-
-impl<G: Geometry> RefOrder<'_, G> {
-    /// Gives `take` the references below `node`, a node of a cut clipped to `clip`: leaves of one
-    /// reference, their boxes clipped. Finished leaves are not opened.
-    pub fn open_all(&self, tree: &BinaryTree, node: &Node, clip: &Aabb, take: &mut impl FnMut(Node)) {
-        if !node.is_leaf() {
-            open(tree, node, clip, |child| self.open_all(tree, &child, clip, take));
-            return;
-        }
-        if node.count() == 1 || node.is_finished() {
-            take(*node);
-            return;
-        }
-        let bounds = |position: usize| self.refs.bounds(reference(self.keys[position]));
-        if is_whole(node, clip) {
-            node.run().for_each(|position| take(Node::leaf(bounds(position), position, 1)));
-            return;
-        }
-        let clipper = Clipper { clip, parent: node.run().map(bounds).collect() };
-        for position in node.run() {
-            if let Some(bounds) = clipper.clip(bounds(position)) {
-                take(Node::leaf(bounds, position, 1));
-            }
-        }
-    }
-
-    /// The link of a finished leaf, which has its place.
-    #[inline]
-    pub fn link(&self, leaf: &Node) -> Link {
-        Link::from_bits(code(self.keys[leaf.run().start])).placed()
-    }
-
-    /// The primitive at a position.
-    #[inline]
-    pub fn prim(&self, position: usize) -> u32 {
-        self.refs.prim(reference(self.keys[position]))
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! | paper | file |
 //! |---|---|
-//! | 3.2, Figure 3: the recursion | [`recursion`], one split of it in [`split`] |
+//! | 3.2, Figure 3: the recursion | [`recursion`], one split of it in [`split_cut`] |
 //! | 4.1 initial cut | [`initial_cut`] |
 //! | 4.2 object splits | [`crate::builders::split::object`] |
 //! | 4.3 refinement, equation 2 | [`refine`] |
@@ -23,7 +23,8 @@ pub(crate) mod memory;
 pub(crate) mod pipeline;
 pub(crate) mod policy;
 pub(crate) mod recursion;
+pub(crate) mod ref_order;
 pub(crate) mod refine;
-mod split;
+mod split_cut;
 mod split_down;
 pub(crate) mod watched;

@@ -1,11 +1,12 @@
 //! Building from cuts (paper 3.2, Figure 3): split a cut of the auxiliary BVH, refine both sides, recurse.
 
-use super::clip::{RefOrder, is_whole};
+use super::clip::is_whole;
 use super::config::PhrConfig;
 use super::cut::{Cut, CutLevel, OwnedCut};
 use super::initial_cut::initial_cut;
 use super::memory::CutScratch;
 use super::policy::CutPolicy;
+use super::ref_order::RefOrder;
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::lbvh::auxiliary::Auxiliary;
@@ -14,7 +15,7 @@ use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::top_down::{BinarySplits, TopDown, grain};
 use crate::builders::wide::treelet::{Subtree, WideTreelet};
 use crate::bvh::Link;
-use crate::bvh::limits::{CLUSTER_CUT_DEPTH, CUT_DEPTH, MAX_REFERENCES_PER_TRIANGLE};
+use crate::bvh::limits::{CUT_DEPTH, FINISHED_CUT_DEPTH, MAX_REFERENCES_PER_TRIANGLE};
 use crate::geometry::{Aabb, Mesh};
 use crate::simd::Isa;
 use arrayvec::ArrayVec;
@@ -48,7 +49,7 @@ impl<'a, P: CutPolicy, G: Geometry> CutRecursion<'a, P, G> {
         policy: P,
         isa: Isa,
     ) -> Self {
-        let above = auxiliary.scale.scale * config.spatial_threshold;
+        let above = auxiliary.scale.reference * config.spatial_threshold;
         Self {
             tree: &auxiliary.tree,
             order: RefOrder { keys: &auxiliary.order.keys, refs: auxiliary.order.refs(geometry) },
@@ -56,7 +57,7 @@ impl<'a, P: CutPolicy, G: Geometry> CutRecursion<'a, P, G> {
             policy,
             isa,
             has_finished_leaves: auxiliary.has_finished_leaves,
-            cut_depth: if auxiliary.has_finished_leaves { CLUSTER_CUT_DEPTH } else { CUT_DEPTH },
+            cut_depth: if auxiliary.has_finished_leaves { FINISHED_CUT_DEPTH } else { CUT_DEPTH },
             spatial_above: if geometry.splits() { above } else { f32::INFINITY },
         }
     }

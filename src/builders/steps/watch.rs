@@ -44,7 +44,7 @@ fn watched(
     let (mut auxiliary, isa) = (Auxiliary::default(), Isa::best());
     let cuts = match config {
         CutConfig::Phr(config) => *config,
-        CutConfig::Hunt(config) => config.cuts()?,
+        CutConfig::Hunt(config) => config.of_cuts()?,
     };
     cuts.check()?;
     let Extensions { auxiliary_tree, auxiliary: of_auxiliary, .. } = &cuts.extensions;

@@ -32,7 +32,7 @@ impl<const N: usize, I: Default> Default for ClusterTreelets<N, I> {
 
 impl<const N: usize, I: Copy + Default + Send> ClusterTreelets<N, I> {
     /// Builds the LBVH of `geometry` in `auxiliary`, and the nodes and blocks of its leaves. In the first key of each
-    /// leaf the code has given way to its link ([`link`](crate::builders::phr::clip::RefOrder::link)). The
+    /// leaf the code has given way to its link ([`link`](crate::builders::phr::ref_order::RefOrder::link)). The
     /// configuration has no bucket sort.
     pub fn build<G: Geometry<Item = I, Block: LeafBlock + Vectors>, S: Default>(
         &mut self,
@@ -45,7 +45,7 @@ impl<const N: usize, I: Copy + Default + Send> ClusterTreelets<N, I> {
         let Auxiliary { order, tree, scale, has_finished_leaves, .. } = auxiliary;
         let prims = geometry.prims();
         order.presplit(geometry, prims.clone(), config.presplit.as_ref(), watch);
-        let references = geometry.len() + order.more();
+        let references = geometry.len() + order.extra_references();
         order.sort(geometry, prims, SortBits::All, memory.blocks(references), watch);
         let mut keys = std::mem::take(&mut order.keys);
         let refs = order.refs(geometry);

@@ -68,7 +68,7 @@ impl ClusteredPhrConfig {
     ///
     /// # Errors
     /// A parameter out of range.
-    pub(crate) fn cuts(&self) -> Result<PhrConfig, ConfigError> {
+    pub(crate) fn of_cuts(&self) -> Result<PhrConfig, ConfigError> {
         let Self { alpha, delta, max_cut, spatial_threshold, clusters, presplit } = *self;
         check("max_cut", max_cut, 1..=1 << 24)?;
         let speed = PhrConfig::SPEED.extensions;
@@ -134,7 +134,7 @@ impl<const N: usize, B: LeafBlock, I: Copy + Default + Send> ClusteredPhr<N, B, 
         config: ClusteredPhrConfig,
         isa: Isa,
     ) -> Result<Self, ConfigError> {
-        config.cuts()?;
+        config.of_cuts()?;
         let (treelets, memory) = (ClusterTreelets::default(), CutMemory::default());
         Ok(Self { name, config, treelets, memory, isa })
     }
@@ -152,7 +152,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for ClusteredPhr<N, G::Block, G:
 
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let Self { config, treelets, memory: CutMemory { auxiliary, recursion: memory }, isa, .. } = self;
-        let cuts = &config.cuts().expect("in range, as was seen when the builder was made");
+        let cuts = &config.of_cuts().expect("in range, as was seen when the builder was made");
         let mut watch = Stopwatch::start(geometry.len());
         // Sort, auxiliary tree, clusters.
         let config = &cuts.extensions.auxiliary;
