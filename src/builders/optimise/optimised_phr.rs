@@ -4,7 +4,8 @@ use super::config::OptimiseConfig;
 use super::optimiser::Optimiser;
 use crate::builders::api::builder::{Build, Builder};
 use crate::builders::api::config_error::ConfigError;
-use crate::builders::phr::config::PhrConfig;
+use crate::builders::lbvh::config::AuxiliaryConfig;
+use crate::builders::phr::config::{Extensions, LocalThreshold, PhrConfig};
 use crate::builders::phr::memory::CutMemory;
 use crate::builders::phr::pipeline::begin;
 use crate::builders::prims::geometry::Geometry;
@@ -21,6 +22,29 @@ pub struct OptimisedPhrConfig {
     pub phr: PhrConfig,
     /// Of its optimisation.
     pub optimise: OptimiseConfig,
+}
+
+impl OptimisedPhrConfig {
+    /// That of `phr-best`: a tree from larger cuts of single triangles than those of [`PhrConfig::QUALITY`], with
+    /// spatial splits in smaller parts, optimised as a whole.
+    pub const DEFAULT: Self = Self {
+        phr: PhrConfig {
+            alpha: 0.55,
+            delta: 8.0,
+            max_cut: 1 << 16,
+            spatial_threshold: 3e-4,
+            extensions: Extensions {
+                auxiliary: AuxiliaryConfig { clusters: None, ..PhrConfig::QUALITY.extensions.auxiliary },
+                cut_share: Some(1.0 / 32.0),
+                local_threshold: Some(LocalThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
+                subtree_sweep: Some(64),
+                collapse: None,
+                ..PhrConfig::QUALITY.extensions
+            },
+            ..PhrConfig::QUALITY
+        },
+        optimise: OptimiseConfig::DEFAULT,
+    };
 }
 
 /// Builds trees of nodes of up to `N` children by PHR and optimises; memory is kept between builds.

@@ -12,7 +12,7 @@ use crate::builders::hunt::pipeline::HuntConfig;
 use crate::builders::lbvh::config::AuxiliaryConfig;
 use crate::builders::optimise::config::OptimiseConfig;
 use crate::builders::optimise::optimised_phr::OptimisedPhrConfig;
-use crate::builders::phr::config::{Extensions, LocalThreshold, PhrConfig};
+use crate::builders::phr::config::{Extensions, PhrConfig};
 use crate::builders::phr::extensions::auxiliary_tree::AuxiliaryTree;
 use crate::builders::phr::extensions::binned::config::BinnedSahConfig;
 use crate::builders::phr::extensions::clustered::ClusteredPhrConfig;
@@ -30,29 +30,6 @@ pub(crate) enum Config {
     Phr(PhrConfig),
     ClusteredPhr(ClusteredPhrConfig),
     OptimisedPhr(OptimisedPhrConfig),
-}
-
-impl OptimisedPhrConfig {
-    /// That of `phr-best`: a tree from larger cuts of single triangles than those of [`PhrConfig::QUALITY`], with
-    /// spatial splits in smaller parts, optimised as a whole.
-    pub const DEFAULT: Self = Self {
-        phr: PhrConfig {
-            alpha: 0.55,
-            delta: 8.0,
-            max_cut: 1 << 16,
-            spatial_threshold: 3e-4,
-            extensions: Extensions {
-                auxiliary: AuxiliaryConfig { clusters: None, ..QUALITY.auxiliary },
-                cut_share: Some(1.0 / 32.0),
-                local_threshold: Some(LocalThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
-                subtree_sweep: Some(64),
-                collapse: None,
-                ..QUALITY
-            },
-            ..PhrConfig::QUALITY
-        },
-        optimise: OptimiseConfig::DEFAULT,
-    };
 }
 
 const QUALITY: Extensions = PhrConfig::QUALITY.extensions;
