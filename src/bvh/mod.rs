@@ -11,6 +11,7 @@ pub mod saved;
 mod statistics;
 mod upload;
 mod validate;
+mod vectors;
 mod wide;
 
 pub use block::TriangleBlock;

@@ -69,7 +69,7 @@ const UNSAFE_FILES: &[&str] = &[
     // Floats within bounds to integers; an array written before it is read; nodes and blocks as plain vectors.
     "builders/lbvh/morton.rs",
     "builders/lbvh/sort.rs",
-    "builders/wide/treelet.rs",
+    "bvh/vectors.rs",
     // Links and a stack without bounds checks.
     "trace/kernel/batch/interleave.rs",
     "trace/kernel/batch/stream.rs",
