@@ -2,7 +2,7 @@
 
 use super::WideBvh;
 use super::record::Record;
-use crate::memory::{OutOfMemory, huge_pages, told};
+use crate::memory::{OutOfMemory, catch_out_of_memory, huge_pages};
 use rayon::prelude::*;
 
 /// Records converted by a task.
@@ -28,7 +28,7 @@ impl<const N: usize, B: Record> WideBvh<N, B> {
     /// # Errors
     /// No memory for the bytes.
     pub fn try_node_bytes(&self) -> Result<Vec<u8>, OutOfMemory> {
-        told(|| self.node_bytes())
+        catch_out_of_memory(|| self.node_bytes())
     }
 
     /// The leaf blocks, little-endian. Of triangles, 160 bytes each: first corners, these less the second ones, the
@@ -43,7 +43,7 @@ impl<const N: usize, B: Record> WideBvh<N, B> {
     /// # Errors
     /// As of [`WideBvh::try_node_bytes`].
     pub fn try_block_bytes(&self) -> Result<Vec<u8>, OutOfMemory> {
-        told(|| self.block_bytes())
+        catch_out_of_memory(|| self.block_bytes())
     }
 }
 

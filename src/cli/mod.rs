@@ -15,7 +15,7 @@ mod run_summary;
 mod verbs;
 
 use crate::bench::planned_scene::limit;
-use crate::memory::told;
+use crate::memory::catch_out_of_memory;
 use crate::scene::Limits;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
@@ -96,7 +96,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
     if let Some(memory) = arguments.max_memory {
         limit(Limits { memory });
     }
-    match told(|| dispatch(&arguments.verb)) {
+    match catch_out_of_memory(|| dispatch(&arguments.verb)) {
         Ok(Ok(())) => ExitCode::SUCCESS,
         Ok(Err(failure)) => failure.report(),
         Err(error) => failure::Failure::Wrong(error.to_string()).report(),

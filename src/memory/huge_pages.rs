@@ -30,7 +30,7 @@ pub(crate) fn try_reserve<T>(array: &mut Vec<T>, len: usize, what: &'static str)
     Ok(())
 }
 
-/// The same, which unwinds to [`super::told`] where there is no memory.
+/// The same, which unwinds to [`super::catch_out_of_memory`] where there is no memory.
 pub(crate) fn reserve<T>(array: &mut Vec<T>, len: usize, what: &'static str) {
     try_reserve(array, len, what).unwrap_or_else(|error| error.unwind());
 }

@@ -11,4 +11,4 @@ pub(crate) mod runs;
 pub(crate) mod stream;
 
 pub use out_of_memory::OutOfMemory;
-pub(crate) use out_of_memory::told;
+pub(crate) use out_of_memory::catch_out_of_memory;

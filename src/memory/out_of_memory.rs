@@ -15,7 +15,7 @@ pub struct OutOfMemory {
 }
 
 impl OutOfMemory {
-    /// Unwinds to [`told`], without a word on the way; a panic as any other while nobody asks to be told. Who asks
+    /// Unwinds to [`catch_out_of_memory`], without a word on the way; a panic as any other while nobody asks to be told. Who asks
     /// is not known here, as builds run on many threads.
     pub(super) fn unwind(self) -> ! {
         if LISTENERS.load(Relaxed) == 0 {
@@ -25,7 +25,7 @@ impl OutOfMemory {
     }
 }
 
-/// Calls of [`told`] under way, whichever thread they are on: builds run on many.
+/// Calls of [`catch_out_of_memory`] under way, whichever thread they are on: builds run on many.
 static LISTENERS: AtomicUsize = AtomicUsize::new(0);
 
 /// Runs `work`, which may ask for arrays that the system has no memory for. What it was changing is of no use after an
@@ -33,7 +33,7 @@ static LISTENERS: AtomicUsize = AtomicUsize::new(0);
 ///
 /// # Errors
 /// The array.
-pub(crate) fn told<T>(work: impl FnOnce() -> T) -> Result<T, OutOfMemory> {
+pub(crate) fn catch_out_of_memory<T>(work: impl FnOnce() -> T) -> Result<T, OutOfMemory> {
     LISTENERS.fetch_add(1, Relaxed);
     let done = catch_unwind(AssertUnwindSafe(work));
     LISTENERS.fetch_sub(1, Relaxed);
@@ -52,11 +52,11 @@ mod tests {
     fn what_the_system_does_not_give_is_told_across_threads() {
         let much = || huge_pages::reserve(&mut Vec::<u64>::new(), 1 << 59, "much");
         let error = OutOfMemory { what: "much", bytes: 1 << 62 };
-        assert_eq!(told(much), Err(error));
-        assert_eq!(told(|| rayon::join(much, || 3).1), Err(error));
+        assert_eq!(catch_out_of_memory(much), Err(error));
+        assert_eq!(catch_out_of_memory(|| rayon::join(much, || 3).1), Err(error));
         assert_eq!(error.to_string().lines().count(), 1);
-        assert_eq!(told(|| 7), Ok(7));
-        let panic = std::panic::catch_unwind(|| told(|| resume_unwind(Box::new("other"))));
+        assert_eq!(catch_out_of_memory(|| 7), Ok(7));
+        let panic = std::panic::catch_unwind(|| catch_out_of_memory(|| resume_unwind(Box::new("other"))));
         assert_eq!(panic.unwrap_err().downcast_ref(), Some(&"other"));
     }
 }

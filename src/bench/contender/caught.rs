@@ -1,6 +1,6 @@
 //! Panics of builders as errors, so that one broken builder does not end a run.
 
-use crate::memory::told;
+use crate::memory::catch_out_of_memory;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Runs `work`; its panic becomes an error of one line that begins with `who`. What `work` was changing must
@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// # Errors
 /// The panic's message, or what there was no memory for.
 pub fn caught<T>(who: &str, work: impl FnOnce() -> T) -> Result<T, String> {
-    let done = catch_unwind(AssertUnwindSafe(|| told(work))).map_err(|payload| {
+    let done = catch_unwind(AssertUnwindSafe(|| catch_out_of_memory(work))).map_err(|payload| {
         let message = payload.downcast_ref::<String>().map(String::as_str);
         let message = message.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("no message");
         let message = message.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -23,11 +23,11 @@ pub struct Phase {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Counts {
-    /// Binary splits made.
+    /// Binary splits of cuts made; those within a subtree sweep are not counted.
     pub splits: u64,
     /// Splits that were spatial (paper 4.4).
     pub spatial_splits: u64,
-    /// Cut nodes swept over, summed over all splits.
+    /// Cut nodes swept over, summed over the same splits.
     pub swept: u64,
 }
 
@@ -69,7 +69,7 @@ pub trait Builder<const N: usize, G: Geometry = Mesh>: Send {
     /// # Errors
     /// What there was no memory for. This builder is then of no use but to be dropped.
     fn try_build(&mut self, geometry: &G) -> Result<Build<N, G::Block>, OutOfMemory> {
-        memory::told(|| self.build(geometry))
+        memory::catch_out_of_memory(|| self.build(geometry))
     }
 
     /// Gives back a tree that is no longer needed, so that the next one is built in its memory: fresh memory

@@ -1,4 +1,5 @@
-//! The builders `phr-*`: the pipeline from a mesh to a wide tree.
+//! The pipeline of `phr-fast`, `phr-hq`, `phr-speed` and `phr-quality`, from a mesh to a wide tree. (`phr-draft` and
+//! `phr-turbo`: [`super::extensions::clustered`]; `phr-best`: [`crate::builders::optimise`].)
 //!
 //! 1. Needles are presplit (paper 5.3): [`crate::builders::prims::presplit`];
 //! 2. references are sorted by Morton codes (4.7): [`crate::builders::lbvh::sort`];
@@ -20,7 +21,7 @@ use crate::builders::wide::build;
 use crate::builders::wide::refit::RefitError;
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::geometry::Mesh;
-use crate::memory::told;
+use crate::memory::catch_out_of_memory;
 use crate::simd::Isa;
 
 /// Builds trees of nodes of up to `N` children by PHR; memory is kept between builds.
@@ -63,7 +64,7 @@ impl<const N: usize> Phr<N> {
     ///
     /// [`AuxiliaryConfig::presplit`]: crate::builders::AuxiliaryConfig::presplit
     pub fn refit(&mut self, mesh: &Mesh) -> Result<Build<N>, RefitError> {
-        told(|| {
+        catch_out_of_memory(|| {
             let watch = self.memory.auxiliary.refit(mesh, &self.config.extensions.auxiliary)?;
             Ok(build_from_cuts(&mut self.memory, mesh, &self.config, self.isa, watch))
         })?

@@ -7,7 +7,7 @@
 use crate::builders::api::config_error::ConfigError;
 use crate::bvh::{Child, Invalid, LeafBlock, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::{Aabb, Mesh};
-use crate::memory::{OutOfMemory, huge_pages, told};
+use crate::memory::{OutOfMemory, catch_out_of_memory, huge_pages};
 use crate::parallel;
 use glam::Vec3A;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
@@ -49,7 +49,7 @@ impl<const N: usize> WideBvh<N> {
     /// A mesh of another number of triangles, blocks whose used lanes do not come first, or no memory: the tree is as
     /// before then. Links that are not those of a tree: it is of no use then.
     pub fn refit(&mut self, mesh: &Mesh) -> Result<(), RefitError> {
-        told(|| self.fit(mesh))?
+        catch_out_of_memory(|| self.fit(mesh))?
     }
 
     fn fit(&mut self, mesh: &Mesh) -> Result<(), RefitError> {

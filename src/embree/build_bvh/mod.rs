@@ -11,7 +11,7 @@ use super::{Device, EmbreeBuilder, EmbreeError};
 use crate::bvh::limits::{BLOCK, MAX_LEAF, check_width};
 use crate::bvh::{Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Mesh;
-use crate::memory::{huge_pages, told};
+use crate::memory::{catch_out_of_memory, huge_pages};
 use arrayvec::ArrayVec;
 use callbacks::{Head, Node, create_leaf, create_node, element, set_bounds, set_children, split};
 use embree_sys as sys;
@@ -58,7 +58,7 @@ impl Device {
         let arena = Arena(unsafe { sys::rtcNewBVH(self.raw()) });
         self.check(DOING)?;
         let failed = |text| EmbreeError::Call { doing: DOING, text, config: self.config().to_owned() };
-        let built = told(|| {
+        let built = catch_out_of_memory(|| {
             let mut prims = primitives(mesh, spare);
             let arguments = sys::RTCBuildArguments {
                 buildQuality: quality,
@@ -96,7 +96,7 @@ impl Device {
     }
 }
 
-/// The triangles' boxes, and room behind them for `spare` pieces. Unwinds to [`told`] where there is no memory.
+/// The triangles' boxes, and room behind them for `spare` pieces. Unwinds to [`catch_out_of_memory`] where there is no memory.
 fn primitives(mesh: &Mesh, spare: usize) -> Vec<sys::RTCBuildPrimitive> {
     let mut prims = Vec::new();
     huge_pages::reserve(&mut prims, mesh.len() + spare, TREE);
@@ -105,7 +105,7 @@ fn primitives(mesh: &Mesh, spare: usize) -> Vec<sys::RTCBuildPrimitive> {
     prims
 }
 
-/// The tree of the records below `root`, depth first. Unwinds to [`told`] where there is no memory for it.
+/// The tree of the records below `root`, depth first. Unwinds to [`catch_out_of_memory`] where there is no memory for it.
 ///
 /// # Safety
 /// `root` is null or a record of the callbacks for nodes of this width, live and no longer written to, as are those

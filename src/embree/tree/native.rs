@@ -10,7 +10,7 @@ use crate::bvh::{Bvh4, Bvh8, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::embree::build_bvh::on_huge_pages;
 use crate::embree::scene::{EmbreeScene, GEOMETRY};
 use crate::geometry::{Aabb, Mesh};
-use crate::memory::{huge_pages, told};
+use crate::memory::{catch_out_of_memory, huge_pages};
 use glam::Vec3A;
 
 /// What memory is asked for.
@@ -40,11 +40,11 @@ fn read<const N: usize>(scene: &EmbreeScene<'_>) -> Result<WideBvh<N>, Unavailab
     let slot = RootSlot::find::<N>(scene)?;
     // SAFETY: the scene is live. The guards of `find` hold, so the root belongs to its tree, or to the one that
     // replaces it, and nothing changes it while the scene is borrowed.
-    let walked = told(|| unsafe { walk(slot.get(), scene.bounds(), scene.mesh()) });
+    let walked = catch_out_of_memory(|| unsafe { walk(slot.get(), scene.bounds(), scene.mesh()) });
     walked.unwrap_or_else(Unavailable::because)
 }
 
-/// Copies the tree below `root`, over the triangles of `mesh`. Unwinds to [`told`] where there is no memory for that.
+/// Copies the tree below `root`, over the triangles of `mesh`. Unwinds to [`catch_out_of_memory`] where there is no memory for that.
 ///
 /// # Safety
 /// `root` refers to a finished tree of width `N` in Embree's layout, which nobody changes.

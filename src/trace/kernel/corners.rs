@@ -30,7 +30,7 @@ impl CornerBlock {
     }
 }
 
-/// A block for each of `tree`, which was built over `mesh`. Unwinds to [`told`](crate::memory::told) where there is no
+/// A block for each of `tree`, which was built over `mesh`. Unwinds to [`catch_out_of_memory`](crate::memory::catch_out_of_memory) where there is no
 /// memory for them.
 ///
 /// # Errors

@@ -7,7 +7,7 @@ use crate::bvh::limits::{MAX_BLOCKS, check_width};
 use crate::bvh::saved::SavedError;
 use crate::bvh::{Child, Link, MAX_DEPTH, MAX_LEAF_BLOCKS, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Mesh;
-use crate::memory::{OutOfMemory, huge_pages, told};
+use crate::memory::{OutOfMemory, catch_out_of_memory, huge_pages};
 use std::path::Path;
 
 /// A tree whose links are in range, whose nodes have one parent each and whose inner levels do not exceed
@@ -29,7 +29,7 @@ impl<const N: usize, B> Clone for SoundTree<'_, N, B> {
 impl<const N: usize, B> Copy for SoundTree<'_, N, B> {}
 
 impl<'a, const N: usize, B> SoundTree<'a, N, B> {
-    /// Walks `tree` from the root. Unwinds to [`told`] where there is no memory for that.
+    /// Walks `tree` from the root. Unwinds to [`catch_out_of_memory`] where there is no memory for that.
     pub(super) fn new(tree: &'a WideBvh<N, B>) -> Result<Self, String> {
         const { check_width::<N>() };
         let mut seen = huge_pages::filled(tree.nodes.len(), false, "the proof of a tree");
@@ -140,7 +140,7 @@ impl<const N: usize, B> ProvenTree<N, B> {
 
     /// The same, which tells a flaw from a lack of memory.
     pub(crate) fn proven(tree: WideBvh<N, B>) -> Result<Result<Self, String>, OutOfMemory> {
-        let flaw = told(|| SoundTree::new(&tree).err())?;
+        let flaw = catch_out_of_memory(|| SoundTree::new(&tree).err())?;
         Ok(flaw.map_or(Ok(Self(tree)), Err))
     }
 

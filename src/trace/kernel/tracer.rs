@@ -8,7 +8,7 @@ use super::sound_tree::{ProvenTree, SoundTree};
 use super::traverse::{self, Query};
 use crate::bvh::WideBvh;
 use crate::geometry::{Hit, Ray, Tracer};
-use crate::memory::told;
+use crate::memory::catch_out_of_memory;
 use crate::simd::Isa;
 use rayon::prelude::*;
 use std::ops::Add as _;
@@ -55,7 +55,7 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
     /// # Errors
     /// One line: a malformed tree, or no memory to walk it.
     pub fn try_new(tree: &'a WideBvh<N>) -> Result<Self, String> {
-        let sound = told(|| SoundTree::new(tree)).map_err(|error| error.to_string())?;
+        let sound = catch_out_of_memory(|| SoundTree::new(tree)).map_err(|error| error.to_string())?;
         let tree = sound.map_err(|flaw| format!("malformed tree: {flaw}"))?;
         Ok(Self { tree, isa: Isa::best() })
     }

@@ -8,7 +8,7 @@ use super::sound_tree::SoundTree;
 use super::traverse::{self, Query};
 use crate::bvh::WideBvh;
 use crate::geometry::{Aabb, Hit, Mesh, Ray, Tracer};
-use crate::memory::told;
+use crate::memory::catch_out_of_memory;
 use crate::simd::Isa;
 
 /// Traces rays through a tree so that none slips through an edge or a vertex that triangles share, as with Embree's
@@ -40,7 +40,8 @@ impl<'a, const N: usize> WatertightTracer<'a, N> {
     /// # Errors
     /// One line: a malformed tree, a triangle that `mesh` lacks, or no memory for the corners.
     pub fn try_new(tree: &'a WideBvh<N>, mesh: &Mesh) -> Result<Self, String> {
-        told(|| Self::checked(tree, mesh, Isa::best())).unwrap_or_else(|error| Err(error.to_string()))
+        catch_out_of_memory(|| Self::checked(tree, mesh, Isa::best()))
+            .unwrap_or_else(|error| Err(error.to_string()))
     }
 
     /// As [`WatertightTracer::new`] with instructions of choice.
@@ -51,7 +52,7 @@ impl<'a, const N: usize> WatertightTracer<'a, N> {
         Self::checked(tree, mesh, isa).unwrap_or_else(|flaw| panic!("{flaw}"))
     }
 
-    /// The tracer, or what is wrong with the tree. Unwinds to [`told`] where there is no memory.
+    /// The tracer, or what is wrong with the tree. Unwinds to [`catch_out_of_memory`] where there is no memory.
     fn checked(tree: &'a WideBvh<N>, mesh: &Mesh, isa: Isa) -> Result<Self, String> {
         let sound = SoundTree::new(tree).map_err(|flaw| format!("malformed tree: {flaw}"))?;
         let blocks = corner_blocks(tree, mesh)?;

@@ -15,7 +15,7 @@ use crate::builders::phr::pipeline::build_from_cuts;
 use crate::builders::wide::refit::RefitError;
 use crate::bvh::WideBvh;
 use crate::geometry::{Aabb, Mesh};
-use crate::memory::{huge_pages, told};
+use crate::memory::{catch_out_of_memory, huge_pages};
 use crate::simd::Isa;
 
 /// Builds trees of nodes of up to `N` children over scenes whose first triangles never move.
@@ -80,7 +80,8 @@ impl<const N: usize> MergedPhr<N> {
         }
         let auxiliary = &mut self.memory.auxiliary;
         let config = &self.config.extensions.auxiliary;
-        let watch = told(|| tree.build(auxiliary, (mesh, 0..triangles as u32), config, self.isa))?;
+        let watch =
+            catch_out_of_memory(|| tree.build(auxiliary, (mesh, 0..triangles as u32), config, self.isa))?;
         self.kept = Kept { triangles, pairs: auxiliary.tree.pairs.len(), root: auxiliary.tree.root };
         Ok(watch.phases)
     }
@@ -94,7 +95,7 @@ impl<const N: usize> MergedPhr<N> {
         if self.kept.triangles > mesh.len() {
             return Err(RefitError::Triangles { tree: self.kept.triangles, mesh: mesh.len() });
         }
-        Ok(told(|| {
+        Ok(catch_out_of_memory(|| {
             let Extensions { auxiliary_tree, auxiliary, .. } = &self.config.extensions;
             let moving = self.kept.triangles as u32..mesh.len() as u32;
             let mut watch = auxiliary_tree.build(&mut self.dynamic, (mesh, moving), auxiliary, self.isa);
