@@ -19,7 +19,7 @@ pub(crate) struct LeafRule {
     pub always: u32,
     /// Clusters, which are leaves too, have at most this many references.
     pub most: u32,
-    /// Clusters have a box of at most this half area.
+    /// Clusters have a box of at most this half area; finished ones one that fits a cube of it.
     pub area: f32,
 }
 

@@ -174,9 +174,9 @@ pub(crate) struct Side {
     pub nodes: Vec<Node>,
     /// References below them.
     pub count: u32,
-    /// Memory to refine it in, node by node.
+    /// Of [`crate::builders::hunt`] alone: a key for each node, which is ordered as its area.
     pub keys: Vec<i32>,
-    /// Memory to refine it in, for the nodes of the next round.
+    /// Of the same alone: the nodes of the next round.
     pub refined: Vec<Node>,
 }
 

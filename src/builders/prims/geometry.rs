@@ -79,7 +79,7 @@ pub trait Geometry: Sync + Checked {
     fn prefetch_corners(&self, prim: u32);
 }
 
-/// Of geometries whose boxes were checked when they were made. It has a name in this crate alone.
+/// Seals [`Geometry`], which no other crate can implement: builders rely on boxes that were checked.
 pub trait Checked {}
 
 impl Checked for Mesh {}
