@@ -15,8 +15,8 @@ pub struct OutOfMemory {
 }
 
 impl OutOfMemory {
-    /// Unwinds to [`catch_out_of_memory`], without a word on the way; a panic as any other while nobody asks to be told. Who asks
-    /// is not known here, as builds run on many threads.
+    /// Unwinds to [`catch_out_of_memory`], without a word on the way; a panic as any other while nobody asks to be
+    /// told. Who asks is not known here, as builds run on many threads.
     pub(super) fn unwind(self) -> ! {
         if LISTENERS.load(Relaxed) == 0 {
             panic!("{self}");

@@ -1,5 +1,5 @@
-//! Instruction sets: detected once, and proven by tokens. Builders take [`Isa::best`] when they are made. By it cuts are
-//! split (`builders/split/object/strategy.rs`, `spatial/strategy.rs`, `three_axes.rs`) and PLOC searches
+//! Instruction sets: detected once, and proven by tokens. Builders take [`Isa::best`] when they are made. By it cuts
+//! are split (`builders/split/object/strategy.rs`, `spatial/strategy.rs`, `three_axes.rs`) and PLOC searches
 //! (`builders/clusters/ploc/nearest.rs`). Morton codes ask for it themselves (`builders/lbvh/morton.rs`).
 //!
 //! A value of [`Isa`] other than [`Isa::Scalar`] carries a token, [`Avx2`] or [`Avx512`], and only detection

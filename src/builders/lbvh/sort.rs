@@ -20,8 +20,8 @@ use std::ops::Range;
 pub(crate) enum SortBits {
     /// All 32 bits.
     All,
-    /// The highest 12 bits, the other bits of codes being set to zero: the buckets of the paper. Within one, references are
-    /// in the order of the mesh, pieces of triangles after whole ones.
+    /// The highest 12 bits, the other bits of codes being set to zero: the buckets of the paper. Within one,
+    /// references are in the order of the mesh, pieces of triangles after whole ones.
     Highest,
 }
 
@@ -46,7 +46,8 @@ pub(crate) struct MortonOrder {
 }
 
 impl MortonOrder {
-    /// Computes the bounds of `prims`, and splits needles where there is a configuration, which is for whole meshes alone.
+    /// Computes the bounds of `prims`, and splits needles where there is a configuration, which is for whole meshes
+    /// alone.
     pub fn presplit<G: Geometry>(
         &mut self,
         geometry: &G,

@@ -1,6 +1,6 @@
-//! Clipping of cuts by the planes of spatial splits (paper 4.4): which child of an opened node belongs to which side of
-//! a plane. The node of the cut that a plane cuts is clipped in [`super::split_cut`] (`pieces`). Finished leaves are never
-//! cut: they are on the side of their centroid.
+//! Clipping of cuts by the planes of spatial splits (paper 4.4): which child of an opened node belongs to which side
+//! of a plane. The node of the cut that a plane cuts is clipped in [`super::split_cut`] (`pieces`). Finished leaves
+//! are never cut: they are on the side of their centroid.
 
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;

@@ -24,8 +24,8 @@ pub struct PhrConfig {
     /// Most triangles of a leaf, 4 to 28. Up to four always are a leaf; more are one where the cost model has a leaf of
     /// several blocks cheaper than a node (the paper leaves leaves open).
     pub max_leaf: u32,
-    /// Most references after spatial splits for each one before them, 1 to 4; in all there are at most four per triangle.
-    /// Bounds memory (the paper has no bound).
+    /// Most references after spatial splits for each one before them, 1 to 4; in all there are at most four per
+    /// triangle. Bounds memory (the paper has no bound).
     pub max_references: f32,
     /// What goes beyond the paper; none in [`PhrConfig::FAST`] and [`PhrConfig::HQ`].
     #[cfg_attr(feature = "serde", serde(flatten))]

@@ -96,7 +96,8 @@ impl Device {
     }
 }
 
-/// The triangles' boxes, and room behind them for `spare` pieces. Unwinds to [`catch_out_of_memory`] where there is no memory.
+/// The triangles' boxes, and room behind them for `spare` pieces. Unwinds to [`catch_out_of_memory`] where there is
+/// no memory.
 fn primitives(mesh: &Mesh, spare: usize) -> Vec<sys::RTCBuildPrimitive> {
     let mut prims = Vec::new();
     huge_pages::reserve(&mut prims, mesh.len() + spare, TREE);
@@ -105,7 +106,8 @@ fn primitives(mesh: &Mesh, spare: usize) -> Vec<sys::RTCBuildPrimitive> {
     prims
 }
 
-/// The tree of the records below `root`, depth first. Unwinds to [`catch_out_of_memory`] where there is no memory for it.
+/// The tree of the records below `root`, depth first. Unwinds to [`catch_out_of_memory`] where there is no memory for
+/// it.
 ///
 /// # Safety
 /// `root` is null or a record of the callbacks for nodes of this width, live and no longer written to, as are those

@@ -44,7 +44,8 @@ fn read<const N: usize>(scene: &EmbreeScene<'_>) -> Result<WideBvh<N>, Unavailab
     walked.unwrap_or_else(Unavailable::because)
 }
 
-/// Copies the tree below `root`, over the triangles of `mesh`. Unwinds to [`catch_out_of_memory`] where there is no memory for that.
+/// Copies the tree below `root`, over the triangles of `mesh`. Unwinds to [`catch_out_of_memory`] where there is no
+/// memory for that.
 ///
 /// # Safety
 /// `root` refers to a finished tree of width `N` in Embree's layout, which nobody changes.

@@ -30,8 +30,8 @@ impl CornerBlock {
     }
 }
 
-/// A block for each of `tree`, which was built over `mesh`. Unwinds to [`catch_out_of_memory`](crate::memory::catch_out_of_memory) where there is no
-/// memory for them.
+/// A block for each of `tree`, which was built over `mesh`. Unwinds to `catch_out_of_memory` where there is no memory
+/// for them.
 ///
 /// # Errors
 /// One line, if the tree names a triangle that the mesh lacks.
