@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 /// Subtrees that are walked at the same time, where there are as many: some for each of many threads.
 const SUBTREES: usize = 1 << 10;
 
-/// Blocks whose primitives, and places, that are looked at by one task.
+/// Blocks, and places, that one task looks at.
 const GRAIN: usize = 1 << 12;
 
 impl<const N: usize, B: LeafBlock> WideBvh<N, B> {

@@ -110,12 +110,14 @@ fn get<R: Record + Copy>(
     path: &Path,
     look: impl Fn(usize, &R) -> Result<(), Invalid> + Sync + Send,
 ) -> Result<(Vec<R>, u64, Result<(), Invalid>), SavedError> {
+    // As many as the file is long.
     let count = count as usize;
     let mut records: Vec<R> = Vec::new();
     huge_pages::try_reserve(&mut records, count, "a saved tree")
         .map_err(|source| SavedError::OutOfMemory { path: path.to_owned(), source })?;
     let chunk = R::BYTES * CHUNK;
     let one = |bytes: &mut Vec<u8>, number: usize, run: &mut Run<'_, R>| {
+        // A run is no longer than a chunk.
         let (bytes, _) =
             bytes.split_at_mut_checked(R::BYTES * run.len()).ok_or(io::ErrorKind::InvalidData)?;
         read_at(file, path, bytes, begin + (number * chunk) as u64)?;
