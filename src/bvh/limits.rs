@@ -65,7 +65,7 @@ pub(crate) const MIDDLE_DEPTH: u32 = 12;
 /// From this depth on, a binary tree that was built with other depths in mind, bottom-up or by binned SAH, is no longer
 /// followed: its references are halved by count. Large
 /// subtrees are halved earlier, see [`follows_clusters`].
-pub(crate) const BOTTOM_UP_DEPTH: u32 = 64;
+pub(crate) const FOLLOWED_DEPTH: u32 = 64;
 
 /// Inner levels above leaves of one block if `references` are halved by count.
 pub(crate) const fn halvings(references: usize) -> u32 {
@@ -76,13 +76,13 @@ pub(crate) const fn halvings(references: usize) -> u32 {
 /// has room to be halved. The halves below need `halvings(references)` levels at most, so no subtree ends below
 /// [`MAX_DEPTH`].
 pub(crate) const fn follows_clusters(depth: u32, references: usize) -> bool {
-    depth < BOTTOM_UP_DEPTH && depth + halvings(references) < MAX_DEPTH as u32
+    depth < FOLLOWED_DEPTH && depth + halvings(references) < MAX_DEPTH as u32
 }
 
 /// Levels of splits that [`follows_clusters`] allows in any subtree of `references` at `depth`, whatever its shape.
 pub(crate) const fn followed_levels(depth: u32, references: usize) -> u32 {
     let room = (MAX_DEPTH as u32).saturating_sub(halvings(references));
-    (if room < BOTTOM_UP_DEPTH { room } else { BOTTOM_UP_DEPTH }).saturating_sub(depth)
+    (if room < FOLLOWED_DEPTH { room } else { FOLLOWED_DEPTH }).saturating_sub(depth)
 }
 
 /// Blocks are numbered without overflow.

@@ -6,7 +6,7 @@ use crate::builders::binary::node::Node;
 use crate::builders::lbvh::key::{MortonKey, reference};
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::{GRAIN, PrimInfo, PrimRefs};
-use crate::bvh::limits::BOTTOM_UP_DEPTH;
+use crate::bvh::limits::FOLLOWED_DEPTH;
 use crate::geometry::Aabb;
 use crate::memory::huge_pages;
 use crate::parallel;
@@ -49,7 +49,7 @@ fn build(
         return Node::leaf(*bounds, first, 1);
     }
     // Below some depth items are halved, as where all have one centroid.
-    let split = if depth < BOTTOM_UP_DEPTH { split(config, items) } else { None };
+    let split = if depth < FOLLOWED_DEPTH { split(config, items) } else { None };
     let split = split.unwrap_or(items.len() / 2);
     let (is_serial, place) = (items.len() < SERIAL, base + items.len() - 2);
     let (left, right) = items.split_at_mut(split);
