@@ -265,6 +265,7 @@ embree-ndebug: packages
 	done
 	for library in with without; do ./target/release/phr reduce results/ndebug-full/$$library results/ndebug/$$library; done
 
+# One test more than there are processors at a time: some wait for a browser, or for a program that they stop.
 # The page's tests are left out, and say so, where the browser cannot be had; with PHR_BROWSER=1 they fail.
 test: packages
 	@sh .ci/packages chromium chromium-driver || echo "no Chromium: the page of a run is not tested"
@@ -274,7 +275,7 @@ test: packages
 	$(CARGO) clippy -p phr -p embree-sys --lib --bins --examples --no-default-features --features phr/harness -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -p phr --lib --no-deps
 ifeq ($(NEXTEST),yes)
-	$(CARGO) nextest run --workspace --lib --tests
+	$(CARGO) nextest run --workspace --lib --tests --test-threads $$(($$(getconf _NPROCESSORS_ONLN) + 1))
 	$(CARGO) test --workspace --doc
 else
 	$(CARGO) test --workspace
