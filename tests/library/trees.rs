@@ -6,6 +6,7 @@ use phr::builders::{
 };
 use phr::bvh::{Bvh4, Child, Link, sah_cost};
 use phr::geometry::Mesh;
+use rayon::ThreadPool;
 
 /// A mesh of separate triangles.
 fn soup(triangles: impl IntoIterator<Item = [[f32; 3]; 3]>) -> Mesh {
@@ -132,34 +133,39 @@ fn awkward() -> Vec<(&'static str, Mesh)> {
     ]
 }
 
-fn build_wide<const N: usize>(threads: usize, name: &str, mesh: &Mesh) -> Build<N> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+fn pool(threads: usize) -> ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+}
+
+fn build_in<const N: usize>(pool: &ThreadPool, name: &str, mesh: &Mesh) -> Build<N> {
     let mut builder = builders::by_name::<N>(name).unwrap();
     pool.install(|| builder.build(mesh))
 }
 
 fn build_with(threads: usize, name: &str, mesh: &Mesh) -> Build<4> {
-    build_wide(threads, name, mesh)
+    build_in(&pool(threads), name, mesh)
 }
 
 #[test]
 fn every_tree_is_whole_and_the_same_at_any_thread_count() {
+    let pools = [1, 2, 8].map(pool);
     for (input, mesh) in awkward() {
         let over = builders::OVER.iter().filter(|name| name.starts_with("phr-hq"));
         for name in builders::NAMES.iter().chain(builders::ABLATION).chain(over) {
-            check_threads::<4>(name, input, &mesh);
-            check_threads::<8>(name, input, &mesh);
+            check_threads::<4>(&pools, name, input, &mesh);
+            check_threads::<8>(&pools, name, input, &mesh);
         }
     }
 }
 
-fn check_threads<const N: usize>(name: &str, input: &str, mesh: &Mesh) {
-    let tree = build_wide::<N>(1, name, mesh).tree;
+fn check_threads<const N: usize>([one, others @ ..]: &[ThreadPool; 3], name: &str, input: &str, mesh: &Mesh) {
+    let tree = build_in::<N>(one, name, mesh).tree;
     if let Err(invalid) = tree.validate(mesh) {
         panic!("{name}, width {N}, on {input}: {invalid}");
     }
-    for threads in [2, 8] {
-        let other = build_wide::<N>(threads, name, mesh).tree;
+    for pool in others {
+        let other = build_in::<N>(pool, name, mesh).tree;
+        let threads = pool.current_num_threads();
         assert!(other == tree, "{name}, width {N}, on {input}: another tree at {threads} threads");
     }
 }
