@@ -2,7 +2,7 @@
 //! loader panic or say less than file, place and remedy.
 #![cfg(feature = "files")]
 
-use phr::scene::{Scene, SceneError, load};
+use phr::scene::{Limits, Scene, SceneError, load, load_within};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -339,10 +339,11 @@ fn damaged_files_never_panic() {
         ("x.ply.zst", zstd(ascii_ply())),
     ];
     let dir = tempfile::tempdir().unwrap();
+    let limits = Limits::of_machine();
     let mut accepted = 0;
     let mut attempt = |name: &str, bytes: &[u8]| {
         let path = write(&dir, name, bytes);
-        match load(&path) {
+        match load_within(&path, &limits) {
             Ok(scene) => {
                 assert!(!scene.mesh.is_empty() && scene.views.iter().all(|v| v.check().is_ok()));
                 accepted += 1;
