@@ -90,16 +90,17 @@ impl CountedBox {
         self.bounds.half_area() * weight.of(self.count as usize + more)
     }
 
-    /// The unions of all before each of `boxes`, and of all after each.
-    pub fn before_and_after<const N: usize>(boxes: &[Self; N], len: usize) -> [[Self; N]; 2] {
-        let (mut before, mut after) = ([Self::EMPTY; N], [Self::EMPTY; N]);
-        for i in 1..len {
-            before[i] = before[i - 1].union(boxes[i - 1]);
+    /// Writes to `before` the unions of all before each of `boxes`, and to `after` those of all after each.
+    pub fn before_and_after(boxes: &[Self], before: &mut [Self], after: &mut [Self]) {
+        let (mut left, mut right) = (Self::EMPTY, Self::EMPTY);
+        for (boxes, before) in boxes.iter().zip(before) {
+            *before = left;
+            left = left.union(*boxes);
         }
-        for i in (1..len).rev() {
-            after[i - 1] = after[i].union(boxes[i]);
+        for (boxes, after) in boxes.iter().zip(after).rev() {
+            *after = right;
+            right = right.union(*boxes);
         }
-        [before, after]
     }
 }
 

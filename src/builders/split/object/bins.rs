@@ -117,7 +117,8 @@ impl Bins {
             bin_of
         }));
         for axis in 0..3 {
-            [self.before[axis], self.after[axis]] = CountedBox::before_and_after(&self.bins[axis], bins);
+            let [before, after] = [&mut self.before, &mut self.after].map(|sides| &mut sides[axis][..bins]);
+            CountedBox::before_and_after(&self.bins[axis][..bins], before, after);
         }
     }
 }

@@ -1,12 +1,11 @@
-//! The spatial split of a long cut: the boundaries of nodes are put into bins, which bound the cost of their planes
-//! from below, and only bins that may hold a cheaper plane are swept.
+//! The spatial split of a long cut: the boundaries of nodes along an axis are put into bins, which bound the cost of
+//! their planes from below, and only bins that may hold a cheaper plane are swept.
 
 use super::plane_sweep::{PlaneSweep, SpatialCut};
 use super::split::SpatialSplit;
 use crate::builders::binary::node::Node;
-use crate::builders::split::cost::{BINS, CountedBox, bins_for, step_scale};
+use crate::builders::split::cost::{BINS, CountedBox, bins_for};
 use crate::geometry::Aabb;
-use glam::Vec3A;
 
 /// The node boundaries within one bin.
 #[derive(Clone, Copy)]
@@ -31,87 +30,89 @@ impl Bin {
     }
 }
 
-/// Boundaries in bins.
+/// Boundaries along an axis in bins.
 pub(crate) struct SpatialBins {
-    bins: [[Bin; BINS]; 3],
-    used: usize,
-    /// The bins by axis where each node begins and ends.
-    places: Vec<[[u8; 4]; 2]>,
+    /// The first bin is what lies before the range of planes, the one after the last what lies behind it.
+    bins: [Bin; BINS + 2],
+    /// `after[b]`: the nodes that end behind bin b.
+    after: [CountedBox; BINS + 2],
+    /// The bins where each node begins and ends.
+    places: Vec<[u8; 2]>,
 }
 
 impl Default for SpatialBins {
     fn default() -> Self {
-        Self { bins: [[Bin::EMPTY; BINS]; 3], used: BINS, places: Vec::new() }
+        Self { bins: [Bin::EMPTY; BINS + 2], after: [CountedBox::EMPTY; BINS + 2], places: Vec::new() }
     }
 }
 
 impl SpatialBins {
-    /// As [`PlaneSweep::improve`].
-    pub fn improve(&mut self, planes: &mut PlaneSweep, boxes: SpatialCut<'_>, best: &mut SpatialSplit) {
-        self.fill(boxes.nodes, boxes.bounds);
-        for axis in 0..3 {
-            self.improve_along(axis, planes, boxes, best);
-        }
-    }
-
+    /// As [`PlaneSweep::improve_between`].
+    ///
     /// A plane within a bin has on its left all nodes that begin in bins before, and on its right all that end in bins
     /// after; their boxes, cut at the bin's outermost planes, and their numbers bound the cost from below.
-    fn improve_along(
-        &self,
+    pub fn improve_between(
+        &mut self,
         axis: usize,
-        planes: &mut PlaneSweep,
         boxes: SpatialCut<'_>,
+        range: [f32; 2],
+        planes: &mut PlaneSweep,
         best: &mut SpatialSplit,
     ) {
-        let bins = &self.bins[axis];
-        let [before, _] = CountedBox::before_and_after(&bins.map(|bin| bin.begin), self.used);
-        let [_, after] = CountedBox::before_and_after(&bins.map(|bin| bin.end), self.used);
+        let used = bins_for(boxes.nodes.len());
+        self.fill(axis, boxes.nodes, range, used);
+        let Self { bins, after, places } = self;
+        after[used] = bins[used + 1].end;
+        for b in (1..used).rev() {
+            after[b] = after[b + 1].union(bins[b + 1].end);
+        }
+        let mut before = bins[0].begin;
         // Both sides of a split hold a node.
         let cost = |side: Aabb, count: u32| side.half_area() * boxes.weight.of(count.max(1) as usize);
-        for (b, (before, after)) in before.iter().zip(&after).enumerate().take(self.used) {
+        for b in 1..=used {
             let [first, last] = bins[b].planes(axis);
             let bound = cost(before.bounds.below(axis, first), before.count)
-                + cost(after.bounds.above(axis, last), after.count);
+                + cost(after[b].bounds.above(axis, last), after[b].count);
             if first <= last && bound < best.cost {
-                planes.improve_among(axis, boxes, self.members(axis, b as u8), [before, after], best);
+                planes.improve_among(axis, boxes, members(places, b as u8), [&before, &after[b]], best);
             }
+            before = before.union(bins[b].begin);
         }
     }
 
-    /// Puts the boundaries of `nodes`, whose union is `bounds`, into bins.
-    fn fill(&mut self, nodes: &[Node], bounds: Aabb) {
-        self.used = bins_for(nodes.len());
-        for of_axis in &mut self.bins {
-            of_axis[..self.used].fill(Bin::EMPTY);
-        }
-        let scale = step_scale(bounds.extent(), self.used);
-        // Boxes lie within the bounds; bins are monotone in the coordinate, whatever is rounded.
-        let bin_of = |point: Vec3A| {
-            let place = ((point - bounds.min) * scale - 0.5).max(Vec3A::ZERO) + ROUND;
-            [place.x, place.y, place.z, 0.0].map(|place| place.to_bits() as u8)
+    /// Puts the boundaries of `nodes` into `used` bins of equal size, and those outside the range into the bins beside
+    /// them.
+    fn fill(&mut self, axis: usize, nodes: &[Node], [from, to]: [f32; 2], used: usize) {
+        self.bins[..used + 2].fill(Bin::EMPTY);
+        let scale = used as f32 * 0.999 / (to - from);
+        let scale = if scale < f32::MAX { scale } else { 0.0 };
+        let behind = (used + 1) as f32;
+        // Bins are monotone in the coordinate, whatever is rounded, and a plane in the range is in one from 1 to `used`.
+        let bin_of = |x: f32| {
+            let place = ((x - from) * scale + 0.501).max(0.0).min(behind) + ROUND;
+            place.to_bits() as u8
         };
         self.places.clear();
         self.places.extend(nodes.iter().map(|node| {
             let b = node.bounds();
-            let places = [bin_of(b.min), bin_of(b.max)];
-            for axis in 0..3 {
-                let [begin, end] = places.map(|place| usize::from(place[axis]) % BINS);
-                let bin = &mut self.bins[axis][begin];
-                bin.begin.add(b);
-                bin.inner[0] = bin.inner[0].max(b.min[axis]);
-                let bin = &mut self.bins[axis][end];
-                bin.end.add(b);
-                bin.inner[1] = bin.inner[1].min(b.max[axis]);
-            }
+            let (lower, upper) = (node.lower(axis), node.upper(axis));
+            let places = [bin_of(lower), bin_of(upper)];
+            let [begin, end] = places.map(usize::from);
+            let bin = &mut self.bins[begin];
+            bin.begin.add(b);
+            bin.inner[0] = bin.inner[0].max(lower);
+            let bin = &mut self.bins[end];
+            bin.end.add(b);
+            bin.inner[1] = bin.inner[1].min(upper);
             places
         }));
     }
+}
 
-    /// The positions of the nodes that begin or end in a bin, with whether they do either.
-    fn members(&self, axis: usize, bin: u8) -> impl Iterator<Item = (usize, [bool; 2])> {
-        let places = self.places.iter().map(move |place| place.map(|at| at[axis] == bin)).enumerate();
-        places.filter(|(_, [begins, ends])| begins | ends)
-    }
+/// The positions of the nodes that begin or end in a bin, with whether they do either.
+fn members(places: &[[u8; 2]], bin: u8) -> impl Iterator<Item = (usize, [bool; 2])> {
+    let places = places.iter().map(move |place| place.map(|at| at == bin)).enumerate();
+    places.filter(|(_, [begins, ends])| begins | ends)
 }
 
 /// Added to a float it leaves the nearest integer in the lowest bits.

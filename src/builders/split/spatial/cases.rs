@@ -33,7 +33,10 @@ fn every_way_finds_the_split_of_the_definition() {
             let whole = || SpatialSplit { cost: f32::INFINITY, ..SpatialSplit::NONE };
             let (mut swept, mut binned) = (whole(), whole());
             planes.improve(boxes, &mut swept);
-            spatial_bins.improve(&mut planes, boxes, &mut binned);
+            for axis in 0..3 {
+                let range = [bounds.min[axis], bounds.max[axis]];
+                spatial_bins.improve_between(axis, boxes, range, &mut planes, &mut binned);
+            }
             assert_eq!((swept, binned), (expected, expected), "{n} nodes");
             // Object bins exclude no plane that is cheaper.
             let limit = weight.limit(bounds.half_area(), n);

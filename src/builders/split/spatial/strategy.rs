@@ -41,7 +41,7 @@ impl SpatialSweep {
                 self.by_lanes(token, boxes, of_object, &mut best);
             }
             _ if nodes.len() <= SHORT => self.planes.improve(boxes, &mut best),
-            _ => self.bins.improve(&mut self.planes, boxes, &mut best),
+            _ => self.by_bins(boxes, of_object, &mut best),
         }
         if best.cost < limit { best } else { SpatialSplit::NONE }
     }
@@ -53,16 +53,28 @@ impl SpatialSweep {
         of_object: Option<&Bins>,
         best: &mut SpatialSplit,
     ) {
-        let bounds = boxes.bounds;
         for axis in 0..3 {
-            let mut range = [bounds.min[axis], bounds.max[axis]];
-            if let Some(bins) = of_object {
-                let Some([from, to]) = bins.planes_below(axis, best.cost, boxes.weight) else { continue };
-                range = [from.max(range[0]), to.min(range[1])];
-            }
+            let Some(range) = planes(axis, boxes, of_object, best.cost) else { continue };
             if let Some(range) = lanes::search(v, axis, range, boxes, &mut self.lanes, best) {
                 self.planes.improve_between(axis, boxes, range, best);
             }
         }
     }
+
+    fn by_bins(&mut self, boxes: SpatialCut<'_>, of_object: Option<&Bins>, best: &mut SpatialSplit) {
+        for axis in 0..3 {
+            if let Some(range) = planes(axis, boxes, of_object, best.cost) {
+                self.bins.improve_between(axis, boxes, range, &mut self.planes, best);
+            }
+        }
+    }
+}
+
+/// Bounds of the planes normal to `axis`, the second exclusive, that are worth a look if they must cost less than
+/// `limit`; `None` if no plane is.
+fn planes(axis: usize, boxes: SpatialCut<'_>, of_object: Option<&Bins>, limit: f32) -> Option<[f32; 2]> {
+    let [first, last] = [boxes.bounds.min[axis], boxes.bounds.max[axis]];
+    let Some(bins) = of_object else { return Some([first, last]) };
+    let [from, to] = bins.planes_below(axis, limit, boxes.weight)?;
+    Some([from.max(first), to.min(last)])
 }
