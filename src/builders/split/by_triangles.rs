@@ -29,7 +29,7 @@ pub(crate) fn object(nodes: &[Node], area: f32) -> ObjectSplit {
         for i in 1..nodes.len() {
             let last = order[i - 1];
             left = left.union(counted(&nodes[last]));
-            let cost = left.cost(0, Weight::Nodes) + right[i].cost(0, Weight::Nodes);
+            let cost = left.cost(Weight::Nodes) + right[i].cost(Weight::Nodes);
             if cost < best.cost {
                 best = ObjectSplit { cost, axis, left: i, last };
             }

@@ -50,6 +50,22 @@ impl Weight {
     }
 }
 
+/// Bounds of costs from below are lowered by this factor, as they are rounded otherwise than costs are.
+const BELOW: f32 = 1.0 - 1.0 / (1 << 20) as f32;
+
+/// A bound from below of the cost of two sides that have at least the given half areas and numbers of nodes, where
+/// `others` more nodes must be on one side or the other.
+#[inline]
+pub(crate) fn least_cost(areas: [f32; 2], counts: [u32; 2], others: u32, weight: Weight) -> f32 {
+    let of_side = |i: usize| areas[i] * weight.of(counts[i] as usize);
+    let of_others = match weight {
+        Weight::Nodes => areas[0].min(areas[1]) * others as f32,
+        // They may fill up blocks.
+        Weight::Blocks => 0.0,
+    };
+    (of_side(0) + of_side(1) + of_others) * BELOW
+}
+
 /// [`Aabb::half_area`] of the box in each lane.
 #[inline(always)]
 pub(crate) fn half_areas<L: Lanes>(v: L, min: [L::F; 3], max: [L::F; 3]) -> L::F {
@@ -84,10 +100,10 @@ impl CountedBox {
         self.count += 1;
     }
 
-    /// The cost of a side of these nodes and `more`.
+    /// The cost of a side of these nodes.
     #[inline]
-    pub fn cost(&self, more: usize, weight: Weight) -> f32 {
-        self.bounds.half_area() * weight.of(self.count as usize + more)
+    pub fn cost(&self, weight: Weight) -> f32 {
+        self.bounds.half_area() * weight.of(self.count as usize)
     }
 
     /// Writes to `before` the unions of all before each of `boxes`, and to `after` those of all after each.

@@ -4,7 +4,7 @@
 use super::full_sweep::FullSweep;
 use super::split::ObjectSplit;
 use crate::builders::binary::node::Node;
-use crate::builders::split::cost::{BINS, CountedBox, Weight, bins_for, step_scale};
+use crate::builders::split::cost::{BINS, CountedBox, Weight, bins_for, least_cost, step_scale};
 use crate::geometry::Aabb;
 use crate::geometry::ordered::ordered_bits;
 
@@ -43,7 +43,7 @@ impl Bins {
                 if self.bins[axis][b - 1].count == 0 || left.count == 0 || right.count == 0 {
                     continue;
                 }
-                let cost = left.cost(0, weight) + right.cost(0, weight);
+                let cost = left.cost(weight) + right.cost(weight);
                 let split = ObjectSplit { cost, axis, left: left.count as usize, last: 0 };
                 if split.is_before(&best) {
                     best = split;
@@ -53,12 +53,16 @@ impl Bins {
         }
         for axis in 0..3 {
             for b in 0..bins {
+                let within = self.bins[axis][b].count;
+                if within < 2 {
+                    continue;
+                }
                 // Both sides of a split within the bin hold at least one of its nodes.
                 let sides = [&self.before[axis][b], &self.after[axis][b]];
-                let bound = sides[0].cost(1, weight) + sides[1].cost(1, weight);
+                let areas = sides.map(|side| side.bounds.half_area());
+                let bound = least_cost(areas, sides.map(|side| side.count + 1), within - 2, weight);
                 let members = self.bin_of.iter().enumerate().filter(|(_, bins)| usize::from(bins[axis]) == b);
-                if self.bins[axis][b].count >= 2
-                    && bound <= best.cost
+                if bound <= best.cost
                     && full.sweep(nodes, axis, members.map(|(i, _)| i), sides, weight, &mut best)
                 {
                     border = None;
@@ -91,8 +95,8 @@ impl Bins {
             let (before, after) = (&self.before[axis][*b], &self.after[axis][*b]);
             let left = before.bounds.below(axis, border(*b) - slack);
             let right = after.bounds.above(axis, border(*b + 1) + slack);
-            let cost = |side: Aabb, of: &CountedBox| side.half_area() * weight.of(of.count.max(1) as usize);
-            cost(left, before) + cost(right, after) < limit
+            let areas = [left.half_area(), right.half_area()];
+            least_cost(areas, [before.count, after.count], self.bins[axis][*b].count, weight) < limit
         };
         let last = (0..bins).rev().find(may_hold)?;
         let first = (0..bins).find(may_hold)?;

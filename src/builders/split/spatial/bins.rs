@@ -4,7 +4,7 @@
 use super::plane_sweep::{PlaneSweep, SpatialCut};
 use super::split::SpatialSplit;
 use crate::builders::binary::node::Node;
-use crate::builders::split::cost::{BINS, CountedBox, bins_for};
+use crate::builders::split::cost::{BINS, CountedBox, bins_for, least_cost};
 use crate::geometry::Aabb;
 
 /// The node boundaries within one bin.
@@ -14,13 +14,19 @@ struct Bin {
     begin: CountedBox,
     /// Nodes that end here.
     end: CountedBox,
+    /// The number of nodes that do both.
+    within: u32,
     /// The greatest boundary of nodes that begin, and the least of nodes that end.
     inner: [f32; 2],
 }
 
 impl Bin {
-    const EMPTY: Self =
-        Self { begin: CountedBox::EMPTY, end: CountedBox::EMPTY, inner: [f32::NEG_INFINITY, f32::INFINITY] };
+    const EMPTY: Self = Self {
+        begin: CountedBox::EMPTY,
+        end: CountedBox::EMPTY,
+        within: 0,
+        inner: [f32::NEG_INFINITY, f32::INFINITY],
+    };
 
     /// The least and the greatest boundary.
     #[inline]
@@ -49,8 +55,9 @@ impl Default for SpatialBins {
 impl SpatialBins {
     /// As [`PlaneSweep::improve_between`].
     ///
-    /// A plane within a bin has on its left all nodes that begin in bins before, and on its right all that end in bins
-    /// after; their boxes, cut at the bin's outermost planes, and their numbers bound the cost from below.
+    /// A plane within a bin has on its left all nodes that begin in bins before, on its right all that end in bins
+    /// after, and on either side those that begin and end in this one; their boxes, cut at the bin's outermost planes,
+    /// and their numbers bound the cost from below.
     pub fn improve_between(
         &mut self,
         axis: usize,
@@ -67,12 +74,11 @@ impl SpatialBins {
             after[b] = after[b + 1].union(bins[b + 1].end);
         }
         let mut before = bins[0].begin;
-        // Both sides of a split hold a node.
-        let cost = |side: Aabb, count: u32| side.half_area() * boxes.weight.of(count.max(1) as usize);
         for b in 1..=used {
             let [first, last] = bins[b].planes(axis);
-            let bound = cost(before.bounds.below(axis, first), before.count)
-                + cost(after[b].bounds.above(axis, last), after[b].count);
+            let sides = [before.bounds.below(axis, first), after[b].bounds.above(axis, last)];
+            let counts = [before.count, after[b].count];
+            let bound = least_cost(sides.map(Aabb::half_area), counts, bins[b].within, boxes.weight);
             if first <= last && bound < best.cost {
                 planes.improve_among(axis, boxes, members(places, b as u8), [&before, &after[b]], best);
             }
@@ -102,6 +108,7 @@ impl SpatialBins {
             bin.begin.add(b);
             bin.inner[0] = bin.inner[0].max(lower);
             let bin = &mut self.bins[end];
+            bin.within += u32::from(begin == end);
             bin.end.add(b);
             bin.inner[1] = bin.inner[1].min(upper);
             places

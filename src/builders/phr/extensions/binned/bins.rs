@@ -80,7 +80,7 @@ impl SahBins {
             for bin in 1..self.len {
                 left = left.union(bins[bin - 1]);
                 let right = right[self.len - 1 - bin];
-                let cost = left.cost(0, Weight::Nodes) + right.cost(0, Weight::Nodes);
+                let cost = left.cost(Weight::Nodes) + right.cost(Weight::Nodes);
                 if left.count > 0 && right.count > 0 && cost < best.0 {
                     best = (cost, Some(Plane { axis, bin }));
                 }
