@@ -105,19 +105,6 @@ impl CountedBox {
     pub fn cost(&self, weight: Weight) -> f32 {
         self.bounds.half_area() * weight.of(self.count as usize)
     }
-
-    /// Writes to `before` the unions of all before each of `boxes`, and to `after` those of all after each.
-    pub fn before_and_after(boxes: &[Self], before: &mut [Self], after: &mut [Self]) {
-        let (mut left, mut right) = (Self::EMPTY, Self::EMPTY);
-        for (boxes, before) in boxes.iter().zip(before) {
-            *before = left;
-            left = left.union(*boxes);
-        }
-        for (boxes, after) in boxes.iter().zip(after).rev() {
-            *after = right;
-            right = right.union(*boxes);
-        }
-    }
 }
 
 /// Takes places within `extent` to steps along each axis: the last place is in the last step, a flat side has one step.
@@ -126,6 +113,9 @@ pub(crate) fn step_scale(extent: Vec3A, steps: usize) -> Vec3A {
     let scale = Vec3A::splat(steps as f32 * 0.999) / extent;
     Vec3A::select(scale.cmplt(Vec3A::splat(f32::MAX)), scale, Vec3A::ZERO)
 }
+
+/// Added to a float from 0 to 255 it leaves the nearest integer in the lowest bits. Conversions would check for more.
+pub(super) const WHOLE: f32 = (1 << (f32::MANTISSA_DIGITS - 1)) as f32;
 
 /// Most bins along an axis.
 pub(crate) const BINS: usize = 32;

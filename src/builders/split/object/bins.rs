@@ -4,9 +4,10 @@
 use super::full_sweep::FullSweep;
 use super::split::ObjectSplit;
 use crate::builders::binary::node::Node;
-use crate::builders::split::cost::{BINS, CountedBox, Weight, bins_for, least_cost, step_scale};
+use crate::builders::split::cost::{BINS, CountedBox, WHOLE, Weight, bins_for, least_cost, step_scale};
 use crate::geometry::Aabb;
 use crate::geometry::ordered::ordered_bits;
+use glam::Vec3A;
 
 /// The nodes of a cut in bins, by centroid.
 pub(crate) struct Bins {
@@ -16,6 +17,8 @@ pub(crate) struct Bins {
     before: [[CountedBox; BINS]; 3],
     /// `after[axis][b]`: those of all bins above b.
     after: [[CountedBox; BINS]; 3],
+    /// Half areas of both.
+    areas: [[[f32; 2]; BINS]; 3],
     /// Twice the centroids' bounds.
     centers: Aabb,
     /// The bin of each node, by axis.
@@ -25,12 +28,14 @@ pub(crate) struct Bins {
 impl Default for Bins {
     fn default() -> Self {
         let empty = [[CountedBox::EMPTY; BINS]; 3];
-        Self { bins: empty, before: empty, after: empty, centers: Aabb::EMPTY, bin_of: Vec::new() }
+        let areas = [[[0.0; 2]; BINS]; 3];
+        Self { bins: empty, before: empty, after: empty, areas, centers: Aabb::EMPTY, bin_of: Vec::new() }
     }
 }
 
 impl Bins {
     /// The split of `nodes` of least cost below `limit`, as [`FullSweep::best`] defines it.
+    #[inline(always)]
     pub fn best(&mut self, full: &mut FullSweep, nodes: &[Node], limit: f32, weight: Weight) -> ObjectSplit {
         let bins = bins_for(nodes.len());
         self.fill(nodes, bins);
@@ -43,7 +48,8 @@ impl Bins {
                 if self.bins[axis][b - 1].count == 0 || left.count == 0 || right.count == 0 {
                     continue;
                 }
-                let cost = left.cost(weight) + right.cost(weight);
+                let cost = self.areas[axis][b][0] * weight.of(left.count as usize)
+                    + self.areas[axis][b - 1][1] * weight.of(right.count as usize);
                 let split = ObjectSplit { cost, axis, left: left.count as usize, last: 0 };
                 if split.is_before(&best) {
                     best = split;
@@ -59,8 +65,8 @@ impl Bins {
                 }
                 // Both sides of a split within the bin hold at least one of its nodes.
                 let sides = [&self.before[axis][b], &self.after[axis][b]];
-                let areas = sides.map(|side| side.bounds.half_area());
-                let bound = least_cost(areas, sides.map(|side| side.count + 1), within - 2, weight);
+                let counts = sides.map(|side| side.count + 1);
+                let bound = least_cost(self.areas[axis][b], counts, within - 2, weight);
                 let members = self.bin_of.iter().enumerate().filter(|(_, bins)| usize::from(bins[axis]) == b);
                 if bound <= best.cost
                     && full.sweep(nodes, axis, members.map(|(i, _)| i), sides, weight, &mut best)
@@ -105,24 +111,41 @@ impl Bins {
         Some([from, to])
     }
 
+    #[inline(always)]
     fn fill(&mut self, nodes: &[Node], bins: usize) {
         let centers: Aabb = nodes.iter().fold(Aabb::EMPTY, |all, node| all.grow(node.bounds().center2()));
         self.centers = centers;
         let scale = step_scale(centers.extent(), bins);
         self.bins.iter_mut().for_each(|of_axis| of_axis[..bins].fill(CountedBox::EMPTY));
-        self.bin_of.clear();
-        self.bin_of.extend(nodes.iter().map(|node| {
+        self.bin_of.resize(nodes.len(), [0; 3]);
+        for (node, bin_of) in nodes.iter().zip(&mut self.bin_of) {
             let bounds = node.bounds();
-            let place = (bounds.center2() - centers.min) * scale;
-            let bin_of = place.to_array().map(|x| (x as u32).min(bins as u32 - 1) as u8);
-            for (axis, &bin) in bin_of.iter().enumerate() {
-                self.bins[axis][usize::from(bin)].add(bounds);
+            // Bins are monotone in the centroid, whatever is rounded.
+            let place = ((bounds.center2() - centers.min) * scale - 0.5).max(Vec3A::ZERO) + WHOLE;
+            for (axis, (bin, place)) in bin_of.iter_mut().zip(place.to_array()).enumerate() {
+                *bin = place.to_bits() as u8;
+                self.bins[axis][usize::from(*bin) % BINS].add(bounds);
             }
-            bin_of
-        }));
+        }
         for axis in 0..3 {
-            let [before, after] = [&mut self.before, &mut self.after].map(|sides| &mut sides[axis][..bins]);
-            CountedBox::before_and_after(&self.bins[axis][..bins], before, after);
+            self.measure_sides(axis, bins);
+        }
+    }
+
+    /// What is before and after each bin.
+    #[inline(always)]
+    fn measure_sides(&mut self, axis: usize, bins: usize) {
+        let areas = &mut self.areas[axis][..bins];
+        let (mut left, mut right) = (CountedBox::EMPTY, CountedBox::EMPTY);
+        for ((bin, before), areas) in self.bins[axis].iter().zip(&mut self.before[axis]).zip(&mut *areas) {
+            *before = left;
+            areas[0] = left.bounds.half_area();
+            left = left.union(*bin);
+        }
+        for ((bin, after), areas) in self.bins[axis].iter().zip(&mut self.after[axis]).zip(areas).rev() {
+            *after = right;
+            areas[1] = right.bounds.half_area();
+            right = right.union(*bin);
         }
     }
 }

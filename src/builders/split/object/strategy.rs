@@ -43,7 +43,12 @@ impl ObjectSweep {
             Isa::Avx512(token) if n <= ranks::MOST => self.ranks.best(token, nodes, limit, weight),
             Isa::Avx2(token) if n <= ranks::MOST_AVX2 => self.ranks.best(token, nodes, limit, weight),
             _ if n >= LONG => {
-                return (self.bins.best(&mut self.full, nodes, limit, weight), Some(&self.bins));
+                let Self { full, bins, .. } = self;
+                let split = isa.run(
+                    #[inline(always)]
+                    || bins.best(full, nodes, limit, weight),
+                );
+                return (split, Some(bins));
             }
             _ => self.full.best(nodes, limit, weight),
         };

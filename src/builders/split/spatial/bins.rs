@@ -4,7 +4,7 @@
 use super::plane_sweep::{PlaneSweep, SpatialCut};
 use super::split::SpatialSplit;
 use crate::builders::binary::node::Node;
-use crate::builders::split::cost::{BINS, CountedBox, bins_for, least_cost};
+use crate::builders::split::cost::{BINS, CountedBox, WHOLE, bins_for, least_cost};
 use crate::geometry::Aabb;
 
 /// The node boundaries within one bin.
@@ -58,6 +58,7 @@ impl SpatialBins {
     /// A plane within a bin has on its left all nodes that begin in bins before, on its right all that end in bins
     /// after, and on either side those that begin and end in this one; their boxes, cut at the bin's outermost planes,
     /// and their numbers bound the cost from below.
+    #[inline(always)]
     pub fn improve_between(
         &mut self,
         axis: usize,
@@ -88,31 +89,31 @@ impl SpatialBins {
 
     /// Puts the boundaries of `nodes` into `used` bins of equal size, and those outside the range into the bins beside
     /// them.
+    #[inline(always)]
     fn fill(&mut self, axis: usize, nodes: &[Node], [from, to]: [f32; 2], used: usize) {
         self.bins[..used + 2].fill(Bin::EMPTY);
         let scale = used as f32 * 0.999 / (to - from);
         let scale = if scale < f32::MAX { scale } else { 0.0 };
         let behind = (used + 1) as f32;
-        // Bins are monotone in the coordinate, whatever is rounded, and a plane in the range is in one from 1 to `used`.
+        // Bins are monotone in the coordinate, whatever is rounded; planes in the range are in one from 1 to `used`.
         let bin_of = |x: f32| {
-            let place = ((x - from) * scale + 0.501).max(0.0).min(behind) + ROUND;
-            place.to_bits() as u8
+            let place = smaller(larger((x - from) * scale + 0.501, 0.0), behind);
+            ((place + WHOLE).to_bits() % 256) as usize
         };
-        self.places.clear();
-        self.places.extend(nodes.iter().map(|node| {
+        self.places.resize(nodes.len(), [0; 2]);
+        for (node, places) in nodes.iter().zip(&mut self.places) {
             let b = node.bounds();
             let (lower, upper) = (node.lower(axis), node.upper(axis));
-            let places = [bin_of(lower), bin_of(upper)];
-            let [begin, end] = places.map(usize::from);
+            let (begin, end) = (bin_of(lower), bin_of(upper));
+            *places = [begin as u8, end as u8];
             let bin = &mut self.bins[begin];
             bin.begin.add(b);
-            bin.inner[0] = bin.inner[0].max(lower);
+            bin.inner[0] = larger(bin.inner[0], lower);
             let bin = &mut self.bins[end];
-            bin.within += u32::from(begin == end);
             bin.end.add(b);
-            bin.inner[1] = bin.inner[1].min(upper);
-            places
-        }));
+            bin.within += u32::from(begin == end);
+            bin.inner[1] = smaller(bin.inner[1], upper);
+        }
     }
 }
 
@@ -122,5 +123,14 @@ fn members(places: &[[u8; 2]], bin: u8) -> impl Iterator<Item = (usize, [bool; 2
     places.filter(|(_, [begins, ends])| begins | ends)
 }
 
-/// Added to a float it leaves the nearest integer in the lowest bits.
-const ROUND: f32 = (1 << 23) as f32;
+/// As [`f32::max`], in one instruction: neither is NaN.
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// As [`f32::min`], likewise.
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}

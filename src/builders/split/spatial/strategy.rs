@@ -41,7 +41,10 @@ impl SpatialSweep {
                 self.by_lanes(token, boxes, of_object, &mut best);
             }
             _ if nodes.len() <= SHORT => self.planes.improve(boxes, &mut best),
-            _ => self.by_bins(boxes, of_object, &mut best),
+            _ => isa.run(
+                #[inline(always)]
+                || self.by_bins(boxes, of_object, &mut best),
+            ),
         }
         if best.cost < limit { best } else { SpatialSplit::NONE }
     }
@@ -61,6 +64,7 @@ impl SpatialSweep {
         }
     }
 
+    #[inline(always)]
     fn by_bins(&mut self, boxes: SpatialCut<'_>, of_object: Option<&Bins>, best: &mut SpatialSplit) {
         for axis in 0..3 {
             if let Some(range) = planes(axis, boxes, of_object, best.cost) {
@@ -72,9 +76,13 @@ impl SpatialSweep {
 
 /// Bounds of the planes normal to `axis`, the second exclusive, that are worth a look if they must cost less than
 /// `limit`; `None` if no plane is.
+#[inline]
 fn planes(axis: usize, boxes: SpatialCut<'_>, of_object: Option<&Bins>, limit: f32) -> Option<[f32; 2]> {
     let [first, last] = [boxes.bounds.min[axis], boxes.bounds.max[axis]];
-    let Some(bins) = of_object else { return Some([first, last]) };
-    let [from, to] = bins.planes_below(axis, limit, boxes.weight)?;
-    Some([from.max(first), to.min(last)])
+    let [from, to] = match of_object {
+        Some(bins) => bins.planes_below(axis, limit, boxes.weight)?,
+        None => [first, last],
+    };
+    let range = [from.max(first), to.min(last)];
+    (range[0] < range[1]).then_some(range)
 }
