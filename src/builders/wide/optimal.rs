@@ -3,6 +3,7 @@
 
 use crate::builders::api::config_error::{ConfigError, check};
 use crate::bvh::limits::{BLOCK, MAX_LEAF, MAX_WIDTH};
+use crate::geometry::ordered::smaller;
 use crate::memory::huge_pages;
 use crate::parallel::join;
 use arrayvec::ArrayVec;
@@ -62,22 +63,16 @@ impl CollapseCosts {
         // Costs of huge scenes overflow to infinity: a node always is possible, a leaf is not.
         let is_leaf = leaf <= inner && leaf < f32::INFINITY;
         let mut choice = Choice::new(count, is_leaf);
-        let mut cost = [least(leaf, inner); N];
+        let mut cost = [smaller(leaf, inner); N];
         for slots in 2..N {
             let (shared, left) = shared(slots);
             let fewer = cost[slots - 2];
-            cost[slots - 1] = least(shared, fewer);
+            cost[slots - 1] = smaller(shared, fewer);
             choice.set_left(slots, if shared < fewer { left } else { 0 });
         }
         choice.set_left(N, all.1);
         (Solved { cost, count }, choice)
     }
-}
-
-/// The lesser. `f32::min` also looks for NaN, which no cost is.
-#[inline(always)]
-fn least(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
 }
 
 /// The least cost of a subtree as up to 1, 2, ... `N - 1` children of a wide node; the last place is not used.

@@ -6,6 +6,7 @@ use super::split::SpatialSplit;
 use crate::builders::binary::node::Node;
 use crate::builders::split::cost::{BINS, CountedBox, WHOLE, bins_for, least_cost};
 use crate::geometry::Aabb;
+use crate::geometry::ordered::{greater, smaller};
 
 /// The node boundaries within one bin.
 #[derive(Clone, Copy)]
@@ -97,7 +98,7 @@ impl SpatialBins {
         let behind = (used + 1) as f32;
         // Bins are monotone in the coordinate, whatever is rounded; planes in the range are in one from 1 to `used`.
         let bin_of = |x: f32| {
-            let place = smaller(larger((x - from) * scale + 0.501, 0.0), behind);
+            let place = smaller(greater((x - from) * scale + 0.501, 0.0), behind);
             ((place + WHOLE).to_bits() % 256) as usize
         };
         self.places.resize(nodes.len(), [0; 2]);
@@ -108,7 +109,7 @@ impl SpatialBins {
             *places = [begin as u8, end as u8];
             let bin = &mut self.bins[begin];
             bin.begin.add(b);
-            bin.inner[0] = larger(bin.inner[0], lower);
+            bin.inner[0] = greater(bin.inner[0], lower);
             let bin = &mut self.bins[end];
             bin.end.add(b);
             bin.within += u32::from(begin == end);
@@ -121,16 +122,4 @@ impl SpatialBins {
 fn members(places: &[[u8; 2]], bin: u8) -> impl Iterator<Item = (usize, [bool; 2])> {
     let places = places.iter().map(move |place| place.map(|at| at == bin)).enumerate();
     places.filter(|(_, [begins, ends])| begins | ends)
-}
-
-/// As [`f32::max`], in one instruction: neither is NaN.
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// As [`f32::min`], likewise.
-#[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
 }

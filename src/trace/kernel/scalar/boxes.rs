@@ -1,6 +1,7 @@
 //! The children whose boxes a ray meets.
 
 use crate::bvh::WideNode;
+use crate::geometry::ordered::{greater, smaller};
 use crate::trace::kernel::traverse::Entries;
 
 /// The children whose boxes meet a ray within `interval`, and where: `near` and `far` give the distances of the planes
@@ -30,16 +31,4 @@ pub(super) fn boxes_met<const N: usize>(
         mask |= u32::from(enter[slot] <= leave[slot]) << slot;
     }
     (mask, Entries(enter.map(f32::to_bits)))
-}
-
-/// `a` if it is greater, else `b`: one instruction, unlike `f32::max`.
-#[inline(always)]
-pub(super) fn greater(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// `a` if it is smaller, else `b`.
-#[inline(always)]
-pub(super) fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
 }

@@ -1,7 +1,7 @@
 //! Four intersections at once, and the closest of them.
 
-use super::boxes::smaller;
 use crate::geometry::Hit;
+use crate::geometry::ordered::smaller;
 
 /// Four intersections before the division by `den`.
 pub(super) struct Crossing {

@@ -1,9 +1,10 @@
 //! The fast tests. The box test is conservative: its far distances are widened by more than the rounding errors of the
 //! products (Ize, "Robust BVH Ray Traversal", JCGT 2013). Triangles are tested by Moeller and Trumbore's method.
 
-use super::boxes::{boxes_met, greater};
+use super::boxes::boxes_met;
 use super::crossing::Crossing;
 use crate::bvh::{TriangleBlock, WideNode};
+use crate::geometry::ordered::greater;
 use crate::geometry::{Hit, Ray};
 use crate::trace::kernel::traverse::{Entries, Kernel};
 
