@@ -10,7 +10,7 @@ pub(crate) const STEPS: usize = 64;
 #[inline(always)]
 pub(super) fn steps(place: Vec3A) -> [i8; 3] {
     // So large a float has no fraction: its lowest bits are the place, rounded. Conversions would check for more.
-    const WHOLE: Vec3A = Vec3A::splat((1 << (f32::MANTISSA_DIGITS - 1)) as f32);
+    const WHOLE: Vec3A = Vec3A::splat(super::cost::WHOLE);
     let rounded = place + WHOLE;
     let is_above = (rounded - WHOLE).cmpgt(place);
     let whole = rounded - Vec3A::select(is_above, Vec3A::ONE, Vec3A::ZERO);

@@ -271,7 +271,10 @@ impl Cuts {
             let limit = weight.limit(bounds.half_area(), self.len);
             match (way, isa) {
                 (Way::Chosen, _) => chosen.find(isa, nodes, bounds, weight).0,
-                (Way::Binned, _) => bins.best(&mut full, nodes, limit, weight),
+                (Way::Binned, _) => isa.run(
+                    #[inline(always)]
+                    || bins.best(&mut full, nodes, limit, weight),
+                ),
                 (Way::Ranked, Isa::Avx2(token)) => ranks.best(token, nodes, limit, weight),
                 (Way::Ranked, Isa::Avx512(token)) => ranks.best(token, nodes, limit, weight),
                 (Way::Lanes, Isa::Avx2(token)) => lanes::avx2(token, nodes, limit, weight),
