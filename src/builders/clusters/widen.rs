@@ -124,8 +124,9 @@ impl<G: Geometry> TopDown for ClusterTree<'_, G> {
         &self,
         part: &ClusterPart,
         scratch: &mut Vec<u32>,
-    ) -> ArrayVec<ClusterPart, N> {
-        self.split_largest(part, scratch)
+        children: &mut ArrayVec<ClusterPart, N>,
+    ) {
+        self.split_largest(part, scratch, children);
     }
 
     fn leaf(&self, part: &ClusterPart, prims: &mut Vec<u32>, scratch: &mut Vec<u32>) -> Aabb {

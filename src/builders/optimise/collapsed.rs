@@ -81,10 +81,8 @@ impl<B> TopDown for CollapsedTree<'_, B> {
         self.choice(index).is_none_or(Choice::is_leaf)
     }
 
-    fn children<const N: usize>(&self, &index: &u32, (): &mut ()) -> ArrayVec<u32, N> {
-        let mut children = ArrayVec::new();
-        self.choices.open(self.tree, index, N, &mut children);
-        children
+    fn children<const N: usize>(&self, &index: &u32, (): &mut (), children: &mut ArrayVec<u32, N>) {
+        self.choices.open(self.tree, index, N, children);
     }
 
     fn leaf(&self, &index: &u32, prims: &mut Vec<u32>, (): &mut ()) -> Aabb {

@@ -147,8 +147,8 @@ impl<P: CutPolicy, G: Geometry> TopDown for CutRecursion<'_, P, G> {
         cut.kind != Kind::Inner
     }
 
-    fn children<const N: usize>(&self, cut: &Cut, scratch: &mut CutScratch) -> ArrayVec<Cut, N> {
-        self.split_largest(cut, scratch)
+    fn children<const N: usize>(&self, cut: &Cut, scratch: &mut CutScratch, children: &mut ArrayVec<Cut, N>) {
+        self.split_largest(cut, scratch, children);
     }
 
     fn leaf(&self, cut: &Cut, prims: &mut Vec<u32>, scratch: &mut CutScratch) -> Aabb {

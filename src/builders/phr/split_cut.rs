@@ -66,7 +66,9 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         let references = sides[0].count + sides[1].count;
         let copies =
             if P::SEES { sides.each_ref().map(|side| side.nodes.clone()) } else { [const { Vec::new() }; 2] };
-        let refined = [0, 1].map(|i| self.refine(&cut, clips[i], references, &mut sides[i], arena));
+        // Not by `map`, which copies the cuts.
+        let mut refine = |i: usize| self.refine(&cut, clips[i], references, &mut sides[i], arena);
+        let refined = [refine(0), refine(1)];
         if P::SEES {
             let nodes = |cut: &Cut| &arena[cut.range()];
             self.policy.see(&SeenSplit {

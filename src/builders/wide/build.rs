@@ -84,9 +84,12 @@ fn emit<T: TopDown<Block = G::Block>, G: Geometry, const N: usize>(
         return treelet.leaf(geometry, &worker.prims).map(|link| (bounds, link));
     }
     let checkpoint = worker.scratch.checkpoint();
-    let children = builder.children::<N>(part, &mut worker.scratch);
-    let built: ArrayVec<(Aabb, Link), N> =
-        children.iter().filter_map(|child| emit(builder, geometry, child, treelet, worker)).collect();
+    let mut children = ArrayVec::<_, N>::new();
+    builder.children(part, &mut worker.scratch, &mut children);
+    let mut built = ArrayVec::<_, N>::new();
+    for child in &children {
+        built.extend(emit(builder, geometry, child, treelet, worker));
+    }
     // Clipping may leave a single child, or the part be found to be a leaf: it takes its parent's place.
     let subtree = treelet.node(&built);
     worker.scratch.rollback(checkpoint);

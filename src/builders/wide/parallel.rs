@@ -11,6 +11,7 @@ use super::top_down::{MAX_GRAIN, TopDown};
 use crate::memory::pool::Pool;
 use crate::parallel::ordered_append::{self, Chunk, Offset};
 use crate::parallel::task_tree::{Division, TaskTree};
+use arrayvec::ArrayVec;
 
 /// A count that [`Choice`] does not tell exactly is above the grain of trees of them, which is that of most builders.
 const _: () = assert!(MAX_GRAIN <= Choice::MOST as usize);
@@ -44,7 +45,8 @@ impl<'a, T: TopDown> ParallelBuild<'a, T> {
                 if self.is_task(part) {
                     return Division::Task(export(part, scratch));
                 }
-                let parts = self.builder.children::<N>(part, scratch);
+                let mut parts = ArrayVec::<_, N>::new();
+                self.builder.children(part, scratch, &mut parts);
                 Division::Parts(parts.iter().map(|part| export(part, scratch)).collect())
             })
         })

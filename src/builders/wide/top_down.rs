@@ -49,12 +49,14 @@ pub(crate) trait TopDown: Sync {
     /// Whether the part becomes a leaf; it then has at most [`crate::bvh::limits::MAX_LEAF`] references.
     fn is_leaf(&self, part: &Self::Part) -> bool;
 
-    /// The children of the wide node over a part, none to `N`.
+    /// Appends to `children`, which is empty, those of the wide node over a part, none to `N`.
+    // As a result they would be copied.
     fn children<const N: usize>(
         &self,
         part: &Self::Part,
         scratch: &mut Self::Scratch,
-    ) -> ArrayVec<Self::Part, N>;
+        children: &mut ArrayVec<Self::Part, N>,
+    );
 
     /// Appends the primitives of a leaf; returns their box, clipped like the part.
     fn leaf(&self, part: &Self::Part, prims: &mut Vec<u32>, scratch: &mut Self::Scratch) -> Aabb;
@@ -83,16 +85,16 @@ pub(crate) trait BinarySplits: TopDown<Part: Clone> {
     /// [`Kind::Inner`] may be found to be a leaf; it is then given back as one.
     fn split(&self, part: &Self::Part, scratch: &mut Self::Scratch) -> [Option<Self::Part>; 2];
 
-    /// The children of the wide node over a part that is to be split: the largest is split first (paper 4.5).
+    /// [`TopDown::children`] of a part that is to be split: the largest is split first (paper 4.5).
     fn split_largest<const N: usize>(
         &self,
         part: &Self::Part,
         scratch: &mut Self::Scratch,
-    ) -> ArrayVec<Self::Part, N> {
+        children: &mut ArrayVec<Self::Part, N>,
+    ) {
         let priority = |part: &Self::Part| Priority::new(self.kind(part), self.half_area(part));
-        let mut children = ArrayVec::new();
         children.push(part.clone());
-        open_largest(&mut children, priority, |children, next| {
+        open_largest(children, priority, |children, next| {
             match self.split(&children[next], scratch) {
                 [Some(left), Some(right)] => replace(children, next, [left, right]),
                 [Some(only), None] | [None, Some(only)] => children[next] = only,
@@ -100,6 +102,5 @@ pub(crate) trait BinarySplits: TopDown<Part: Clone> {
             }
             Some(())
         });
-        children
     }
 }
