@@ -49,6 +49,7 @@ macro_rules! without_vectors {
                     or(bool, bool) -> bool;
                     not(bool) -> bool;
                     select(bool, f32, f32) -> f32;
+                    count_where(bool, f32) -> f32;
                     min_where(bool, f32, f32) -> f32;
                     max_where(bool, f32, f32) -> f32;
                 }

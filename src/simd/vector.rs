@@ -65,6 +65,13 @@ pub(crate) trait Lanes: Copy {
     fn not(self, m: Self::M) -> Self::M;
     /// `a` where `m`, else `b`.
     fn select(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F;
+    /// One more than the count `n` where `m`, else `n`. Counts begin with zeros; only [`Lanes::counted`] reads them.
+    fn count_where(self, m: Self::M, n: Self::F) -> Self::F;
+    /// Counts as floats.
+    #[inline(always)]
+    fn counted(self, n: Self::F) -> Self::F {
+        n
+    }
     /// The lesser of `a` and `x` where `m`, else `a`.
     fn min_where(self, m: Self::M, a: Self::F, x: Self::F) -> Self::F;
     /// The greater of `a` and `x` where `m`, else `a`.
@@ -197,6 +204,7 @@ mod x86 {
             lt(a: __m512, b: __m512) -> __mmask16, _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b);
             le(a: __m512, b: __m512) -> __mmask16, _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b);
             select(m: __mmask16, a: __m512, b: __m512) -> __m512, _mm512_mask_mov_ps(b, m, a);
+            count_where(m: __mmask16, n: __m512) -> __m512, _mm512_mask_add_ps(n, m, n, _mm512_set1_ps(1.0));
             min_where(m: __mmask16, a: __m512, x: __m512) -> __m512, _mm512_mask_min_ps(a, m, a, x);
             max_where(m: __mmask16, a: __m512, x: __m512) -> __m512, _mm512_mask_max_ps(a, m, a, x);
         }
@@ -211,6 +219,7 @@ mod x86 {
             lt(a: __m256, b: __m256) -> __mmask8, _mm256_cmp_ps_mask::<_CMP_LT_OQ>(a, b);
             le(a: __m256, b: __m256) -> __mmask8, _mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b);
             select(m: __mmask8, a: __m256, b: __m256) -> __m256, _mm256_mask_mov_ps(b, m, a);
+            count_where(m: __mmask8, n: __m256) -> __m256, _mm256_mask_add_ps(n, m, n, _mm256_set1_ps(1.0));
             min_where(m: __mmask8, a: __m256, x: __m256) -> __m256, _mm256_mask_min_ps(a, m, a, x);
             max_where(m: __mmask8, a: __m256, x: __m256) -> __m256, _mm256_mask_max_ps(a, m, a, x);
         }
@@ -228,6 +237,10 @@ mod x86 {
             or(a: __m256, b: __m256) -> __m256, _mm256_or_ps(a, b);
             not(m: __m256) -> __m256, inverted(m);
             select(m: __m256, a: __m256, b: __m256) -> __m256, _mm256_blendv_ps(b, a, m);
+            // Integers, as all bits of a mask are those of -1.
+            count_where(m: __m256, n: __m256) -> __m256,
+                _mm256_castsi256_ps(_mm256_sub_epi32(_mm256_castps_si256(n), _mm256_castps_si256(m)));
+            counted(n: __m256) -> __m256, _mm256_cvtepi32_ps(_mm256_castps_si256(n));
             // Where not m, x becomes NaN, and the second operand is the result.
             min_where(m: __m256, a: __m256, x: __m256) -> __m256, _mm256_min_ps(_mm256_or_ps(x, inverted(m)), a);
             max_where(m: __m256, a: __m256, x: __m256) -> __m256, _mm256_max_ps(_mm256_or_ps(x, inverted(m)), a);

@@ -108,7 +108,7 @@ pub(crate) fn order_by_ranks<L: Lanes, const MOST: usize>(
             *own = v.load(&places);
         }
         let mut ranks = [v.splat(0.0); 3];
-        let count = |rank: &mut L::F, is_before| *rank = v.select(is_before, v.add(*rank, one), *rank);
+        let count = |rank: &mut L::F, is_before| *rank = v.count_where(is_before, *rank);
         // Of equal centroids the first comes first.
         for center in &centers[..first] {
             for (axis, rank) in ranks.iter_mut().enumerate() {
@@ -132,7 +132,7 @@ pub(crate) fn order_by_ranks<L: Lanes, const MOST: usize>(
         }
         for (order, rank) in order.iter_mut().zip(ranks) {
             let mut places = [0.0; 16];
-            v.store(rank, &mut places);
+            v.store(v.counted(rank), &mut places);
             for (i, place) in (first..end).zip(places) {
                 order[place as i32 as usize % MOST] = i as u8;
             }

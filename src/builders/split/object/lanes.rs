@@ -88,7 +88,6 @@ fn pass<L: Lanes, const SLOTS: usize>(
     let (mut left_min, mut left_max) = ([inf; 3], [ninf; 3]);
     let (mut right_min, mut right_max) = ([inf; 3], [ninf; 3]);
     let mut count = v.splat(0.0);
-    let one = v.splat(1.0);
     for (j, node) in nodes.iter().enumerate() {
         let mut center = v.splat(centers[first][j]);
         if axes > 1 {
@@ -103,7 +102,7 @@ fn pass<L: Lanes, const SLOTS: usize>(
         let on_left = v.or(before, level);
         // Lanes without a split compare with NaN: all is on their right.
         let on_right = v.not(on_left);
-        count = v.select(on_left, v.add(count, one), count);
+        count = v.count_where(on_left, count);
         let [min, max] = node.corners();
         for axis in 0..3 {
             let (lower, upper) = (v.splat(min[axis]), v.splat(max[axis]));
@@ -113,6 +112,7 @@ fn pass<L: Lanes, const SLOTS: usize>(
             right_max[axis] = v.max_where(on_right, right_max[axis], upper);
         }
     }
+    let count = v.counted(count);
     let zero = v.splat(0.0);
     let others = v.sub(v.splat(n as f32), count);
     let left = v.mul(half_areas(v, left_min, left_max), weight.of_lanes(v, count));

@@ -173,8 +173,7 @@ fn sides<L: Lanes, const AXIS: usize, const IS_PLANE: bool>(
     let (inf, ninf) = (v.splat(f32::INFINITY), v.splat(f32::NEG_INFINITY));
     let (mut left_min, mut left_max) = ([inf; 3], [ninf; 3]);
     let (mut right_min, mut right_max) = ([inf; 3], [ninf; 3]);
-    let (zero, one) = (v.splat(0.0), v.splat(1.0));
-    let (mut on_left, mut on_right) = (zero, zero);
+    let (mut on_left, mut on_right) = (v.splat(0.0), v.splat(0.0));
     for node in boxes.nodes {
         let [min, max] = node.corners();
         let (lower, upper) = (v.splat(min[AXIS]), v.splat(max[AXIS]));
@@ -184,8 +183,8 @@ fn sides<L: Lanes, const AXIS: usize, const IS_PLANE: bool>(
             begins = v.or(begins, v.le(upper, plane));
             ends = v.lt(plane, upper);
         }
-        on_left = v.select(begins, v.add(on_left, one), on_left);
-        on_right = v.select(ends, v.add(on_right, one), on_right);
+        on_left = v.count_where(begins, on_left);
+        on_right = v.count_where(ends, on_right);
         left_max[AXIS] = v.max_where(begins, left_max[AXIS], upper);
         right_min[AXIS] = v.min_where(ends, right_min[AXIS], lower);
         for axis in 0..3 {
@@ -199,6 +198,7 @@ fn sides<L: Lanes, const AXIS: usize, const IS_PLANE: bool>(
             }
         }
     }
+    let (on_left, on_right) = (v.counted(on_left), v.counted(on_right));
     left_min[AXIS] = v.splat(boxes.bounds.min[AXIS]);
     left_max[AXIS] = v.select(v.lt(plane, left_max[AXIS]), plane, left_max[AXIS]);
     right_min[AXIS] = v.max(plane, right_min[AXIS]);
