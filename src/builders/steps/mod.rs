@@ -231,7 +231,11 @@ impl Way {
             Self::Chosen | Self::Sorted => true,
             Self::Binned => len > 2,
             Self::Ranked => Isa::best() != Isa::Scalar && len <= ranks::MOST,
-            Self::Lanes => Isa::best() != Isa::Scalar && len <= lanes::MOST,
+            Self::Lanes => match Isa::best() {
+                Isa::Avx512(_) => len <= lanes::MOST,
+                Isa::Avx2(_) => len <= lanes::MOST_AVX2,
+                Isa::Scalar => false,
+            },
         }
     }
 }

@@ -32,7 +32,7 @@ fn every_way_finds_the_split_of_the_full_sweep() {
                 match isa {
                     Isa::Scalar => {}
                     Isa::Avx2(token) => {
-                        if n <= lanes::MOST {
+                        if n <= lanes::MOST_AVX2 {
                             check("AVX2 lanes", lanes::avx2(token, nodes, limit, weight));
                         }
                         if n <= ranks::MOST {

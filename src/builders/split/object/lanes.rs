@@ -7,8 +7,10 @@ use crate::builders::split::cost::{Weight, half_areas};
 use crate::simd::vector::{Avx512Half, Lanes};
 use crate::simd::{Avx2, Avx512};
 
-/// Nodes of the longest cut.
+/// Nodes of the longest cut with AVX-512.
 pub(crate) const MOST: usize = 8;
+/// The same with AVX2; those of more are split faster by ranks.
+pub(crate) const MOST_AVX2: usize = 4;
 
 /// The split of 2 to [`MOST`] nodes of least cost below `limit`, as [`super::full_sweep`] defines it.
 #[inline]
@@ -22,16 +24,12 @@ pub(crate) fn avx512(token: Avx512, nodes: &[Node], limit: f32, weight: Weight) 
     )
 }
 
-/// As [`avx512`].
+/// As [`avx512`], of up to [`MOST_AVX2`] nodes.
 #[inline]
 pub(crate) fn avx2(token: Avx2, nodes: &[Node], limit: f32, weight: Weight) -> ObjectSplit {
     token.run(
         #[inline(always)]
-        move || match nodes.len() {
-            ..=2 => sweep::<_, 2>(token, nodes, limit, weight),
-            3..=4 => sweep::<_, 4>(token, nodes, limit, weight),
-            _ => sweep::<_, 8>(token, nodes, limit, weight),
-        },
+        move || sweep::<_, MOST_AVX2>(token, nodes, limit, weight),
     )
 }
 

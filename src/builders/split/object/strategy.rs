@@ -39,7 +39,7 @@ impl ObjectSweep {
         }
         let split = match isa {
             Isa::Avx512(token) if n <= lanes::MOST => lanes::avx512(token, nodes, limit, weight),
-            Isa::Avx2(token) if n <= lanes::MOST => lanes::avx2(token, nodes, limit, weight),
+            Isa::Avx2(token) if n <= lanes::MOST_AVX2 => lanes::avx2(token, nodes, limit, weight),
             Isa::Avx512(token) if n <= ranks::MOST => self.ranks.best(token, nodes, limit, weight),
             Isa::Avx2(token) if n <= ranks::MOST_AVX2 => self.ranks.best(token, nodes, limit, weight),
             _ if n >= LONG => {
