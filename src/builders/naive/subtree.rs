@@ -2,8 +2,8 @@
 
 use super::member::Member;
 use super::splits::unions;
+use crate::builders::split::cell_order::CELLS;
 use crate::builders::split::cost::Weight;
-use crate::builders::split::step_order::STEPS;
 use crate::bvh::limits::SUBTREE_DEPTH;
 use crate::geometry::Aabb;
 use glam::Vec3A;
@@ -35,7 +35,7 @@ pub fn sweep(references: Vec<Member>) -> Side {
 
 /// In which step along an axis of the centroids' bounds a centroid lies.
 fn step(center: Vec3A, centers: Aabb, axis: usize) -> usize {
-    let scale = STEPS as f32 * 0.999 / (centers.max[axis] - centers.min[axis]);
+    let scale = CELLS as f32 * 0.999 / (centers.max[axis] - centers.min[axis]);
     if scale < f32::MAX { ((center[axis] - centers.min[axis]) * scale) as usize } else { 0 }
 }
 

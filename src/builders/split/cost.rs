@@ -107,10 +107,10 @@ impl CountedBox {
     }
 }
 
-/// Takes places within `extent` to steps along each axis: the last place is in the last step, a flat side has one step.
+/// Takes places within `extent` to cells along each axis: the last place is in the last cell, a flat side has one cell.
 #[inline(always)]
-pub(crate) fn step_scale(extent: Vec3A, steps: usize) -> Vec3A {
-    let scale = Vec3A::splat(steps as f32 * 0.999) / extent;
+pub(crate) fn cell_scale(extent: Vec3A, cells: usize) -> Vec3A {
+    let scale = Vec3A::splat(cells as f32 * 0.999) / extent;
     Vec3A::select(scale.cmplt(Vec3A::splat(f32::MAX)), scale, Vec3A::ZERO)
 }
 

@@ -7,8 +7,8 @@
 //! A cut of leaves alone, where nothing is left to refine, is split so too, to the same tree that splitting cut
 //! after cut makes.
 
-use super::cost::{Weight, step_scale};
-use super::step_order::{LANES, STEPS, order_by_step, steps};
+use super::cell_order::{CELLS, LANES, cells, order_by_cell};
+use super::cost::{Weight, cell_scale};
 use super::three_axes::{AxisCosts, order, sweep_axes};
 use crate::builders::binary::node::Node;
 use crate::builders::binary::subtrees::Subtrees;
@@ -37,7 +37,7 @@ pub(crate) struct SubtreeSweep {
     /// The references in the order of their centroids along each axis; splits reorder ranges of all three.
     order: [[u8; MOST]; 3],
     /// By axis and reference: where its centroid lies.
-    steps: [[i8; MOST]; 3],
+    cells: [[i8; MOST]; 3],
     /// One of the orders before it is partitioned.
     came: [u8; MOST],
     /// By reference: whether it goes to the right.
@@ -53,7 +53,7 @@ impl Default for SubtreeSweep {
             boxes: [Aabb::EMPTY; MOST],
             prims: [0; MOST],
             order: [[0; MOST]; 3],
-            steps: [[0; MOST]; 3],
+            cells: [[0; MOST]; 3],
             came: [0; MOST],
             is_right: [0; MOST],
             areas: [Vec3A::ZERO; MOST],
@@ -115,7 +115,7 @@ impl SubtreeSweep {
             #[inline(always)]
             move || {
                 if !AS_CUT && self.len > BLOCK as usize {
-                    self.order_by_steps();
+                    self.order_by_cells();
                 }
                 self.tree::<AS_CUT>(levels, done)
             },
@@ -173,18 +173,18 @@ impl SubtreeSweep {
         order(isa, &centers[..self.len], &mut self.order);
     }
 
-    /// Orders the references by the steps in which centroids lie.
+    /// Orders the references by the cells in which centroids lie.
     #[inline(always)]
-    fn order_by_steps(&mut self) {
+    fn order_by_cells(&mut self) {
         let boxes = &self.boxes[..self.len];
         let centers = boxes.iter().fold(Aabb::EMPTY, |all, b| all.grow(b.center2()));
-        let scale = step_scale(centers.extent(), STEPS);
+        let scale = cell_scale(centers.extent(), CELLS);
         for (i, b) in boxes.iter().enumerate() {
-            let own = steps((b.center2() - centers.min) * scale);
-            self.steps.iter_mut().zip(own).for_each(|(steps, own)| steps[i] = own);
+            let own = cells((b.center2() - centers.min) * scale);
+            self.cells.iter_mut().zip(own).for_each(|(cells, own)| cells[i] = own);
         }
-        for (steps, order) in self.steps.iter().zip(&mut self.order) {
-            order_by_step(steps, self.len, order);
+        for (cells, order) in self.cells.iter().zip(&mut self.order) {
+            order_by_cell(cells, self.len, order);
         }
     }
 

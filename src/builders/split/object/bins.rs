@@ -4,7 +4,7 @@
 use super::full_sweep::FullSweep;
 use super::split::ObjectSplit;
 use crate::builders::binary::node::Node;
-use crate::builders::split::cost::{BINS, CountedBox, WHOLE, Weight, bins_for, least_cost, step_scale};
+use crate::builders::split::cost::{BINS, CountedBox, WHOLE, Weight, bins_for, cell_scale, least_cost};
 use crate::geometry::Aabb;
 use crate::geometry::ordered::ordered_bits;
 use glam::Vec3A;
@@ -115,7 +115,7 @@ impl Bins {
     fn fill(&mut self, nodes: &[Node], bins: usize) {
         let centers: Aabb = nodes.iter().fold(Aabb::EMPTY, |all, node| all.grow(node.bounds().center2()));
         self.centers = centers;
-        let scale = step_scale(centers.extent(), bins);
+        let scale = cell_scale(centers.extent(), bins);
         self.bins.iter_mut().for_each(|of_axis| of_axis[..bins].fill(CountedBox::EMPTY));
         self.bin_of.resize(nodes.len(), [0; 3]);
         for (node, bin_of) in nodes.iter().zip(&mut self.bin_of) {

@@ -4,7 +4,7 @@
 use super::plane_sweep::{PlaneSweep, SpatialCut};
 use super::split::SpatialSplit;
 use crate::builders::binary::node::Node;
-use crate::builders::split::cost::{BINS, CountedBox, WHOLE, bins_for, least_cost, step_scale};
+use crate::builders::split::cost::{BINS, CountedBox, WHOLE, bins_for, cell_scale, least_cost};
 use crate::geometry::Aabb;
 use crate::geometry::ordered::{greater, smaller};
 use glam::Vec3A;
@@ -94,7 +94,7 @@ impl SpatialBins {
     #[inline(always)]
     fn fill(&mut self, axis: usize, nodes: &[Node], [from, to]: [f32; 2], used: usize) {
         self.bins[..used + 2].fill(Bin::EMPTY);
-        let scale = step_scale(Vec3A::splat(to - from), used).x;
+        let scale = cell_scale(Vec3A::splat(to - from), used).x;
         let behind = (used + 1) as f32;
         // Bins are monotone in the coordinate, whatever is rounded; planes in the range are in one from 1 to `used`.
         let bin_of = |x: f32| {
