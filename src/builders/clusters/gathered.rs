@@ -6,7 +6,7 @@ use crate::builders::binary::node::{Node, NodeRun};
 use crate::builders::binary::tree::BinaryTree;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::binary_source::{BinarySource, Leaves};
-use crate::builders::wide::treelet::{Subtree, WideTreelet};
+use crate::builders::wide::treelet::{WideRoot, WideTreelet};
 use crate::bvh::limits::{BLOCK, followed_levels};
 
 /// A subtree of clusters.
@@ -42,7 +42,7 @@ impl GatheredTree<'_> {
         depth: u32,
         leaves: &Leaves<'_, G>,
         treelet: &mut WideTreelet<N, G::Block>,
-    ) -> Option<Subtree> {
+    ) -> Option<WideRoot> {
         let levels = followed_levels(depth, node.count() as usize);
         let checkpoint = [treelet.nodes.len(), treelet.blocks.len()];
         let (run, kind) = (NodeRun { node: *node, first: 0 }, Kind::of_count(node.count()));

@@ -10,7 +10,7 @@ use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::builders::wide::binary_source::Leaves;
 use crate::builders::wide::top_down::{BinarySplits, TopDown};
-use crate::builders::wide::treelet::{Subtree, WideTreelet};
+use crate::builders::wide::treelet::{WideRoot, WideTreelet};
 use crate::bvh::limits::{BLOCK, follows_clusters};
 use crate::geometry::{Aabb, Mesh};
 use arrayvec::ArrayVec;
@@ -149,7 +149,7 @@ impl<G: Geometry> TopDown for ClusterTree<'_, G> {
         part: &ClusterPart,
         treelet: &mut WideTreelet<N, G::Block>,
         scratch: &mut Vec<u32>,
-    ) -> Option<Subtree> {
+    ) -> Option<WideRoot> {
         let ClusterPart::Subtree(node, depth) = *part else { return None };
         let first = scratch.len();
         self.gather(&node, scratch);

@@ -13,7 +13,7 @@ use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::lbvh::prefetch;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::top_down::{BinarySplits, TopDown, grain};
-use crate::builders::wide::treelet::{Subtree, WideTreelet};
+use crate::builders::wide::treelet::{WideRoot, WideTreelet};
 use crate::bvh::Link;
 use crate::bvh::limits::{CUT_DEPTH, FINISHED_CUT_DEPTH, MAX_REFERENCES_PER_TRIANGLE};
 use crate::geometry::{Aabb, Mesh};
@@ -160,7 +160,7 @@ impl<P: CutPolicy, G: Geometry> TopDown for CutRecursion<'_, P, G> {
         cut: &Cut,
         treelet: &mut WideTreelet<N, G::Block>,
         scratch: &mut CutScratch,
-    ) -> Option<Subtree> {
+    ) -> Option<WideRoot> {
         if let Some(subtree) = self.finished(cut, scratch) {
             return Some(Some(subtree));
         }

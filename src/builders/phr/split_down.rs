@@ -10,7 +10,7 @@ use crate::builders::binary::node::Node;
 use crate::builders::binary::subtrees::Subtrees;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::binary_source::{BinarySource, Leaves};
-use crate::builders::wide::treelet::{Subtree, WideTreelet};
+use crate::builders::wide::treelet::{WideRoot, WideTreelet};
 
 impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
     /// The subtree of a cut that is split down to its leaves in one go, nothing if clipping left nothing; `None`
@@ -46,7 +46,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         cut: &Cut,
         treelet: &mut WideTreelet<N, G::Block>,
         scratch: &mut CutScratch,
-    ) -> Option<Subtree> {
+    ) -> Option<WideRoot> {
         if cut.level == CutLevel::SplitDown {
             let node = scratch.arena[cut.range().start];
             return Some(self.emit_subtree(&node, cut.kind, &scratch.subtrees, treelet));
@@ -69,7 +69,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         kind: Kind,
         subtrees: &Subtrees,
         treelet: &mut WideTreelet<N, G::Block>,
-    ) -> Subtree {
+    ) -> WideRoot {
         let leaves = Leaves::of(&self.order.refs, self.config.leaf_size());
         subtrees
             .emit((&subtrees.run_of(node), kind), u32::MAX, &leaves, treelet, &mut 0)

@@ -1,7 +1,7 @@
 //! Subtrees all of whose binary splits are known, widened at once.
 
 use super::open_largest::{Priority, open_largest, replace};
-use super::treelet::{Subtree, WideTreelet};
+use super::treelet::{WideRoot, WideTreelet};
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::NodeRun;
 use crate::builders::binary::subtrees::Subtrees;
@@ -51,7 +51,7 @@ pub(crate) trait BinarySource {
         leaves: &Leaves<'_, G>,
         treelet: &mut WideTreelet<N, G::Block>,
         splits: &mut u64,
-    ) -> Option<Subtree> {
+    ) -> Option<WideRoot> {
         if kind != Kind::Inner {
             let finished = self.finished(run).map(|link| (run.node.bounds(), link));
             return Some(finished.or_else(|| leaves.emit(self, run, treelet)));
@@ -115,7 +115,7 @@ impl<'a, G: Geometry> Leaves<'a, G> {
         source: &(impl BinarySource + ?Sized),
         run: &NodeRun,
         treelet: &mut WideTreelet<N, G::Block>,
-    ) -> Subtree {
+    ) -> WideRoot {
         let positions = run.first as usize..(run.first + run.node.count()) as usize;
         let bounds = run.node.bounds();
         if positions.len() <= BLOCK as usize {

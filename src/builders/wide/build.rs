@@ -3,7 +3,7 @@
 use super::memory::{Finished, Memory, Scratch, Worker};
 use super::parallel::ParallelBuild;
 use super::top_down::{BinarySplits, TopDown};
-use super::treelet::{self, Subtree, WideTreelet};
+use super::treelet::{self, WideRoot, WideTreelet};
 use crate::builders::prims::geometry::Geometry;
 use crate::bvh::{Link, WideBvh};
 use crate::geometry::Aabb;
@@ -74,7 +74,7 @@ fn emit<T: TopDown<Block = G::Block>, G: Geometry, const N: usize>(
     part: &T::Part,
     treelet: &mut WideTreelet<N, G::Block>,
     worker: &mut Worker<T::Scratch>,
-) -> Subtree {
+) -> WideRoot {
     if let Some(subtree) = builder.try_emit(part, treelet, &mut worker.scratch) {
         return subtree;
     }

@@ -2,7 +2,7 @@
 
 use super::memory::Scratch;
 use super::open_largest::{Priority, open_largest, replace};
-use super::treelet::{Subtree, WideTreelet};
+use super::treelet::{WideRoot, WideTreelet};
 use crate::builders::binary::kind::Kind;
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
@@ -68,7 +68,7 @@ pub(crate) trait TopDown: Sync {
         _: &Self::Part,
         _: &mut WideTreelet<N, Self::Block>,
         _: &mut Self::Scratch,
-    ) -> Option<Subtree> {
+    ) -> Option<WideRoot> {
         None
     }
 }

@@ -9,13 +9,13 @@ use crate::memory::stream::{self, Vectors};
 use crate::parallel::ordered_append::{Chunk, Offset};
 use std::mem::MaybeUninit;
 
-/// A subtree: its box and link, or nothing if clipping left nothing of it.
-pub(crate) type Subtree = Option<(Aabb, Link)>;
+/// The root of a subtree of the wide tree: its box and link, or nothing if clipping left nothing of it.
+pub(crate) type WideRoot = Option<(Aabb, Link)>;
 
-/// The subtrees of treelets as they lie in the tree.
-pub(crate) fn moved(built: Vec<(Subtree, Offset)>) -> Vec<Subtree> {
-    let moved = |(subtree, [nodes, blocks]): (Subtree, Offset)| {
-        subtree.map(|(bounds, link)| (bounds, link.moved(nodes, blocks)))
+/// The roots of treelets as they lie in the tree.
+pub(crate) fn moved(built: Vec<(WideRoot, Offset)>) -> Vec<WideRoot> {
+    let moved = |(root, [nodes, blocks]): (WideRoot, Offset)| {
+        root.map(|(bounds, link)| (bounds, link.moved(nodes, blocks)))
     };
     built.into_iter().map(moved).collect()
 }
@@ -24,7 +24,7 @@ pub(crate) fn moved(built: Vec<(Subtree, Offset)>) -> Vec<Subtree> {
 pub(crate) fn append_node<const N: usize>(
     children: &[(Aabb, Link)],
     nodes: &mut Vec<WideNode<N>>,
-) -> Subtree {
+) -> WideRoot {
     match children {
         [] => None,
         [only] => Some(*only),
@@ -58,7 +58,7 @@ impl<const N: usize, B> WideTreelet<N, B> {
     }
 
     /// Appends a node over finished subtrees.
-    pub fn node(&mut self, children: &[(Aabb, Link)]) -> Subtree {
+    pub fn node(&mut self, children: &[(Aabb, Link)]) -> WideRoot {
         append_node(children, &mut self.nodes)
     }
 

@@ -9,7 +9,7 @@ use crate::builders::lbvh::top_tree::{Treelet, top_tree};
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::memory::Memory;
 use crate::builders::wide::open_largest::{Priority, open_largest, replace};
-use crate::builders::wide::treelet::{self, Subtree, WideTreelet};
+use crate::builders::wide::treelet::{self, WideRoot, WideTreelet};
 use crate::bvh::{LeafBlock, Link, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Aabb;
 use crate::memory::pool::Pool;
@@ -90,7 +90,7 @@ impl<const N: usize, B: LeafBlock + Vectors, I: Copy + Default + Send> Lbvh<N, B
 /// A node of the top tree on its way to wide nodes.
 #[derive(Clone, Copy)]
 enum TopNode {
-    Treelet(Subtree),
+    Treelet(WideRoot),
     /// Its box, and the place of its children.
     Pair(Aabb, usize),
 }
@@ -110,7 +110,7 @@ impl TopNode {
     }
 
     /// Appends the wide nodes below.
-    fn emit<const N: usize>(self, pairs: &[[Self; 2]], nodes: &mut Vec<WideNode<N>>) -> Subtree {
+    fn emit<const N: usize>(self, pairs: &[[Self; 2]], nodes: &mut Vec<WideNode<N>>) -> WideRoot {
         if let Self::Treelet(subtree) = self {
             return subtree;
         }

@@ -9,7 +9,7 @@ use crate::builders::lbvh::prefetch;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::refs::PrimRefs;
 use crate::builders::wide::branchless::{Slot, Widen};
-use crate::builders::wide::treelet::{Subtree, WideTreelet};
+use crate::builders::wide::treelet::{WideRoot, WideTreelet};
 use crate::bvh::limits::BLOCK;
 use crate::geometry::Aabb;
 use crate::simd::Isa;
@@ -39,7 +39,7 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
         keys: &[MortonKey],
         depth: u32,
         treelet: &mut WideTreelet<N, G::Block>,
-    ) -> Subtree {
+    ) -> WideRoot {
         self.make_leaves(isa, refs, (keys, depth), |_| true, &mut treelet.blocks);
         let Self { deltas, leaves, slots, widen, .. } = self;
         widen.pairs.clear();

@@ -16,7 +16,7 @@ use crate::builders::prims::geometry::Geometry;
 use crate::builders::split::cost::Weight;
 use crate::builders::split::object::split::ObjectSplit;
 use crate::builders::wide::binary_source::{BinarySource, Leaves};
-use crate::builders::wide::treelet::{Subtree, WideTreelet};
+use crate::builders::wide::treelet::{WideRoot, WideTreelet};
 use crate::bvh::Link;
 use crate::bvh::limits::BLOCK;
 
@@ -102,7 +102,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         node: &Node,
         treelet: &mut WideTreelet<N, G::Block>,
         counts: &mut Counts,
-    ) -> Option<Subtree> {
+    ) -> Option<WideRoot> {
         let max_leaf = self.config.leaf_size();
         let opens_clusters = !self.has_finished_leaves && self.config.extensions.auxiliary.max_leaf() > BLOCK;
         if self.splits_down_small_cuts() || opens_clusters {

@@ -12,7 +12,7 @@ use crate::builders::prims::geometry::Geometry;
 use crate::builders::wide::binary_source::Leaves;
 use crate::builders::wide::optimal::{Choices, CollapseCosts, CollapseSource};
 use crate::builders::wide::top_down::{BinarySplits, TopDown};
-use crate::builders::wide::treelet::{Subtree, WideTreelet};
+use crate::builders::wide::treelet::{WideRoot, WideTreelet};
 use crate::bvh::Link;
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
@@ -25,7 +25,7 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
         costs: &CollapseCosts,
         treelet: &mut WideTreelet<N, G::Block>,
         scratch: &mut CutScratch,
-    ) -> Subtree {
+    ) -> WideRoot {
         let root = self.split_to_blocks(part, scratch)?;
         let CutScratch { subtrees, choices, .. } = scratch;
         choices.solve::<_, N>(subtrees, root, subtrees.pairs.len(), costs, false);
@@ -85,7 +85,7 @@ fn emit<G: Geometry, const N: usize>(
     subtrees: &Subtrees,
     leaves: &Leaves<'_, G>,
     treelet: &mut WideTreelet<N, G::Block>,
-) -> Subtree {
+) -> WideRoot {
     if node.pair().is_none_or(|pair| choices.of(pair).is_leaf()) {
         return leaves.emit(subtrees, &subtrees.run_of(node), treelet);
     }
