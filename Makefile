@@ -273,6 +273,7 @@ test: packages
 	$(CARGO) clippy --workspace --all-targets -- -D warnings
 	$(CARGO) clippy -p phr --lib --no-default-features -- -D warnings
 	$(CARGO) clippy -p phr -p embree-sys --lib --bins --examples --no-default-features --features phr/harness -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -p phr --lib --no-deps --document-private-items
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -p phr --lib --no-deps
 ifeq ($(NEXTEST),yes)
 	$(CARGO) nextest run --workspace --lib --tests --test-threads $$(($$(getconf _NPROCESSORS_ONLN) + 1))

@@ -11,7 +11,7 @@ pub struct Statistics {
     /// SAH cost with c_T = c_I = 1, a leaf counting its blocks: the sum over inner nodes of their area and
     /// over leaves of area times blocks, relative to the area of the whole. Embree prints the same.
     pub sah: f64,
-    /// End-point overlap (Aila, Karras, Laine 2013), see [`super::epo`].
+    /// End-point overlap (Aila, Karras, Laine 2013), see [`super::epo()`].
     pub epo: f64,
     /// Inner nodes reached.
     pub nodes: usize,

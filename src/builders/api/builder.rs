@@ -47,7 +47,7 @@ pub struct Build<const N: usize, B = TriangleBlock> {
 /// is the same at any number of threads. Until a build is over, idle threads of the pool look for work, a millisecond
 /// at most, before they sleep.
 ///
-/// Builders of the list build over [`Boxes`](crate::builders::Boxes) of anything, too:
+/// Builders of the list build over [`Boxes`] of anything, too:
 /// [`over_boxes`](crate::builders::over_boxes).
 pub trait Builder<const N: usize, G: Geometry = Mesh>: Send {
     /// The name used in commands and records, e.g. `phr-fast`.

@@ -1,7 +1,7 @@
 //! Scene files: PLY, OBJ, STL, glTF and GLB, plain or compressed.
 //!
-//! [`load`] opens a file ([`source`]), hands it to the reader of its format and makes a scene of the [`raw_mesh`] that
-//! comes back. What a file may cost is bounded while it is read ([`guard`]).
+//! [`load()`] opens a file ([`source`]), hands it to the reader of its format and makes a scene of the [`raw_mesh`]
+//! that comes back. What a file may cost is bounded while it is read ([`guard`]).
 
 #![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -8,8 +8,8 @@
 //! * [`merged`]: the auxiliary trees of a static part and of a dynamic one under one root.
 //!
 //! The rest is a line where the paper's rule stands: `cut_share` in [`super::pipeline`], `local_threshold` (in
-//! records `own_threshold`) in [`super::refine`], `clip_triangles` and `triangle_counts` in [`super::split`], those of
-//! the auxiliary BVH in [`crate::builders::lbvh`].
+//! records `own_threshold`) in [`super::refine`], `clip_triangles` and `triangle_counts` in [`super::split_cut`],
+//! those of the auxiliary BVH in [`crate::builders::lbvh`].
 
 pub(crate) mod auxiliary_tree;
 pub(crate) mod binned;

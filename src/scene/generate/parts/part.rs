@@ -11,28 +11,28 @@ use glam::Vec3;
 /// A surface in its own coordinates. `n` is the part's tessellation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// The square of side 1 around the origin in the xz plane, n[0] by n[1] cells.
+    /// The square of side 1 around the origin in the xz plane, `n[0]` by `n[1]` cells.
     Sheet,
-    /// The unit cube standing on the xz plane, n[0] cells sideways, n[1] upwards.
+    /// The unit cube standing on the xz plane, `n[0]` cells sideways, `n[1]` upwards.
     Block,
-    /// A tube of radius 1/2 below and `top`/2 above, 0 <= y <= 1, closed if `closed`; n[0] sides, n[1] stacks.
+    /// A tube of radius 1/2 below and `top`/2 above, 0 <= y <= 1, closed if `closed`; `n[0]` sides, `n[1]` stacks.
     Tube { top: f32, closed: bool },
-    /// The ball of radius 1/2 around the origin; n[0] slices, n[1] stacks.
+    /// The ball of radius 1/2 around the origin; `n[0]` slices, `n[1]` stacks.
     Ball,
-    /// A ring of radius 1/2 in the xz plane, as thick as `thickness`; n[0] around, n[1] around the thickness.
+    /// A ring of radius 1/2 in the xz plane, as thick as `thickness`; `n[0]` around, `n[1]` around the thickness.
     Ring { thickness: f32 },
-    /// A surface of revolution through points (radius, y); n[0] slices, n[1] stacks between two points.
+    /// A surface of revolution through points (radius, y); `n[0]` slices, `n[1]` stacks between two points.
     Turned { profile: &'static [[f32; 2]] },
     /// An arch in the xy plane: half a ring of outer radius 1/2 over the x axis, as thick as `thickness` and
-    /// as deep as 1 along z; n[0] stones along, n[1] across.
+    /// as deep as 1 along z; `n[0]` stones along, `n[1]` across.
     Arch { thickness: f32 },
     /// The sheet displaced along y by smooth bumps of size 1/`bumps` and height about 1.
     Hills { seed: u64, bumps: f32 },
-    /// A strip of a seated statue 1 high, between two heights of its outline (0 to 1); n[0] around, n[1] up.
+    /// A strip of a seated statue 1 high, between two heights of its outline (0 to 1); `n[0]` around, `n[1]` up.
     Figure { seed: u64, from: f32, to: f32 },
-    /// A curled hair within the unit ball; n[0] sides, n[1] segments.
+    /// A curled hair within the unit ball; `n[0]` sides, `n[1]` segments.
     Hair { seed: u64, radius: f32 },
-    /// Leaves in the unit ball, each about 0.1 long; n[0] leaves of n[1] pairs of triangles.
+    /// Leaves in the unit ball, each about 0.1 long; `n[0]` leaves of `n[1]` pairs of triangles.
     Leaves { seed: u64, length: f32 },
 }
 
@@ -221,7 +221,7 @@ fn leaves(out: &mut Draft, frame: &Frame, [count, pairs]: [u32; 2], seed: u64, l
 }
 
 impl Draft {
-    /// A grid of n[0] by n[1] cells, two triangles each, through `at(u, v)` with u and v from 0 to 1.
+    /// A grid of `n[0]` by `n[1]` cells, two triangles each, through `at(u, v)` with u and v from 0 to 1.
     fn grid(&mut self, n: [u32; 2], at: impl Fn(f32, f32) -> Vec3) {
         let first = self.vertices.len() as u32;
         let row = n[0] + 1;

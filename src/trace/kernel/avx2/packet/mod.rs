@@ -70,7 +70,7 @@ impl Packet {
         self.rays += 1;
     }
 
-    /// Prepares the rays for [`Packet::meet`] and [`Packet::hit`], as [`FastAvx2::new`] does. Call it within
+    /// Prepares the rays for [`Packet::meet`] and [`Packet::hit`], as `FastAvx2::new` does. Call it within
     /// [`Lanes::run`].
     #[inline(always)]
     pub(in crate::trace::kernel) fn prepare<L: Lanes>(&mut self, lanes: L) {
