@@ -8,6 +8,7 @@ use crate::bvh::saved::SavedError;
 use crate::bvh::{Child, Link, MAX_DEPTH, MAX_LEAF_BLOCKS, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Mesh;
 use crate::memory::{OutOfMemory, catch_out_of_memory, huge_pages};
+use std::hint::select_unpredictable;
 use std::path::Path;
 
 /// A tree whose links are in range, whose nodes have one parent each and whose inner levels do not exceed
@@ -109,11 +110,12 @@ impl<'a, const N: usize, B> SoundTree<'a, N, B> {
     #[inline(always)]
     pub(super) fn address(self, link: Link) -> *const u8 {
         const INDEX: u32 = MAX_BLOCKS as u32 - 1;
-        if link.is_inner() {
-            self.nodes.as_ptr().wrapping_add(link.bits() as usize).cast()
-        } else {
-            self.blocks.as_ptr().wrapping_add((link.bits() & INDEX) as usize).cast()
-        }
+        // Without a branch: which of them a link is, is hard to foresee.
+        let is_inner = link.is_inner();
+        let start =
+            select_unpredictable(is_inner, self.nodes.as_ptr().cast(), self.blocks.as_ptr().cast::<u8>());
+        let size = select_unpredictable(is_inner, size_of::<WideNode<N>>(), size_of::<B>());
+        start.wrapping_add((link.bits() & INDEX) as usize * size)
     }
 }
 
