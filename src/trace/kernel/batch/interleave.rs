@@ -36,36 +36,38 @@ struct Waiting {
     entries: [MaybeUninit<u32>; ROOM],
 }
 
-/// Traces the valid ones of `rays`, for any hit if `ANY`, else for the closest, and tells `answer` the place and
-/// the hit of each, in no order; of an any hit it only tells whether there is one. Compile it for AVX2.
+/// Traces the valid ones of `rays` at `places`, for any hit if `ANY`, else for the closest, and tells `answer` the place
+/// and the hit of each, in no order; of an any hit it only tells whether there is one. Compile it for AVX2.
 #[inline(always)]
 pub(super) fn run<K: Kernel, const N: usize, const ANY: bool>(
     token: Avx2,
     setup: K::Setup,
     tree: SoundTree<'_, N, K::Block>,
     rays: &[Ray],
+    mut places: impl Iterator<Item = usize>,
     mut answer: impl FnMut(usize, Hit),
 ) {
-    let mut next = 0;
-    let mut start = |waiting: &mut Waiting| {
-        while next < rays.len() {
-            let (index, ray) = (next, &rays[next]);
-            next += 1;
-            if ray.is_valid() {
-                waiting.links[0].write(tree.root());
-                waiting.entries[0].write(0);
-                let hit = Hit { t: ray.tfar, ..Hit::MISS };
-                return Some(UnderWay { kernel: K::new(setup, ray), hit, waiting: 1, index });
-            }
+    let mut valid = || places.find(|&place| rays[place].is_valid());
+    // Made where it stays: a copy would have to wait until what was written is read back.
+    let start = |place: usize, waiting: &mut Waiting| {
+        let ray = &rays[place];
+        waiting.links[0].write(tree.root());
+        waiting.entries[0].write(0);
+        UnderWay {
+            kernel: K::new(setup, ray),
+            hit: Hit { t: ray.tfar, ..Hit::MISS },
+            waiting: 1,
+            index: place,
         }
-        None
     };
     let mut stacks =
         [const { Waiting { links: [MaybeUninit::uninit(); ROOM], entries: [MaybeUninit::uninit(); ROOM] } };
             FLIGHT];
     let mut flight = arrayvec::ArrayVec::<UnderWay<K>, FLIGHT>::new();
     for waiting in &mut stacks {
-        flight.extend(start(waiting));
+        if let Some(place) = valid() {
+            flight.push(start(place, waiting));
+        }
     }
     while !flight.is_empty() {
         let mut turn = 0;
@@ -85,8 +87,8 @@ pub(super) fn run<K: Kernel, const N: usize, const ANY: bool>(
                 None => {
                     // Of any hit there is no distance.
                     answer(ray.index, if ANY { ray.hit } else { ray.hit.measured() });
-                    if let Some(another) = start(waiting) {
-                        *ray = another;
+                    if let Some(place) = valid() {
+                        *ray = start(place, waiting);
                     } else {
                         // The last one takes its place, with its children.
                         let last = flight.len() - 1;

@@ -32,13 +32,15 @@ pub struct BatchTracer<'a, const N: usize> {
 const AT_ONCE: usize = 1 << 31;
 /// Rays that have to meet at a node on average for a stream to be faster than interleaved rays, for the closest hit.
 #[cfg(target_arch = "x86_64")]
-const ENOUGH: u32 = 8;
+const ENOUGH: u32 = 9;
 /// The same for any hit, where children need not be sorted.
 #[cfg(target_arch = "x86_64")]
-const ENOUGH_FOR_ANY: u32 = 5;
-/// Rays that are interleaved after a stream that fell apart.
+const ENOUGH_FOR_ANY: u32 = 6;
+/// Rays that are interleaved after a stream that fell apart, twice as many after each in succession.
 #[cfg(target_arch = "x86_64")]
 const PAUSE: usize = 15 * 64;
+#[cfg(target_arch = "x86_64")]
+const LONGEST_PAUSE: usize = 16 * PAUSE;
 
 impl<'a, const N: usize> BatchTracer<'a, N> {
     /// A tracer over `tree`, 4-wide or 8-wide, with the best instructions of this machine.
@@ -102,6 +104,7 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
             || {
                 let mut octants = [const { Places::new_const() }; 8];
                 let mut at = 0;
+                let mut pause = PAUSE;
                 loop {
                     let places = if let Some(ray) = rays.get(at) {
                         let places = &mut octants[octant(ray)];
@@ -118,12 +121,24 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
                     };
                     let shared = stream::run::<R, N, ANY>(avx2, token, self.tree, rays, places, &mut answer);
                     places.clear();
-                    if !shared.is_at_least(enough) {
-                        let scattered = &rays[at..rays.len().min(at + PAUSE)];
-                        let tell = |place, hit| answer(at + place, hit);
-                        interleave::run::<FastAvx2<R>, N, ANY>(avx2, token, self.tree, scattered, tell);
-                        at += scattered.len();
+                    if shared.is_at_least(enough) {
+                        pause = PAUSE;
+                        continue;
                     }
+                    // The rays that wait are no better.
+                    let waiting = octants.iter().flatten().map(|&place| place as usize);
+                    let end = rays.len().min(at + pause);
+                    interleave::run::<FastAvx2<R>, N, ANY>(
+                        avx2,
+                        token,
+                        self.tree,
+                        rays,
+                        waiting.chain(at..end),
+                        &mut answer,
+                    );
+                    octants.iter_mut().for_each(Places::clear);
+                    at = end;
+                    pause = LONGEST_PAUSE.min(2 * pause);
                 }
             },
         );
