@@ -66,7 +66,7 @@ pub(super) fn run<R: Reciprocal + Lanes, const N: usize, const ANY: bool>(
             let node = unsafe { tree.node(link.bits() as usize) };
             let base = stack.len();
             for child in stream.children::<N, ANY>(node, rays) {
-                FastAvx2::<R>::prefetch(tree.address(child.link), 64);
+                FastAvx2::<R>::prefetch(tree.address(child.link), size_of::<WideNode<N>>());
                 let mut at = stack.len();
                 stack.push(child);
                 while !ANY && at > base && stack[at - 1].entry < child.entry {
