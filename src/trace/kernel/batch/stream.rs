@@ -19,19 +19,22 @@ use arrayvec::ArrayVec;
 /// The places of a stream's rays in the batch.
 pub(super) type Places = ArrayVec<u32, MOST>;
 
+/// Visits of a node or a leaf that take as long as to begin and to answer a ray by itself.
+const BEGUN: u32 = 4;
+
 /// What the rays of a stream had in common.
 pub(super) struct Shared {
     /// Nodes visited by several rays at a time.
     nodes: u32,
-    /// Their rays, added up.
+    /// Their rays, added up, and [`BEGUN`] for each ray.
     rays: u32,
 }
 
 impl Shared {
-    /// Whether so many rays or more met at a node on average, or hardly any node was visited.
+    /// Whether a node visited by several rays stands for so many visits or more of rays by themselves, on average.
     #[inline(always)]
-    pub(super) fn is_at_least(&self, rays: u32) -> bool {
-        self.rays >= rays * self.nodes
+    pub(super) fn is_at_least(&self, visits: u32) -> bool {
+        self.rays >= visits * self.nodes
     }
 }
 
@@ -47,7 +50,7 @@ pub(super) fn run<R: Reciprocal + Lanes, const N: usize, const ANY: bool>(
     answer: impl FnMut(usize, Hit),
 ) -> Shared {
     let mut stream = Stream::new(avx2, token, rays, places);
-    let mut shared = Shared { nodes: 0, rays: 0 };
+    let mut shared = Shared { nodes: 0, rays: BEGUN * stream.packet.len() as u32 };
     // As for single rays, the depth of a tree bounds the children that wait.
     let mut stack = ArrayVec::<Waiting, TRAVERSAL_STACK>::new();
     stack.push(Waiting { link: tree.root(), entry: 0, rays: stream.all() });

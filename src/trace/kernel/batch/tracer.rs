@@ -30,12 +30,13 @@ pub struct BatchTracer<'a, const N: usize> {
 
 /// Rays whose places in a batch have 32 bits.
 const AT_ONCE: usize = 1 << 31;
-/// Rays that have to meet at a node on average for a stream to be faster than interleaved rays, for the closest hit.
+/// Visits of rays by themselves for which a node of a stream has to stand, on average, for the stream to be faster than
+/// interleaved rays: for the closest hit.
 #[cfg(target_arch = "x86_64")]
-const ENOUGH: u32 = 9;
+const ENOUGH: u32 = 17;
 /// The same for any hit, where children need not be sorted.
 #[cfg(target_arch = "x86_64")]
-const ENOUGH_FOR_ANY: u32 = 6;
+const ENOUGH_FOR_ANY: u32 = 9;
 /// Rays that are interleaved after a stream that fell apart, twice as many after each in succession.
 #[cfg(target_arch = "x86_64")]
 const PAUSE: usize = 15 * 64;
