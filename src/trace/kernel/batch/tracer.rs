@@ -37,11 +37,9 @@ const ENOUGH: u32 = 17;
 /// The same for any hit, where children need not be sorted.
 #[cfg(target_arch = "x86_64")]
 const ENOUGH_FOR_ANY: u32 = 9;
-/// Rays that are interleaved after a stream that fell apart, twice as many after each in succession.
+/// Rays that are interleaved after a stream that fell apart, besides those that waited.
 #[cfg(target_arch = "x86_64")]
 const PAUSE: usize = 15 * 64;
-#[cfg(target_arch = "x86_64")]
-const LONGEST_PAUSE: usize = 16 * PAUSE;
 
 impl<'a, const N: usize> BatchTracer<'a, N> {
     /// A tracer over `tree`, 4-wide or 8-wide, with the best instructions of this machine.
@@ -105,7 +103,6 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
             || {
                 let mut octants = [const { Places::new_const() }; 8];
                 let mut at = 0;
-                let mut pause = PAUSE;
                 loop {
                     let places = if let Some(ray) = rays.get(at) {
                         let places = &mut octants[octant(ray)];
@@ -123,12 +120,11 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
                     let shared = stream::run::<R, N, ANY>(avx2, token, self.tree, rays, places, &mut answer);
                     places.clear();
                     if shared.is_at_least(enough) {
-                        pause = PAUSE;
                         continue;
                     }
                     // The rays that wait are no better.
                     let waiting = octants.iter().flatten().map(|&place| place as usize);
-                    let end = rays.len().min(at + pause);
+                    let end = rays.len().min(at + PAUSE);
                     interleave::run::<FastAvx2<R>, N, ANY>(
                         avx2,
                         token,
@@ -139,7 +135,6 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
                     );
                     octants.iter_mut().for_each(Places::clear);
                     at = end;
-                    pause = LONGEST_PAUSE.min(2 * pause);
                 }
             },
         );
