@@ -1,5 +1,5 @@
 //! What the assertions in the distribution's Embree cost: the same runs with its library and with one of the same
-//! source that has none (`make embree-ndebug`).
+//! source that has none (`make bench-ndebug`).
 
 use crate::bench::row::Row;
 use crate::bench::statistics::geometric_mean;
