@@ -52,7 +52,7 @@ ROUNDS ?= 3
 MIN_SECONDS ?= 60
 SIZE ?= 160
 CONSTANTS_ROUNDS ?= 0
-PHR = ./target/release/phr
+PROGRAM = ./target/release/phr
 JUDGED = results/targets
 FULL = results/full
 REFERENCE = results/reference
@@ -102,7 +102,7 @@ begun = $(if $(RESUMED),$$(test -f $(1)/samples.json && echo --resume || echo --
 
 # A run into the folder $(2); of the reference run in a quiet hour, until intervals are narrow.
 define measured
-	$(PHR) bench $(1) $(call begun,$(2)) $(if $(RESUMED),--when-quiet --until 2%) $(ARGS)
+	$(PROGRAM) bench $(1) $(call begun,$(2)) $(if $(RESUMED),--when-quiet --until 2%) $(ARGS)
 
 endef
 
@@ -127,9 +127,9 @@ bench-reference: program
 
 $(DONE)/builders: | program
 	$(call runs,$(FULL))
-	$(PHR) reduce $(FULL) $(REFERENCE)
-	$(PHR) reduce $(FULL)-ablation $(REFERENCE)-ablation
-	$(PHR) reduce $(FULL)-ablation-quality $(REFERENCE)-ablation-quality
+	$(PROGRAM) reduce $(FULL) $(REFERENCE)
+	$(PROGRAM) reduce $(FULL)-ablation $(REFERENCE)-ablation
+	$(PROGRAM) reduce $(FULL)-ablation-quality $(REFERENCE)-ablation-quality
 	mkdir -p $(DONE) && touch $@
 
 $(DONE)/%:
@@ -138,62 +138,62 @@ $(DONE)/%:
 
 # What is made of the committed rows.
 pages: program
-	$(PHR) advise --fit $(REFERENCE) --model src/report/advice/model/model.json
-	$(PHR) table $(REFERENCE) > $(REFERENCE)/table1.md
-	$(PHR) plot $(REFERENCE)
-	$(PHR) plot $(REFERENCE)/growth
-	$(PHR) plot $(REFERENCE)/threads
-	$(PHR) readme README.md RESULTS.md METHODOLOGY.md FINDINGS.md
+	$(PROGRAM) advise --fit $(REFERENCE) --model src/report/advice/model/model.json
+	$(PROGRAM) table $(REFERENCE) > $(REFERENCE)/table1.md
+	$(PROGRAM) plot $(REFERENCE)
+	$(PROGRAM) plot $(REFERENCE)/growth
+	$(PROGRAM) plot $(REFERENCE)/threads
+	$(PROGRAM) readme README.md RESULTS.md METHODOLOGY.md FINDINGS.md
 
 bench-builders: program
 	$(call runs,$(JUDGED))
-	$(PHR) plot $(JUDGED)
-	$(PHR) plot $(JUDGED)/growth
-	$(PHR) targets $(JUDGED)
+	$(PROGRAM) plot $(JUDGED)
+	$(PROGRAM) plot $(JUDGED)/growth
+	$(PROGRAM) targets $(JUDGED)
 
 bench-kernel: program
-	$(PHR) kernels $(KERNEL_SCENES) $(SCENES) --least 100000 --size $(SIZE) --threads 1 --threads 2 --out results/kernel $(ARGS)
-	$(PHR) leaks --out results/leaks
-	$(if $(IMAGED),for size in 160 512; do $(PHR) kernels $(IMAGED) --builder embree-sah --width 8 --rounds 3 --size $$size \
+	$(PROGRAM) kernels $(KERNEL_SCENES) $(SCENES) --least 100000 --size $(SIZE) --threads 1 --threads 2 --out results/kernel $(ARGS)
+	$(PROGRAM) leaks --out results/leaks
+	$(if $(IMAGED),for size in 160 512; do $(PROGRAM) kernels $(IMAGED) --builder embree-sah --width 8 --rounds 3 --size $$size \
 		--out results/kernel-$$size || exit 1; done)
 
 bench-scaling: program
-	$(PHR) scaling $(KERNEL_SCENES) $(SCENES) $(addprefix --builder ,$(SCALED)) --width 8 \
+	$(PROGRAM) scaling $(KERNEL_SCENES) $(SCENES) $(addprefix --builder ,$(SCALED)) --width 8 \
 		$(addprefix --workers ,1 2 4 16 64) --out results/scaling $(ARGS)
-	$(PHR) plot results/scaling
+	$(PROGRAM) plot results/scaling
 
 bench-animation: program
-	$(PHR) animate --width 4 --size 128 --out results/animation $(ARGS)
+	$(PROGRAM) animate --width 4 --size 128 --out results/animation $(ARGS)
 
 bench-advice: program
-	$(PHR) bench $(KERNEL_SCENES) $(SCENES) --size 128 $(addprefix --builder ,$(ADVISED)) --filter grafted \
+	$(PROGRAM) bench $(KERNEL_SCENES) $(SCENES) --size 128 $(addprefix --builder ,$(ADVISED)) --filter grafted \
 		--rounds 8 --threads 2 $(call begun,results/advice-run) $(ARGS)
-	$(PHR) reduce results/advice-run results/advice
+	$(PROGRAM) reduce results/advice-run results/advice
 	for scene in $(KERNEL_SCENES) $(SCENES); do \
 		name=$$(basename $$scene .ply.zst); \
-		$(PHR) advise --fit results/advice --without $$name --model target/without.json && \
-			$(PHR) advise $$scene --threads 2 --model target/without.json --out results/advice/$$name \
+		$(PROGRAM) advise --fit results/advice --without $$name --model target/without.json && \
+			$(PROGRAM) advise $$scene --threads 2 --model target/without.json --out results/advice/$$name \
 			|| exit 1; \
 	done
-	$(PHR) advise --judge results/advice --advice results/advice
+	$(PROGRAM) advise --judge results/advice --advice results/advice
 
 bench-tune: program
 	for scene in $(KERNEL_SCENES) $(SCENES); do \
-		$(PHR) tune $$scene --rays 1G --threads 2 --out results/tune/$$(basename $$scene .ply.zst) $(ARGS) || exit 1; \
+		$(PROGRAM) tune $$scene --rays 1G --threads 2 --out results/tune/$$(basename $$scene .ply.zst) $(ARGS) || exit 1; \
 	done
-	$(PHR) tune --judge results/tune
+	$(PROGRAM) tune --judge results/tune
 
 bench-paper: RESUMED = yes
 bench-paper: program
-	$(PHR) bench --set paper --frames --width 4 --rounds 3 --threads 2 --filter ' 4 embree-grafted' \
+	$(PROGRAM) bench --set paper --frames --width 4 --rounds 3 --threads 2 --filter ' 4 embree-grafted' \
 		$(addprefix --builder ,$(METHODS)) $(call begun,$(PAPER)) $(ARGS)
-	$(PHR) reduce $(PAPER) results/paper-protocol
-	$(PHR) plot results/paper-protocol
-	$(PHR) bench --set paper --size 256 --width 4 --rounds 1 --threads 2 --filter ' 4 phr' \
+	$(PROGRAM) reduce $(PAPER) results/paper-protocol
+	$(PROGRAM) plot results/paper-protocol
+	$(PROGRAM) bench --set paper --size 256 --width 4 --rounds 1 --threads 2 --filter ' 4 phr' \
 		$(addprefix --builder ,$(METHODS)) $(call begun,$(PAPER)-steps) $(ARGS)
-	$(PHR) reduce $(PAPER)-steps results/paper-steps
+	$(PROGRAM) reduce $(PAPER)-steps results/paper-steps
 	for experiment in construction-speed trace-speed; do \
-		$(PHR) experiment $$experiment --rows results/paper-protocol --rows results/paper-steps \
+		$(PROGRAM) experiment $$experiment --rows results/paper-protocol --rows results/paper-steps \
 			--out results/experiments/$$experiment-paper || exit 1; \
 	done
 
@@ -201,22 +201,22 @@ bench-paper: program
 # for the scenes of which the paper speaks there.
 bench-experiments: program
 	for experiment in $(EXPERIMENTS); do \
-		$(PHR) experiment $$experiment $(SCENES) --views 1 --size 128 --rounds 3 \
+		$(PROGRAM) experiment $$experiment $(SCENES) --views 1 --size 128 --rounds 3 \
 			$(call begun,results/experiments-run/$$experiment) $(ARGS) && \
-			$(PHR) reduce results/experiments-run/$$experiment results/experiments/$$experiment && \
-			$(PHR) experiment $$experiment --redraw || exit 1; \
+			$(PROGRAM) reduce results/experiments-run/$$experiment results/experiments/$$experiment && \
+			$(PROGRAM) experiment $$experiment --redraw || exit 1; \
 	done
-	$(PHR) experiment grid conference-like hairball-like sanmiguel-like powerplant-like --views 1 --rounds 3 \
+	$(PROGRAM) experiment grid conference-like hairball-like sanmiguel-like powerplant-like --views 1 --rounds 3 \
 		$(call begun,results/experiments-run/grid-paper) $(ARGS)
-	$(PHR) reduce results/experiments-run/grid-paper results/experiments/grid-paper
-	$(PHR) experiment grid --redraw --out results/experiments/grid-paper
-	$(PHR) experiment cut-size $(SCENES)
-	$(PHR) experiment split
-	$(PHR) bench $(PHASED) --build-only --width 8 --rounds 5 --threads 2 $(call begun,results/experiments-run/phases) \
+	$(PROGRAM) reduce results/experiments-run/grid-paper results/experiments/grid-paper
+	$(PROGRAM) experiment grid --redraw --out results/experiments/grid-paper
+	$(PROGRAM) experiment cut-size $(SCENES)
+	$(PROGRAM) experiment split
+	$(PROGRAM) bench $(PHASED) --build-only --width 8 --rounds 5 --threads 2 $(call begun,results/experiments-run/phases) \
 		$(addprefix --builder ,$(SCALED) hunt-50 hunt-500 aac ploc) $(ARGS)
-	$(PHR) reduce results/experiments-run/phases results/experiments/phases
-	$(PHR) plot results/experiments/phases
-	$(PHR) heatmap $(HEATMAP) --width 4 -o results/experiments/heatmap/$(basename $(notdir $(HEATMAP:.zst=))).png
+	$(PROGRAM) reduce results/experiments-run/phases results/experiments/phases
+	$(PROGRAM) plot results/experiments/phases
+	$(PROGRAM) heatmap $(HEATMAP) --width 4 -o results/experiments/heatmap/$(basename $(notdir $(HEATMAP:.zst=))).png
 
 embree-ndebug: packages
 	sh .ci/embree-ndebug
@@ -226,12 +226,12 @@ bench-ndebug: embree-ndebug program
 	for round in 1 2 3 4; do \
 		[ $$round = 1 ] && resume=--replace || resume=--resume; \
 		for library in with: without:$(NDEBUG)/lib; do \
-			LD_LIBRARY_PATH=$${library#*:} $(PHR) bench --set builtin --size $(SIZE) \
+			LD_LIBRARY_PATH=$${library#*:} $(PROGRAM) bench --set builtin --size $(SIZE) \
 				$(addprefix --builder ,$(ASSERTED)) --rounds $$round --threads 2 $$resume \
 				--out results/ndebug-full/$${library%%:*} $(ARGS) || exit 1; \
 		done; \
 	done
-	for library in with without; do $(PHR) reduce results/ndebug-full/$$library results/ndebug/$$library; done
+	for library in with without; do $(PROGRAM) reduce results/ndebug-full/$$library results/ndebug/$$library; done
 
 # Likewise: a round with the best instructions, then one with none.
 bench-instructions: program
@@ -239,11 +239,11 @@ bench-instructions: program
 		[ $$round = 1 ] && resume=--replace || resume=--resume; \
 		for isa in best scalar; do \
 			[ $$isa = best ] && unset PHR_ISA || export PHR_ISA=$$isa; \
-			$(PHR) bench $(SCENES) --build-only --width 4 $(addprefix --builder ,$(INSTRUCTED)) \
+			$(PROGRAM) bench $(SCENES) --build-only --width 4 $(addprefix --builder ,$(INSTRUCTED)) \
 				--rounds $$round --threads 2 $$resume --out results/instructions-full/$$isa $(ARGS) || exit 1; \
 		done; \
 	done
-	for isa in best scalar; do $(PHR) reduce results/instructions-full/$$isa results/instructions/$$isa; done
+	for isa in best scalar; do $(PROGRAM) reduce results/instructions-full/$$isa results/instructions/$$isa; done
 
 bench-constants: packages
 	$(CARGO) bench --bench constants -- --rounds=$(CONSTANTS_ROUNDS) $(VARIED) > target/constants.csv
@@ -253,13 +253,13 @@ bench-peers: packages
 	$(CARGO) build --release --bin phr --features peers --target-dir target/peers
 	./target/peers/release/phr bench $(PEERED) --filter '( 8 |embree-sah 4 ).*embree-grafted' $(addprefix --builder ,$(PEERS)) \
 		--size 96 --views 1 --rounds 3 --threads 2 $(call begun,results/peers-run) $(ARGS)
-	$(PHR) reduce results/peers-run results/peers
+	$(PROGRAM) reduce results/peers-run results/peers
 
 bench-saved: program
 	for builder in $(SAVED); do \
-		$(PHR) build scalable-10M --builder $$builder --width 4 --threads 2 -o target/$$builder.tree || exit 1; \
+		$(PROGRAM) build scalable-10M --builder $$builder --width 4 --threads 2 -o target/$$builder.tree || exit 1; \
 	done
-	$(PHR) bench scalable-10M --width 4 --build-only --rounds 5 --threads 2 --builder lbvh \
+	$(PROGRAM) bench scalable-10M --width 4 --build-only --rounds 5 --threads 2 --builder lbvh \
 		$(foreach builder,$(SAVED),--builder $(builder) --tree target/$(builder).tree) $(call begun,results/saved-run) $(ARGS)
-	$(PHR) reduce results/saved-run results/saved
+	$(PROGRAM) reduce results/saved-run results/saved
 	rm $(foreach builder,$(SAVED),target/$(builder).tree)
