@@ -3,8 +3,8 @@
 #
 # make bench-reference
 #                   every figure of README, RESULTS, METHODOLOGY and FINDINGS that one machine can make: all runs below
-#                   (STAGES), then tables, plots, the model of `phr advise` and the pages. A run that is done is passed
-#                   over by the next call, one that was stopped goes on. Needs an idle machine, 16 GiB of memory, 10 GB of
+#                   (STAGES), then tables, plots, the model of `phr advise` and the pages: 15 to 20 hours. A run that is done
+#                   is passed over by the next call, one that was stopped goes on. Needs an idle machine, 16 GiB of memory, 10 GB of
 #                   disk, and root for `apt` where embree-ndebug has to be compiled. Left as they are: rows of other
 #                   machines and of withheld scenes (results/README.md), sentences written by hand, and `make fuzz`.
 # make bench-builders
@@ -89,9 +89,10 @@ NDEBUG = $(CURDIR)/target/embree-ndebug
 # Builders that are saved, and those that are built without vector instructions.
 SAVED = phr-turbo phr-fast phr-quality phr-best
 INSTRUCTED = phr-fast phr-hq hunt-50 hunt-500 embree-sah embree-fast-spatial
-# The runs behind the reference run's figures, in their order: the short ones first, as what is wrong shows early.
-STAGES = constants saved kernel scaling animation builders ndebug peers instructions tune experiments advice paper
-# What is done is noted by the revision of the program: another begins anew.
+# The parts of bench-reference, the short ones first, as what is wrong shows early; the reference run itself last.
+STAGES = constants saved scaling animation kernel ndebug peers instructions tune experiments advice paper builders
+# What is done is noted by the revision of the program. Another begins anew, and `phr bench` refuses to go on with the runs of
+# the one before: remove results/full* and results/*-run first.
 DONE = results/stages/$(shell git rev-parse --short HEAD)
 
 .PHONY: bench-reference bench-builders bench-kernel bench-scaling bench-animation bench-advice bench-tune bench-ndebug \
