@@ -36,8 +36,8 @@ struct Waiting {
     entries: [MaybeUninit<u32>; ROOM],
 }
 
-/// Traces the valid ones of `rays` at `places`, for any hit if `ANY`, else for the closest, and tells `answer` the place
-/// and the hit of each, in no order; of an any hit it only tells whether there is one. Compile it for AVX2.
+/// Traces the valid ones of `rays` at `places`, for any hit if `ANY`, else for the closest, and tells `answer` the
+/// place and the hit of each, in no order; of an any hit it only tells whether there is one. Compile it for AVX2.
 #[inline(always)]
 pub(super) fn run<K: Kernel, const N: usize, const ANY: bool>(
     token: Avx2,
