@@ -1,12 +1,14 @@
-# The runs behind the committed figures. Included by the Makefile, whose targets and variables are used here; durations
-# are those of two cores.
+# The runs behind the committed figures. Included by the Makefile, whose targets and variables are used here.
+# They replace what an earlier call left. Durations are those of two cores; those of bench-constants, bench-peers, bench-saved,
+# bench-instructions and of all together are estimates.
 #
 # make bench-reference
 #                   every figure of README, RESULTS, METHODOLOGY and FINDINGS that one machine can make: all runs below
 #                   (STAGES), then tables, plots, the model of `phr advise` and the pages: 15 to 20 hours. A run that is done
 #                   is passed over by the next call, one that was stopped goes on. Needs an idle machine, 16 GiB of memory, 10 GB of
 #                   disk, and root for `apt` where embree-ndebug has to be compiled. Left as they are: rows of other
-#                   machines and of withheld scenes (results/README.md), sentences written by hand, and `make fuzz`.
+#                   machines and of withheld scenes (results/README.md), sentences written by hand, the tables of
+#                   FINDINGS 5.1 and 5.2 over the scenes SCENES, and `make fuzz`.
 # make bench-builders
 #                   what the targets are judged by (`phr targets`), into results/targets: all builders on the files
 #                   SCENES and the built-in scenes with two threads, their builds with one thread beside two, their

@@ -48,7 +48,6 @@ pub(super) fn run<K: Kernel, const N: usize, const ANY: bool>(
     mut answer: impl FnMut(usize, Hit),
 ) {
     let mut valid = || places.find(|&place| rays[place].is_valid());
-    // Made where it stays: a copy would have to wait until what was written is read back.
     let start = |place: usize, waiting: &mut Waiting| {
         let ray = &rays[place];
         waiting.links[0].write(tree.root());
