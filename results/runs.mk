@@ -91,8 +91,9 @@ NDEBUG = $(CURDIR)/target/embree-ndebug
 # Builders that are saved, and those that are built without vector instructions.
 SAVED = phr-turbo phr-fast phr-quality phr-best
 INSTRUCTED = phr-fast phr-hq hunt-50 hunt-500 embree-sah embree-fast-spatial
-# The parts of bench-reference, the short ones first, as what is wrong shows early; the reference run itself last.
-STAGES = constants saved scaling animation kernel ndebug peers instructions tune experiments advice paper builders
+# The parts of bench-reference: that which compiles a program of its own before results change, by which rows would call it
+# dirty; then the short ones, as what is wrong shows early; the reference run itself last.
+STAGES = peers constants saved scaling animation kernel ndebug instructions tune experiments advice paper builders
 # What is done is noted by the revision of the program. Another begins anew, and `phr bench` refuses to go on with the runs of
 # the one before: remove results/full* and results/*-run first.
 DONE = results/stages/$(shell git rev-parse --short HEAD)
