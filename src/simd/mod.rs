@@ -225,17 +225,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg(target_arch = "x86_64")]
-    fn columns_of_bytes_are_their_bits() {
-        let Some(token) = Isa::best().avx2() else { return };
-        let mut random = crate::random::SplitMix64::new(1);
-        let bytes: [u8; 64] = std::array::from_fn(|_| random.next_u64() as u8);
-        let column = |bit: usize| (0..64).map(|i| u64::from(bytes[i] >> bit & 1) << i).sum::<u64>();
-        assert_eq!(token.columns::<8>(&bytes), [0, 1, 2, 3, 4, 5, 6, 7].map(column));
-        assert_eq!(token.columns::<4>(&bytes), [0, 1, 2, 3].map(column));
-    }
-
-    #[test]
     fn closures_run_compiled_for_each() {
         let numbers: Vec<u32> = (0..1000).collect();
         for isa in Isa::available() {

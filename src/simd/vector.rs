@@ -254,25 +254,5 @@ mod x86 {
             // SAFETY: the token proves BMI2.
             unsafe { _pdep_u32(x, mask) }
         }
-
-        /// Bit `i` of each of the bytes, the first byte's the lowest, for the first `N` of eight.
-        #[inline(always)]
-        pub(crate) fn columns<const N: usize>(self, bytes: &[u8; 64]) -> [u64; N] {
-            let mut columns = [0; N];
-            // SAFETY: the token proves AVX2; both halves are of 32 bytes.
-            unsafe {
-                let mut low = _mm256_loadu_si256(bytes.as_ptr().cast());
-                let mut high = _mm256_loadu_si256(bytes.as_ptr().add(32).cast());
-                // The signs are the bits wanted: those of column 7 first.
-                for column in (0..8).rev() {
-                    if column < N {
-                        let (first, last) = (_mm256_movemask_epi8(low), _mm256_movemask_epi8(high));
-                        columns[column] = u64::from(first as u32) | u64::from(last as u32) << 32;
-                    }
-                    (low, high) = (_mm256_add_epi8(low, low), _mm256_add_epi8(high, high));
-                }
-            }
-            columns
-        }
     }
 }

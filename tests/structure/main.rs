@@ -53,6 +53,7 @@ const UNSAFE_FILES: &[&str] = &[
     "trace/kernel/avx2/crossing.rs",
     "trace/kernel/avx2/fast.rs",
     "trace/kernel/avx2/mod.rs",
+    "trace/kernel/avx2/packet/few.rs",
     "trace/kernel/avx2/watertight.rs",
     // Memory from the system, prefetches, and stores past the caches.
     "memory/huge_pages.rs",

@@ -1,7 +1,7 @@
 //! A stream of rays that go down the tree together: a node is visited once for all rays that reach it, so that a
 //! branch is taken for many rays at a time (Barringer and Akenine-Moeller, "Dynamic Ray Stream Traversal", 2014;
 //! Embree's streams for shadow rays do the same). Where many rays are left, each child is tested against all of
-//! them, as a [`Packet`]; where few are, each of them against all children; a last one goes on by itself.
+//! them at once; where few are, each of them against all children; a last one goes on by itself.
 
 #![allow(unsafe_code)]
 
@@ -68,7 +68,12 @@ pub(super) fn run<R: Reciprocal + Lanes, const N: usize, const ANY: bool>(
             // SAFETY: as above.
             let node = unsafe { tree.node(link.bits() as usize) };
             let base = stack.len();
-            for child in stream.children::<N, ANY>(node, rays) {
+            let met = stream.meet::<N, ANY>(node, rays);
+            let mut children = met.children;
+            while children != 0 {
+                let slot = children.trailing_zeros() as usize % N;
+                children &= children - 1;
+                let child = Waiting { link: node.links[slot], entry: met.entry[slot], rays: met.rays[slot] };
                 FastAvx2::<R>::prefetch(tree.address(child.link), size_of::<WideNode<N>>());
                 let mut at = stack.len();
                 stack.push(child);
@@ -161,45 +166,16 @@ impl<R: Reciprocal + Lanes> Stream<R> {
 
     /// The children of `node` that any of `rays` meets.
     #[inline(always)]
-    fn children<const N: usize, const ANY: bool>(
-        &self,
-        node: &WideNode<N>,
-        rays: Mask,
-    ) -> impl Iterator<Item = Waiting> {
-        let met = if Packet::is_worth::<R>(rays) {
+    fn meet<const N: usize, const ANY: bool>(&self, node: &WideNode<N>, rays: Mask) -> Met<N> {
+        if Packet::is_worth::<R>(rays) {
             Lanes::run(
                 self.token,
                 #[inline(always)]
                 || self.packet.meet::<R, N, ANY>(self.token, node, rays),
             )
         } else {
-            self.meet_singly::<N, ANY>(node, rays)
-        };
-        let Met { rays, entry } = met;
-        (0..N).filter(move |&slot| rays[slot] != 0).map(move |slot| Waiting {
-            link: node.links[slot],
-            entry: entry[slot],
-            rays: rays[slot],
-        })
-    }
-
-    /// The same, one ray after the other.
-    #[inline(always)]
-    fn meet_singly<const N: usize, const ANY: bool>(&self, node: &WideNode<N>, rays: Mask) -> Met<N> {
-        let mut met = Met::nothing(ANY);
-        let mut children = [0; MOST];
-        for i in ones(rays) {
-            let (mask, entries) = self.packet.ray(self.token, i).enter(node, self.packet.tfar(i));
-            children[i] = mask as u8;
-            if !ANY {
-                for (slot, (nearest, entry)) in met.entry.iter_mut().zip(entries.0).enumerate() {
-                    let is_missed = (mask >> slot & 1).wrapping_sub(1);
-                    *nearest = (*nearest).min(entry | is_missed);
-                }
-            }
+            self.packet.meet_few::<N, ANY>(self.avx2, node, rays)
         }
-        met.rays = self.avx2.columns(&children);
-        met
     }
 
     /// Tests `rays` against the blocks of a leaf.
@@ -209,26 +185,18 @@ impl<R: Reciprocal + Lanes> Stream<R> {
             if rays == 0 {
                 break;
             }
-            if Packet::is_worth::<R>(rays) {
-                let (token, packet, hits) = (self.token, &mut self.packet, &mut self.hits);
-                let hit = Lanes::run(
+            let (avx2, token, packet, hits) = (self.avx2, self.token, &mut self.packet, &mut self.hits);
+            let hit = if Packet::is_worth::<R>(rays) {
+                Lanes::run(
                     token,
                     #[inline(always)]
                     || packet.hit::<R, ANY>(token, block, rays, hits),
-                );
-                if ANY {
-                    self.done |= hit;
-                }
+                )
             } else {
-                for i in ones(rays) {
-                    let (kernel, hit) = (self.packet.ray(self.token, i), &mut self.hits[i]);
-                    if ANY {
-                        self.done |= Mask::from(kernel.any(block, hit.t)) << i;
-                    } else {
-                        kernel.closest(block, hit);
-                        self.packet.shorten(i, hit.t);
-                    }
-                }
+                packet.hit_few::<R, ANY>(avx2, token, block, rays, hits)
+            };
+            if ANY {
+                self.done |= hit;
             }
             rays &= !self.done;
         }
@@ -244,14 +212,4 @@ impl<R: Reciprocal + Lanes> Stream<R> {
             answer(place as usize, if ANY { any } else { hit.measured() });
         }
     }
-}
-
-/// The places of the ones in `mask`, the lowest first.
-#[inline(always)]
-fn ones(mut mask: Mask) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let i = mask.trailing_zeros() as usize;
-        mask &= mask.wrapping_sub(1);
-        (i < MOST).then_some(i)
-    })
 }

@@ -33,10 +33,10 @@ const AT_ONCE: usize = 1 << 31;
 /// Visits of rays by themselves for which a node of a stream has to stand, on average, for the stream to be faster than
 /// interleaved rays: for the closest hit.
 #[cfg(target_arch = "x86_64")]
-const ENOUGH: u32 = 17;
+const ENOUGH: u32 = 14;
 /// The same for any hit, where children need not be sorted.
 #[cfg(target_arch = "x86_64")]
-const ENOUGH_FOR_ANY: u32 = 9;
+const ENOUGH_FOR_ANY: u32 = 8;
 /// Rays that are interleaved after a stream that fell apart, besides those that waited.
 #[cfg(target_arch = "x86_64")]
 const PAUSE: usize = 15 * 64;

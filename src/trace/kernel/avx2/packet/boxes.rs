@@ -5,19 +5,15 @@ use crate::bvh::{Link, WideNode};
 use crate::simd::vector::Lanes;
 
 /// The children of a node that rays of a packet meet.
+#[cfg_attr(test, derive(PartialEq, Debug))]
 pub(in crate::trace::kernel) struct Met<const N: usize> {
     /// The rays that meet each, as a mask.
     pub rays: [Mask; N],
-    /// Where the first of them enters it, as bits of a float that is not negative; 0 where nobody asks.
+    /// Where the first of them enters it, or another ray of the packet if that is earlier, as bits of a float that is not
+    /// negative; 0 where nobody asks.
     pub entry: [u32; N],
-}
-
-impl<const N: usize> Met<N> {
-    /// No child is met yet.
-    #[inline(always)]
-    pub(in crate::trace::kernel) fn nothing(any: bool) -> Self {
-        Self { rays: [0; N], entry: [if any { 0 } else { u32::MAX }; N] }
-    }
+    /// A bit for each child that any of them meets.
+    pub children: u32,
 }
 
 impl Packet {
@@ -29,7 +25,7 @@ impl Packet {
         node: &WideNode<N>,
         rays: Mask,
     ) -> Met<N> {
-        let mut met = Met::nothing(ANY);
+        let mut met = Met { rays: [0; N], entry: [if ANY { 0 } else { u32::MAX }; N], children: 0 };
         let sides = [&node.lower, &node.upper];
         let [x, y, z] = self.near.map(usize::from);
         let first = [&sides[x][0], &sides[y][1], &sides[z][2]];
@@ -54,6 +50,7 @@ impl Packet {
                 let is_met = lanes.le(enter, leave);
                 let bits = lanes.bits(is_met) & alive as u32;
                 met.rays[slot] |= Mask::from(bits) << at;
+                met.children |= u32::from(bits != 0) << slot;
                 if !ANY && bits != 0 {
                     let entry = lanes.least(lanes.select(is_met, enter, lanes.splat(f32::INFINITY)));
                     met.entry[slot] = met.entry[slot].min(entry.to_bits());

@@ -1,8 +1,9 @@
-//! Many rays at a time, a lane of a vector for each: [a box](boxes) or [a triangle](triangles) is tested against
-//! all of them at once, in the operations and the order of [`FastAvx2`], so that each ray has the answers that it
-//! has by itself.
+//! Many rays at a time. Where many are left, a vector has a lane for each: [a box](boxes) or [a triangle](triangles) is
+//! tested against all of them at once. Where [few] are, it has a lane for each child or triangle. Either is done in the
+//! operations and the order of [`FastAvx2`], so that each ray has the answers that it has by itself.
 
 mod boxes;
+mod few;
 mod triangles;
 
 pub(in crate::trace::kernel) use boxes::Met;
@@ -15,11 +16,6 @@ use crate::trace::kernel::scalar::SMALLEST_DIRECTION;
 
 /// Most rays of a packet: a mask has a bit for each.
 pub(in crate::trace::kernel) const MOST: usize = 64;
-
-/// Rays left in a vector, on average, for which it is faster than one ray at a time: to test it against a node's
-/// boxes or a block's triangles, one after the other, takes some times as long as to test all of these against one
-/// ray.
-const WORTH: usize = 6;
 
 /// Some of the rays.
 pub(in crate::trace::kernel) type Mask = u64;
@@ -100,12 +96,6 @@ impl Packet {
         FastAvx2 { token, slabs, org: of(&self.org), dir: of(&self.dir) }
     }
 
-    /// The end of the interval of ray `i`.
-    #[inline(always)]
-    pub(in crate::trace::kernel) fn tfar(&self, i: usize) -> f32 {
-        self.tfar[i % MOST]
-    }
-
     /// The last end of an interval, or 0 if that is later. An end that is no number, as of a distance that single
     /// precision cannot tell, does not count: its ray hits nothing more.
     #[inline(always)]
@@ -126,11 +116,14 @@ impl Packet {
         self.tfar[i % MOST] = tfar;
     }
 
-    /// Whether so many of `rays` are left that they are tested faster together than one by one.
+    /// Whether so many of `rays` are left, three of four lanes in each vector that has any, that a lane for each is faster
+    /// than [a lane for each child or triangle](few).
     #[inline(always)]
     pub(in crate::trace::kernel) fn is_worth<L: Lanes>(rays: Mask) -> bool {
-        rays.count_ones() as usize
-            >= WORTH * vectors::<L>().filter(|&first| of(rays, first, L::N) != 0).count()
+        // The last lane of each vector; a carry reaches it from any other.
+        let last = (Mask::MAX / ((1 << L::N) - 1)) << (L::N - 1);
+        let vectors = (((rays & !last) + !last) | rays) & last;
+        4 * rays.count_ones() >= 3 * L::N as u32 * vectors.count_ones()
     }
 }
 

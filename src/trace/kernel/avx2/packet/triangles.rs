@@ -19,7 +19,7 @@ impl Packet {
     ) -> Mask {
         let mut hit = 0;
         let normals = normals(block);
-        let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
+        let one = lanes.splat(1.0);
         for at in vectors::<L>() {
             let alive = of(rays, at, L::N);
             if alive == 0 {
@@ -34,29 +34,18 @@ impl Packet {
                 if block.prims[triangle] == Hit::NONE {
                     continue;
                 }
-                let v0 = of_triangle(lanes, &block.v0, triangle);
-                let e1 = of_triangle(lanes, &block.e1, triangle);
-                let e2 = of_triangle(lanes, &block.e2, triangle);
-                let normal = of_triangle(lanes, &normals, triangle);
-                let c = [lanes.sub(v0[0], org[0]), lanes.sub(v0[1], org[1]), lanes.sub(v0[2], org[2])];
-                let r = cross(lanes, c, dir);
-                let den = dot(lanes, normal, dir);
-                let abs_den = lanes.flip(den, den);
-                let u = lanes.flip(dot(lanes, r, e2), den);
-                let v = lanes.flip(dot(lanes, r, e1), den);
-                let t = lanes.flip(dot(lanes, normal, c), den);
-                let inside = lanes.and(
-                    lanes.and(lanes.lt(zero, abs_den), lanes.le(zero, u)),
-                    lanes.and(lanes.le(zero, v), lanes.le(lanes.add(u, v), abs_den)),
-                );
-                let within =
-                    lanes.and(lanes.lt(lanes.mul(abs_den, tnear), t), lanes.le(t, lanes.mul(abs_den, tfar)));
-                let valid = lanes.and(inside, within);
+                let planes = Planes {
+                    v0: of_triangle(lanes, &block.v0, triangle),
+                    e1: of_triangle(lanes, &block.e1, triangle),
+                    e2: of_triangle(lanes, &block.e2, triangle),
+                    normal: of_triangle(lanes, &normals, triangle),
+                };
+                let Crossings { t, u, v, den, valid } = test(lanes, &planes, org, dir, tnear, tfar);
                 let bits = lanes.bits(valid) & alive as u32;
                 hit |= Mask::from(bits) << at;
                 if !ANY && bits != 0 {
-                    let estimate = lanes.reciprocal(abs_den);
-                    let scale = lanes.fmadd(estimate, lanes.fnmadd(abs_den, estimate, one), estimate);
+                    let estimate = lanes.reciprocal(den);
+                    let scale = lanes.fmadd(estimate, lanes.fnmadd(den, estimate, one), estimate);
                     let t = lanes.mul(t, scale);
                     let nearer = lanes.and(valid, lanes.le(t, least));
                     least = lanes.select(nearer, t, least);
@@ -78,6 +67,51 @@ impl Packet {
     }
 }
 
+/// Corner, edges and normal of triangles.
+pub(super) struct Planes<F> {
+    pub v0: [F; 3],
+    pub e1: [F; 3],
+    pub e2: [F; 3],
+    pub normal: [F; 3],
+}
+
+/// Where rays meet triangles, before the division by `den`.
+pub(super) struct Crossings<L: Lanes> {
+    pub t: L::F,
+    pub u: L::F,
+    pub v: L::F,
+    pub den: L::F,
+    /// Whether the ray meets the triangle, in its interval.
+    pub valid: L::M,
+}
+
+/// The test of `FastAvx2`, a ray and a triangle in each lane.
+#[inline(always)]
+pub(super) fn test<L: Lanes>(
+    lanes: L,
+    planes: &Planes<L::F>,
+    org: [L::F; 3],
+    dir: [L::F; 3],
+    tnear: L::F,
+    tfar: L::F,
+) -> Crossings<L> {
+    let Planes { v0, e1, e2, normal } = *planes;
+    let zero = lanes.splat(0.0);
+    let c = [lanes.sub(v0[0], org[0]), lanes.sub(v0[1], org[1]), lanes.sub(v0[2], org[2])];
+    let r = cross(lanes, c, dir);
+    let signed = dot(lanes, normal, dir);
+    let den = lanes.flip(signed, signed);
+    let u = lanes.flip(dot(lanes, r, e2), signed);
+    let v = lanes.flip(dot(lanes, r, e1), signed);
+    let t = lanes.flip(dot(lanes, normal, c), signed);
+    let inside = lanes.and(
+        lanes.and(lanes.lt(zero, den), lanes.le(zero, u)),
+        lanes.and(lanes.le(zero, v), lanes.le(lanes.add(u, v), den)),
+    );
+    let within = lanes.and(lanes.lt(lanes.mul(den, tnear), t), lanes.le(t, lanes.mul(den, tfar)));
+    Crossings { t, u, v, den, valid: lanes.and(inside, within) }
+}
+
 /// A vector of each component of a triangle's.
 #[inline(always)]
 fn of_triangle<L: Lanes>(lanes: L, [x, y, z]: &[[f32; 4]; 3], triangle: usize) -> [L::F; 3] {
@@ -92,7 +126,7 @@ fn array<L: Lanes>(lanes: L, x: L::F) -> [f32; 16] {
 }
 
 #[inline(always)]
-fn cross<L: Lanes>(lanes: L, a: [L::F; 3], b: [L::F; 3]) -> [L::F; 3] {
+pub(super) fn cross<L: Lanes>(lanes: L, a: [L::F; 3], b: [L::F; 3]) -> [L::F; 3] {
     [
         lanes.fmsub(a[1], b[2], lanes.mul(a[2], b[1])),
         lanes.fmsub(a[2], b[0], lanes.mul(a[0], b[2])),
