@@ -9,8 +9,8 @@ use crate::simd::vector::Lanes;
 pub(in crate::trace::kernel) struct Met<const N: usize> {
     /// The rays that meet each, as a mask.
     pub rays: [Mask; N],
-    /// Where the first of them enters it, or another ray of the packet if that is earlier, as bits of a float that is not
-    /// negative; 0 where nobody asks.
+    /// Where the first of them enters it, or another ray of the packet if that is earlier, as bits of a float that
+    /// is not negative; 0 where nobody asks.
     pub entry: [u32; N],
     /// A bit for each child that any of them meets.
     pub children: u32,

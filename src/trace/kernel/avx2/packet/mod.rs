@@ -116,8 +116,8 @@ impl Packet {
         self.tfar[i % MOST] = tfar;
     }
 
-    /// Whether so many of `rays` are left, three of four lanes in each vector that has any, that a lane for each is faster
-    /// than [a lane for each child or triangle](few).
+    /// Whether so many of `rays` are left, three of four lanes in each vector that has any, that a lane for each is
+    /// faster than [a lane for each child or triangle](few).
     #[inline(always)]
     pub(in crate::trace::kernel) fn is_worth<L: Lanes>(rays: Mask) -> bool {
         // The last lane of each vector; a carry reaches it from any other.
