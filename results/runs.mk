@@ -156,7 +156,8 @@ bench-builders: program
 	$(PROGRAM) targets $(JUDGED)
 
 bench-kernel: program
-	$(PROGRAM) kernels $(KERNEL_SCENES) $(SCENES) --least 100000 --size $(SIZE) --threads 1 --threads 2 --out results/kernel $(ARGS)
+	$(PROGRAM) kernels $(KERNEL_SCENES) $(SCENES) --least 100000 --size $(SIZE) --seconds 5 --threads 1 --threads 2 \
+		--out results/kernel $(ARGS)
 	$(PROGRAM) leaks --out results/leaks
 	$(if $(IMAGED),for size in 160 512; do $(PROGRAM) kernels $(IMAGED) --builder embree-sah --width 8 --rounds 3 --size $$size \
 		--out results/kernel-$$size || exit 1; done)

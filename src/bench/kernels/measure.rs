@@ -12,7 +12,7 @@ use crate::scene::Scene;
 use crate::trace::{PathSettings, RayBatches, RayKind, record, verify};
 use rayon::ThreadPool;
 use rayon::prelude::*;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Most rays that a thread hands to a kernel at once.
 const CHUNK: usize = 1 << 14;
@@ -35,8 +35,10 @@ pub struct KernelSettings {
     pub path: PathSettings,
     /// Views per scene, at most.
     pub views: usize,
-    /// Rounds.
+    /// Rounds, at least.
     pub rounds: usize,
+    /// Rounds are added until those of a kind of rays have taken this long.
+    pub time: Duration,
     /// Numbers of threads.
     pub threads: Vec<usize>,
 }
@@ -58,7 +60,6 @@ pub fn measure(scene: &Scene, settings: &KernelSettings) -> Result<Vec<KernelRow
         cpu: Machine::this("").cpu,
         scene: scene.name.clone(),
         triangles: scene.mesh.len() as u64,
-        rounds: settings.rounds as u32,
         ..KernelRow::default()
     };
     let mut rows = Vec::new();
@@ -69,7 +70,7 @@ pub fn measure(scene: &Scene, settings: &KernelSettings) -> Result<Vec<KernelRow
             if rays.is_empty() {
                 continue;
             }
-            let (times, answers) = pool.install(|| rounds(&contestants, kind, rays, settings.rounds));
+            let (times, answers) = pool.install(|| rounds(&contestants, kind, rays, settings));
             let verdict = |index: usize| {
                 let tracers = [&*reference.tracer, &*contestants[index].tracer];
                 answers[index].compare(&scene.mesh, rays, &answers[0], tracers)
@@ -94,6 +95,7 @@ pub fn measure(scene: &Scene, settings: &KernelSettings) -> Result<Vec<KernelRow
                     ray_kind: kind.name().into(),
                     rays: rays.len() as u64,
                     threads: threads as u32,
+                    rounds: times[index].len() as u32,
                     mrays_s: figures(rays.len() as f64 / summary.median / 1e6),
                     ratio: ratio.map(|ratio| figures(ratio.value)),
                     ratio_low: ratio.map(|ratio| figures(ratio.low)),
@@ -134,11 +136,15 @@ fn rounds(
     contestants: &[Contestant<'_>],
     kind: RayKind,
     rays: &[Ray],
-    rounds: usize,
+    settings: &KernelSettings,
 ) -> (Vec<Vec<f64>>, Vec<Answers>) {
     let mut answers: Vec<Answers> = contestants.iter().map(|_| Answers::room(kind, rays.len())).collect();
     let mut times = vec![Vec::new(); contestants.len()];
-    for round in 0..rounds {
+    let begin = Instant::now();
+    for round in 0.. {
+        if round >= settings.rounds && begin.elapsed() >= settings.time {
+            break;
+        }
         for turn in 0..contestants.len() {
             let index = (turn + round) % contestants.len();
             let (tracer, answers) = (&*contestants[index].tracer, &mut answers[index]);
@@ -181,6 +187,22 @@ fn ratio(single: &[f64], times: &[f64]) -> Option<Ratio> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::scalable;
+
+    #[test]
+    fn rounds_are_added_until_the_time_is_over() {
+        let settings = |milliseconds| KernelSettings {
+            cells: vec![Cell::new("lbvh", 8, &[])],
+            path: PathSettings { width: 8, height: 8, ..PathSettings::default() },
+            views: 1,
+            rounds: 2,
+            time: Duration::from_millis(milliseconds),
+            threads: vec![1],
+        };
+        let [least, more] = [0, 200].map(|time| measure(&scalable(500, 1), &settings(time)).unwrap());
+        assert!(!least.is_empty() && least.iter().all(|row| row.rounds == 2));
+        assert!(more.iter().all(|row| row.rounds > 2 && row.passes().len() == row.rounds as usize));
+    }
 
     #[test]
     fn every_thread_gets_several_chunks() {

@@ -14,6 +14,7 @@ use crate::cli::output::say;
 use crate::report::kernels::{scene_table, summary};
 use crate::trace::PathSettings;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Builders of the trees unless others are named.
 const BUILDERS: [&str; 5] = ["embree-sah", "embree-fast-spatial", "phr-speed", "phr-quality", "phr-best"];
@@ -42,9 +43,12 @@ pub struct Arguments {
     /// Views per scene, at most
     #[arg(long, default_value_t = 1, value_name = "N")]
     views: usize,
-    /// Passes of each kernel over the rays
+    /// Passes of each kernel over the rays, at least
     #[arg(long, default_value_t = 7, value_name = "N")]
     rounds: usize,
+    /// A kind of rays gets more passes until it was measured for N seconds, on each number of threads
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = options::seconds)]
+    seconds: u64,
     /// Leave out scenes with fewer triangles
     #[arg(long, default_value_t = 0, value_name = "N")]
     least: usize,
@@ -103,7 +107,8 @@ fn settings(arguments: &Arguments) -> Result<KernelSettings, Failure> {
     for &threads in &threads {
         Settings::new(arguments.size, arguments.views, arguments.rounds, threads).check()?;
     }
-    Ok(KernelSettings { cells, path, views: arguments.views, rounds: arguments.rounds, threads })
+    let time = Duration::from_secs(arguments.seconds);
+    Ok(KernelSettings { cells, path, views: arguments.views, rounds: arguments.rounds, time, threads })
 }
 
 #[cfg(test)]
