@@ -8,6 +8,7 @@ use super::sound_tree::SoundTree;
 use super::stack::{Item, Stack, ordered};
 use crate::bvh::{Child, Link, WideNode};
 use crate::geometry::{Hit, Ray};
+use std::hint::black_box;
 
 /// A batch and the place for its answers, equally long.
 pub(super) enum Query<'a> {
@@ -82,6 +83,20 @@ pub(super) fn run<K: Kernel, C: Counter, const N: usize>(
     }
 }
 
+/// The link of the only child in `mask`, found by branches: where these are foreseen, as with rays that follow each
+/// other, the child is fetched while its box is still tested. A table would have to wait for the test.
+#[inline(always)]
+fn only<const N: usize>(node: &WideNode<N>, mask: u32) -> Link {
+    // A black box for each child, or the compiler would make a table of them.
+    let link = |slot: usize| Link::from_bits(black_box(node.links[slot].bits()));
+    for slot in 0..N - 1 {
+        if mask >> slot & 1 == 1 {
+            return link(slot);
+        }
+    }
+    link(N - 1)
+}
+
 /// Bytes of a node or of a leaf's first block, whichever is larger.
 const fn bytes_ahead<K: Kernel, const N: usize>() -> usize {
     let (node, block) = (size_of::<WideNode<N>>(), size_of::<K::Block>());
@@ -110,6 +125,10 @@ pub(super) fn closest<K: Kernel, C: Counter, const N: usize>(
                 if mask == 0 {
                     break 'descend;
                 }
+                if mask.is_power_of_two() {
+                    link = only(node, mask);
+                    continue;
+                }
                 let mut next = || {
                     let slot = mask.trailing_zeros() as usize % N;
                     mask &= mask - 1;
@@ -117,11 +136,7 @@ pub(super) fn closest<K: Kernel, C: Counter, const N: usize>(
                     K::prefetch(tree.address(item.link()), bytes_ahead::<K, N>());
                     (item, mask == 0)
                 };
-                let (a, last) = next();
-                if last {
-                    link = a.link();
-                    continue;
-                }
+                let (a, _) = next();
                 let (b, last) = next();
                 if last {
                     // A branch, not moves: where it is foreseen, the nearer child is fetched before the comparison.
@@ -212,6 +227,10 @@ pub(super) fn any<K: Kernel, C: Counter, const N: usize>(
                 let (mut mask, _) = kernel.enter(node, tfar);
                 if mask == 0 {
                     break 'descend;
+                }
+                if mask.is_power_of_two() {
+                    link = only(node, mask);
+                    continue;
                 }
                 loop {
                     link = node.links[mask.trailing_zeros() as usize % N];
