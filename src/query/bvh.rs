@@ -2,7 +2,7 @@
 
 use super::{BvhConfig, BvhError, Hit};
 use crate::builders;
-use crate::bvh::saved::{SavedError, header_of};
+use crate::bvh::saved::{SavedError, SavedTree};
 use crate::bvh::{Bvh4, Bvh8, TriangleBlock, WideBvh};
 use crate::geometry::{self, Aabb, Mesh, Ray, Tracer};
 use crate::memory::huge_pages;
@@ -48,7 +48,7 @@ impl Bvh {
     /// or to build with parameters of your own, use a [`builders::Builder`] and make a `Bvh` of its tree.
     ///
     /// # Errors
-    /// [`BvhError::NoSuchBuilder`], [`BvhError::NoSuchWidth`], [`BvhError::OutOfMemory`].
+    /// [`BvhError::NoSuchBuilder`], [`BvhError::Changes`], [`BvhError::NoSuchWidth`], [`BvhError::OutOfMemory`].
     pub fn build(mesh: &Mesh, config: &BvhConfig<'_>) -> Result<Self, BvhError> {
         match config.width {
             4 => tree::<4>(mesh, config.builder)?.try_into(),
@@ -118,13 +118,14 @@ impl Bvh {
     /// [`BvhError::Saved`]: a file that is damaged, or holds the tree of another mesh. [`BvhError::OutOfMemory`].
     pub fn load(mesh: &Mesh, path: &Path) -> Result<Self, BvhError> {
         let unusable = |error: SavedError| BvhError::Saved(error.to_string());
-        match header_of(path).map_err(unusable)?.width {
+        let saved = SavedTree::open(path).map_err(unusable)?;
+        match saved.header.width {
             4 => {
-                let tree = ProvenTree::load(mesh, path).map_err(unusable)?;
+                let tree = ProvenTree::read(mesh, saved).map_err(unusable)?;
                 Ok(Self { places: places(&tree.get().blocks, mesh.len())?, tree: Tree::Four(tree) })
             }
             _ => {
-                let tree = ProvenTree::load(mesh, path).map_err(unusable)?;
+                let tree = ProvenTree::read(mesh, saved).map_err(unusable)?;
                 Ok(Self { places: places(&tree.get().blocks, mesh.len())?, tree: Tree::Eight(tree) })
             }
         }

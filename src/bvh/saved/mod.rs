@@ -28,6 +28,7 @@ mod replace;
 mod write;
 
 pub use header::Header;
+pub(crate) use read::SavedTree;
 pub use read::header_of;
 #[cfg(feature = "harness")]
 pub(crate) use replace::replace;

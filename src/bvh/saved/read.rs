@@ -23,17 +23,38 @@ use std::path::Path;
 /// # Errors
 /// No such file, or not a saved tree.
 pub fn header_of(path: &Path) -> Result<Header, SavedError> {
-    Ok(open(path)?.1)
+    Ok(SavedTree::open(path)?.header)
 }
 
-/// The file after its header, which fits its length.
+/// A file opened after its header, which fits its length: what is loaded from it is that tree, whatever takes its
+/// place meanwhile.
+pub(crate) struct SavedTree<'a> {
+    file: File,
+    path: &'a Path,
+    /// What the file says of its tree.
+    pub header: Header,
+}
+
+impl<'a> SavedTree<'a> {
+    /// Opens the file at `path`.
+    ///
+    /// # Errors
+    /// No such file, or not a saved tree.
+    pub fn open(path: &'a Path) -> Result<Self, SavedError> {
+        let (file, header) = open(path)?;
+        Ok(Self { file, path, header })
+    }
+}
+
 fn open(path: &Path) -> Result<(File, Header), SavedError> {
     let io = SavedError::io(path);
-    let metadata = std::fs::metadata(path).map_err(&io)?;
-    if !metadata.is_file() {
+    // Before it is opened: that would wait for whoever writes into a pipe.
+    if !std::fs::metadata(path).map_err(&io)?.is_file() {
         return Err(SavedError::not_a_tree(path, "not a regular file"));
     }
     let mut file = File::open(path).map_err(&io)?;
+    // Of the file that is open: another may have taken its place.
+    let metadata = file.metadata().map_err(&io)?;
     let mut bytes = [0; BYTES];
     let (magic, rest) = bytes.split_at_mut(MAGIC.len());
     if file.read_exact(magic).is_err() || *magic != MAGIC {
@@ -65,7 +86,12 @@ impl<const N: usize> WideBvh<N> {
     /// # Errors
     /// [`SavedError`]: a file that is damaged, of another width, of another mesh, or whose links form no tree.
     pub fn load(mesh: &Mesh, path: &Path) -> Result<Self, SavedError> {
-        let (file, header) = open(path)?;
+        Self::read(mesh, SavedTree::open(path)?)
+    }
+
+    /// Loads the tree of an open file, likewise.
+    pub(crate) fn read(mesh: &Mesh, saved: SavedTree<'_>) -> Result<Self, SavedError> {
+        let SavedTree { file, path, header } = saved;
         if header.width != N as u32 {
             let what = format!("a tree of {} children per node, not {N}", header.width);
             return Err(SavedError::unusable(path, what));

@@ -41,6 +41,21 @@ fn trees_survive_the_file() {
     assert_eq!(header_of(&path).unwrap().builder.len(), 32);
 }
 
+/// What is read from an open file is the tree that was there, whatever takes its place.
+#[test]
+fn an_open_tree_stays_what_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.phrtree");
+    let mesh = mesh(50);
+    let tree = chain(&mesh);
+    tree.save(&mesh, "by-hand", &path).unwrap();
+    let open = SavedTree::open(&path).unwrap();
+    let eight = crate::builders::by_name::<8>("lbvh").unwrap().build(&mesh).tree;
+    eight.save(&mesh, "lbvh", &path).unwrap();
+    assert_eq!(Bvh4::read(&mesh, open).unwrap(), tree);
+    assert_eq!(Bvh8::load(&mesh, &path).unwrap(), eight);
+}
+
 #[test]
 fn other_meshes_and_widths_are_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -4,7 +4,7 @@
 #![allow(unsafe_code)]
 
 use crate::bvh::limits::{MAX_BLOCKS, check_width};
-use crate::bvh::saved::SavedError;
+use crate::bvh::saved::{SavedError, SavedTree};
 use crate::bvh::{Child, Link, MAX_DEPTH, MAX_LEAF_BLOCKS, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Mesh;
 use crate::memory::{OutOfMemory, catch_out_of_memory, huge_pages};
@@ -169,6 +169,11 @@ impl<const N: usize> ProvenTree<N> {
     /// As of [`WideBvh::load`].
     pub fn load(mesh: &Mesh, path: &Path) -> Result<Self, SavedError> {
         WideBvh::load(mesh, path).map(Self)
+    }
+
+    /// The tree of an open file, likewise.
+    pub(crate) fn read(mesh: &Mesh, saved: SavedTree<'_>) -> Result<Self, SavedError> {
+        WideBvh::read(mesh, saved).map(Self)
     }
 }
 
