@@ -12,8 +12,9 @@ use std::borrow::Borrow;
 pub struct Instance<B> {
     /// The object.
     pub bvh: B,
-    /// From the object's space to the world's; any affine map that can be inverted, mirrors and shears included. A ray
-    /// whose origin or direction lies beyond 1.8e18 in the object's space misses it.
+    /// From the object's space to the world's; any affine map that `f32` can invert, mirrors and shears included. A ray
+    /// whose origin or direction lies beyond 1.8e18 in the object's space misses it, one whose direction is shorter
+    /// there than 1e-10 may miss it.
     pub transform: Affine3A,
 }
 
@@ -88,9 +89,17 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
             if !slabs.meet(placed.bounds, ray) {
                 return None;
             }
-            let hit = placed.bvh.borrow().intersect(&placed.local(ray))?;
-            // As the traversal asks: a distance may be rounded to the interval's open end.
-            if !(ray.tnear < hit.t && hit.t <= ray.tfar) {
+            let mut local = placed.local(ray);
+            let hit = loop {
+                let hit = placed.bvh.borrow().intersect(&local)?;
+                if ray.tnear < hit.t {
+                    break hit;
+                }
+                // Rounded to the interval's open end: no hit, but there may be one behind it.
+                local.tnear = local.tnear.next_up();
+            };
+            // As the traversal asks.
+            if hit.t > ray.tfar {
                 return None;
             }
             closest = Some((id, hit));

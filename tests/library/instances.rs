@@ -164,6 +164,30 @@ fn embree_refuses_scenes_of_another_device() {
     assert!(device.instances(&[]).unwrap().closest(&rays(1)[0]).is_none());
 }
 
+/// A hit may be rounded to where the ray begins: it is none again, and hides nothing.
+#[test]
+fn rays_go_on_behind_their_hits() {
+    let wall = |z: f32| [[-10.0, -10.0, z], [10.0, -10.0, z], [0.0, 20.0, z]];
+    let walls = Mesh::new([wall(0.0), wall(-1.0)].concat(), vec![[0, 1, 2], [3, 4, 5]]).unwrap().0;
+    let object = Bvh::build(&walls, &BvhConfig::default()).unwrap();
+    let world = instances(&[&object], &[Affine3A::IDENTITY]);
+    let world = InstanceBvh::build(world, &BvhConfig::default()).unwrap();
+    let mut random = SplitMix64::new(1);
+    for _ in 0..2000 {
+        let p = random.point(-1.0, 1.0);
+        let org = Vec3::new(p.x, p.y, 3.0 + p.z);
+        let ray = Ray { org, tnear: 0.0, dir: Vec3::new(p.y, p.z, -3.0).normalize(), tfar: f32::INFINITY };
+        let mut begin = 0.0;
+        for prim in 0..2 {
+            let found = world.intersect(&Ray { tnear: begin, ..ray }).unwrap();
+            assert!(found.hit.prim <= prim && found.hit.t > begin, "{ray:?}: {found:?} behind {begin}");
+            begin = found.hit.t * (1.0 + 1e-6);
+        }
+        let first = world.intersect(&ray).unwrap().hit;
+        assert!(world.intersect(&Ray { tnear: first.t, ..ray }).is_some(), "{ray:?}: {first:?}");
+    }
+}
+
 #[test]
 fn a_frame_later_all_is_elsewhere() {
     let config = BvhConfig { builder: "phr-turbo", width: 8 };
