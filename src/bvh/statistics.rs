@@ -58,7 +58,8 @@ impl Statistics {
 }
 
 impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
-    /// Levels of inner nodes, as [`Statistics::depth`]; 0 if the root is a leaf.
+    /// Levels of inner nodes, as [`Statistics::depth`]; 0 if the root is a leaf. The links must form a tree, as
+    /// [`WideBvh::validate`] finds.
     pub fn depth(&self) -> usize {
         Counter::of(self).depth
     }

@@ -4,7 +4,9 @@
 //! What is fixed, and tested in `tests/library/query.rs`:
 //!
 //! * **Interval**: a hit at `t` counts if `tnear < t <= tfar`, as in Embree. `tfar` may be infinite, `tnear` may
-//!   not; a ray whose interval is empty (`tfar <= tnear`) misses.
+//!   not; a ray whose interval is empty (`tfar <= tnear`) misses. Distances are compared before they are divided, as
+//!   Embree's are, and that rounds: a hit may be told an ulp or two out of the interval, and one at its very end may be
+//!   missed. A ray that goes on behind a hit should begin some ulps after it.
 //! * **Direction**: any length from 1e-10 on, of components of up to 1.844e18; `t` is in units of it, so that the
 //!   hit lies at `org + t * dir`. Components may be zero, of either sign, or denormal; a ray whose direction is
 //!   zero misses. Boxes see components below 1e-18 as 1e-18, as Embree's do, so that shorter rays may miss. Where

@@ -3,10 +3,10 @@
 use crate::trace_support::*;
 use glam::Vec3;
 use phr::bvh::WideBvh;
-use phr::geometry::{Hit, Mesh, Ray};
+use phr::geometry::{Hit, Mesh, Ray, Tracer};
 use phr::random::SplitMix64;
 use phr::trace::verify::{compare_any, compare_closest, witness};
-use phr::trace::{BruteForce, BvhTracer, Isa};
+use phr::trace::{BatchTracer, BruteForce, BvhTracer, Isa};
 
 /// Traces `rays` through trees of `N` children by every instruction set and compares with brute force.
 /// At most `edge` rays per thousand may be left to rounding.
@@ -172,6 +172,32 @@ fn empty_trees_and_degenerate_triangles_are_missed() {
             let tracer = BvhTracer::with_isa(tree, isa);
             assert!(closest(&tracer, &rays).iter().all(|hit| *hit == Hit::MISS));
             assert!(!any(&tracer, &rays).contains(&true));
+        }
+    }
+}
+
+/// Distances that are not measurable, or round to zero, in the block of a triangle that is hit.
+#[test]
+fn what_has_no_distance_hides_nothing() {
+    let small =
+        [1e-19, 1e-20, 1e-21, 1e-22].map(|s| ([[-s, -s, 0.0], [s, -s, 0.0], [0.0, s, 0.0]], 1.0, 1.0));
+    let walls =
+        [1e-45, 3e-45, 1e-40].map(|z| ([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]], z, 4.0));
+    for (front, z, length) in small.into_iter().chain(walls) {
+        let behind = [[-1.0, -1.0, -1.0], [1.0, -1.0, -1.0], [0.0, 1.0, -1.0]];
+        let mesh = mesh([front, behind].concat(), vec![[0, 1, 2], [3, 4, 5]]);
+        let tree = median_tree::<8>(&mesh, 4);
+        let ray = ray([0.0, 0.0, z], [0.0, 0.0, -length]);
+        for isa in Isa::available() {
+            let [single, batch]: [&dyn Tracer; 2] =
+                [&BvhTracer::with_isa(&tree, isa), &BatchTracer::with_isa(&tree, isa)];
+            for (tracer, rays) in [(single, 1), (batch, 3), (batch, 64)] {
+                let hits = closest(tracer, &vec![ray; rays]);
+                assert!(
+                    hits.iter().all(|hit| hit.is_hit() && hit.t > 0.0),
+                    "{isa} {front:?} {rays}: {hits:?}"
+                );
+            }
         }
     }
 }

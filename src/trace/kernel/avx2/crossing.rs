@@ -17,21 +17,21 @@ pub(super) struct Crossing {
 }
 
 impl Crossing {
-    /// Replaces `hit` by the closest of the valid lanes, the lowest of equals; `prims` are their triangles.
+    /// Replaces `hit` by the closest of the valid lanes, the lowest of equals; `scale` is what they are divided by,
+    /// turned over, `prims` are their triangles. A lane whose distance is no positive number stands back: the products
+    /// of the test left the range of `f32`, and what lies behind must not be hidden.
     #[inline]
     #[target_feature(enable = "avx2,fma")]
-    pub(super) fn closest(&self, token: impl Reciprocal, prims: &[u32; 4], hit: &mut Hit) {
-        let scale = reciprocal(token, self.den);
+    pub(super) fn closest(&self, scale: __m128, prims: &[u32; 4], hit: &mut Hit) {
         let t = _mm_mul_ps(self.t, scale);
-        let candidates = _mm_blendv_ps(_mm_set1_ps(f32::INFINITY), t, self.valid);
+        let valid = _mm_and_ps(self.valid, _mm_cmpgt_ps(t, _mm_setzero_ps()));
+        let candidates = _mm_blendv_ps(_mm_set1_ps(f32::INFINITY), t, valid);
         let swapped = _mm_min_ps(candidates, _mm_shuffle_ps::<0b10_11_00_01>(candidates, candidates));
         let least = _mm_min_ps(swapped, _mm_shuffle_ps::<0b01_00_11_10>(swapped, swapped));
-        let at_least = _mm_and_ps(_mm_cmpeq_ps(candidates, least), self.valid);
-        // None where the products of the test left the range of `f32`: no hit without a distance.
-        let lanes = _mm_movemask_ps(at_least);
-        if lanes == 0 {
+        if _mm_cvtss_f32(least) == f32::INFINITY {
             return;
         }
+        let lanes = _mm_movemask_ps(_mm_cmpeq_ps(candidates, least));
         let lane = (lanes.trailing_zeros() & 3) as usize;
         let one = _mm_set1_ps(1.0);
         *hit = Hit {

@@ -42,7 +42,7 @@ impl<R: Reciprocal> Kernel for FastAvx2<R> {
         // SAFETY: `self.token` proves the features.
         unsafe {
             if let Some(crossing) = self.cross(block, hit.t) {
-                crossing.closest(self.token, &block.prims, hit);
+                crossing.closest(reciprocal(self.token, crossing.den), &block.prims, hit);
             }
         }
     }

@@ -16,7 +16,7 @@ use std::arch::x86_64::*;
 #[derive(Clone, Copy)]
 pub(in crate::trace::kernel) struct WatertightAvx2 {
     /// Proves the features that the tests are compiled for.
-    token: Avx2,
+    _token: Avx2,
     slabs: Slabs,
     frame: Frame,
 }
@@ -35,28 +35,29 @@ impl Kernel for WatertightAvx2 {
     fn new((token, bounds): (Avx2, Aabb), ray: &Ray) -> Self {
         let frame = Frame::new(ray, bounds);
         let org_rdir = [frame.near_org_rdir, frame.far_org_rdir];
-        Self { token, slabs: Slabs::new(frame.rdir, org_rdir, frame.tnear), frame }
+        Self { _token: token, slabs: Slabs::new(frame.rdir, org_rdir, frame.tnear), frame }
     }
 
     #[inline(always)]
     fn enter<const N: usize>(&self, node: &WideNode<N>, tfar: f32) -> (u32, Entries<N>) {
-        // SAFETY: `self.token` proves the features.
+        // SAFETY: `self._token` proves the features.
         unsafe { self.slabs.meet(node, tfar) }
     }
 
     #[inline(always)]
     fn closest(&self, block: &CornerBlock, hit: &mut Hit) {
-        // SAFETY: `self.token` proves the features.
+        // SAFETY: `self._token` proves the features.
         unsafe {
             if let Some(crossing) = self.cross(block, hit.t) {
-                crossing.closest(self.token, &block.prims, hit);
+                // Quotients: an estimate of the reciprocal of one is less than one.
+                crossing.closest(_mm_set1_ps(1.0), &block.prims, hit);
             }
         }
     }
 
     #[inline(always)]
     fn any(&self, block: &CornerBlock, tfar: f32) -> bool {
-        // SAFETY: `self.token` proves the features.
+        // SAFETY: `self._token` proves the features.
         unsafe { self.cross(block, tfar).is_some() }
     }
 

@@ -16,14 +16,18 @@ impl Crossing {
     pub(super) const NONE: Self =
         Self { t: [0.0; 4], u: [0.0; 4], v: [0.0; 4], den: [0.0; 4], valid: [false; 4] };
 
-    /// Replaces `hit` by the closest of the valid lanes, if there is one; `prims` are their triangles.
+    /// Replaces `hit` by the closest of the valid lanes, if there is one; `prims` are their triangles. A lane whose
+    /// distance is no positive number stands back: the products of the test left the range of `f32`, and what lies
+    /// behind must not be hidden.
     #[inline(always)]
     pub(super) fn closest(&self, prims: &[u32; 4], hit: &mut Hit) {
+        let mut is_first = true;
         for (lane, &prim) in prims.iter().enumerate() {
             if self.valid[lane] {
                 let t = self.t[lane] / self.den[lane];
-                let first_or_closer = hit.t > t || !self.valid[..lane].contains(&true);
-                if first_or_closer {
+                let is_measured = (t > 0.0) & (t < f32::INFINITY);
+                if is_measured && (is_first || hit.t > t) {
+                    is_first = false;
                     *hit = Hit {
                         t,
                         u: smaller(self.u[lane] / self.den[lane], 1.0),

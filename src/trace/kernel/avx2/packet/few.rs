@@ -10,7 +10,7 @@ use crate::bvh::limits::check_width;
 use crate::bvh::{TriangleBlock, WideNode};
 use crate::geometry::Hit;
 use crate::simd::Avx2;
-use crate::trace::kernel::avx2::crossing::{Crossing, Reciprocal};
+use crate::trace::kernel::avx2::crossing::{Crossing, Reciprocal, reciprocal};
 use std::arch::x86_64::*;
 
 impl Packet {
@@ -139,7 +139,7 @@ impl Packet {
                             den: four(crossing.den),
                             valid: four(crossing.valid),
                         };
-                        crossing.closest(token, &block.prims, &mut hits[i]);
+                        crossing.closest(reciprocal(token, crossing.den), &block.prims, &mut hits[i]);
                         self.tfar[i] = hits[i].t;
                     }
                 }

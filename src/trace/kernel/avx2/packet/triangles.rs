@@ -29,7 +29,7 @@ impl Packet {
             let (tnear, tfar) = (load(lanes, &self.tnear, at), load(lanes, &self.tfar, at));
             // As for single rays, all four are tested against the interval's end before the block, and then the least
             // distance is taken; backwards, so that of equal ones the first is kept.
-            let mut least = lanes.splat(f32::INFINITY);
+            let mut least = lanes.splat(f32::MAX);
             for triangle in (0..4).rev() {
                 if block.prims[triangle] == Hit::NONE {
                     continue;
@@ -47,7 +47,8 @@ impl Packet {
                     let estimate = lanes.reciprocal(den);
                     let scale = lanes.fmadd(estimate, lanes.fnmadd(den, estimate, one), estimate);
                     let t = lanes.mul(t, scale);
-                    let nearer = lanes.and(valid, lanes.le(t, least));
+                    let positive = lanes.lt(lanes.splat(0.0), t);
+                    let nearer = lanes.and(lanes.and(valid, positive), lanes.le(t, least));
                     least = lanes.select(nearer, t, least);
                     let t = array(lanes, t);
                     let u = array(lanes, lanes.min(lanes.mul(u, scale), one));
