@@ -156,7 +156,7 @@ bench-builders: program
 	$(PROGRAM) targets $(JUDGED)
 
 bench-kernel: program
-	$(PROGRAM) kernels $(KERNEL_SCENES) $(SCENES) --least 100000 --size $(SIZE) --seconds 5 --threads 1 --threads 2 \
+	$(PROGRAM) kernels $(KERNEL_SCENES) $(SCENES) --least 100000 --size $(SIZE) --seconds 2 --threads 1 --threads 2 \
 		--out results/kernel $(ARGS)
 	$(PROGRAM) leaks --out results/leaks
 	$(if $(IMAGED),for size in 160 512; do $(PROGRAM) kernels $(IMAGED) --builder embree-sah --width 8 --rounds 3 --size $$size \
@@ -215,8 +215,8 @@ bench-experiments: program
 		$(call begun,results/experiments-run/grid-paper) $(ARGS)
 	$(PROGRAM) reduce results/experiments-run/grid-paper results/experiments/grid-paper
 	$(PROGRAM) experiment grid --redraw --out results/experiments/grid-paper
-	$(PROGRAM) experiment cut-size $(SCENES)
-	$(PROGRAM) experiment split
+	$(PROGRAM) experiment cut-size $(SCENES) --replace
+	$(PROGRAM) experiment split --replace
 	$(PROGRAM) bench $(PHASED) --build-only --width 8 --rounds 5 --threads 2 $(call begun,results/experiments-run/phases) \
 		$(addprefix --builder ,$(SCALED) hunt-50 hunt-500 aac ploc) $(ARGS)
 	$(PROGRAM) reduce results/experiments-run/phases results/experiments/phases

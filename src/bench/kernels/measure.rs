@@ -172,10 +172,13 @@ fn fill(answers: &mut Answers, tracer: &dyn Tracer, rays: &[Ray]) {
     }
 }
 
-/// As [`KernelRow::pass_ms`] has them.
+/// As [`KernelRow::pass_ms`] has them: four digits, for they are many.
 fn milliseconds(seconds: &[f64]) -> String {
-    let texts: Vec<String> = seconds.iter().map(|seconds| figures(1e3 * seconds).to_string()).collect();
-    texts.join(" ")
+    let text = |seconds: &f64| {
+        let ms = 1e3 * seconds;
+        format!("{ms:.3e}").parse().unwrap_or(ms).to_string()
+    };
+    seconds.iter().map(text).collect::<Vec<_>>().join(" ")
 }
 
 /// How much faster the second is than the first.
@@ -202,6 +205,7 @@ mod tests {
         let [least, more] = [0, 200].map(|time| measure(&scalable(500, 1), &settings(time)).unwrap());
         assert!(!least.is_empty() && least.iter().all(|row| row.rounds == 2));
         assert!(more.iter().all(|row| row.rounds > 2 && row.passes().len() == row.rounds as usize));
+        assert_eq!(milliseconds(&[0.001_234_56, 12.0]), "1.235 12000");
     }
 
     #[test]
