@@ -1,5 +1,6 @@
 //! Why a command did not succeed, and the exit code that says so.
 
+use super::output::note;
 use std::process::ExitCode;
 
 /// Why a command did not succeed.
@@ -31,7 +32,7 @@ impl Failure {
             Self::Interrupted(text) => (text, 130),
         };
         // One line, whatever a library wrote into its message.
-        eprintln!("phr: {}", text.split_whitespace().collect::<Vec<_>>().join(" "));
+        note(&text.split_whitespace().collect::<Vec<_>>().join(" "));
         ExitCode::from(code)
     }
 }

@@ -1,6 +1,6 @@
 //! A progress bar with the time left, on stderr and at a terminal only.
 
-use super::output::say;
+use super::output::{note, say};
 use crate::bench::row::Row;
 use crate::bench::run::Progress;
 use crate::report::table::{brief, details};
@@ -50,7 +50,7 @@ impl Progress for Bar {
     }
 
     fn note(&mut self, text: &str) {
-        self.bar.suspend(|| eprintln!("phr: {text}"));
+        self.bar.suspend(|| note(text));
     }
 
     fn scene(&mut self, rows: &[Row]) {
