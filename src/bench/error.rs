@@ -15,7 +15,7 @@ pub enum PlanError {
     #[error("{}: is a directory; name a scene file in it (.ply, .obj, .stl, .gltf or .glb, plain, .gz or .zst)", .0.display())]
     Directory(PathBuf),
     /// Two scenes of the same name.
-    #[error("two scenes are called {0}; rename one of the files")]
+    #[error("two scenes are called {0}; leave one out or rename its file")]
     SameName(String),
     /// A scene file that cannot be used.
     #[error(transparent)]
@@ -131,6 +131,9 @@ pub enum RunError {
         .0.display()
     )]
     Taken(PathBuf),
+    /// A folder that another run writes to.
+    #[error("{}: another run is writing there; wait for its end, or give another folder with --out", .0.display())]
+    Held(PathBuf),
     /// `--resume` with other settings.
     #[error("{}: made with another {what}; give the same, or run without --resume", folder.display())]
     Resume {
@@ -150,4 +153,7 @@ pub enum ReduceError {
     /// The reduced rows would take the place of the whole ones, or be read along with them.
     #[error("{}: in the folder that is reduced; give another place", .0.display())]
     Inside(PathBuf),
+    /// A run with all its samples, which the rows of another would be mixed with.
+    #[error("{}: holds a run that can be resumed; give another folder", .0.display())]
+    Taken(PathBuf),
 }

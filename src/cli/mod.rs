@@ -9,6 +9,7 @@ mod measuring;
 mod options;
 mod output;
 mod paper;
+mod place;
 mod plan_outline;
 mod progress;
 mod run_summary;

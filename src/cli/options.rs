@@ -1,6 +1,7 @@
 //! Options that several verbs share: threads, builder, width and kernel.
 
 use super::failure::Failure;
+use super::output::note;
 use crate::bench::cell::{Cell, Kernel};
 use crate::bench::chosen::Chosen;
 use crate::bench::contender;
@@ -81,23 +82,18 @@ pub fn cells(builders: &[String], made: &Made, widths: &[u32]) -> Result<Vec<Cel
             cells.extend(chosen.single_cells(widths.first().copied())?);
         }
     }
-    Ok(cells)
+    Ok(distinct(&cells))
 }
 
-/// Refuses a place for a file that cannot be written, before any work is done.
-///
-/// # Errors
-/// A folder, or a place in none.
-pub fn check_place(path: &Path) -> Result<(), Failure> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if path.is_dir() {
-        return Err(Failure::Bad(format!("{}: is a directory; give a file name", path.display())));
+/// `values` in their order, each once.
+pub fn distinct<T: PartialEq + Clone>(values: &[T]) -> Vec<T> {
+    let mut distinct = Vec::new();
+    for value in values {
+        if !distinct.contains(value) {
+            distinct.push(value.clone());
+        }
     }
-    if !folder.is_dir() {
-        let (path, folder) = (path.display(), folder.display());
-        return Err(Failure::Bad(format!("{path}: no such folder as {folder}; make it first")));
-    }
-    Ok(())
+    distinct
 }
 
 /// Reads the width of trees: 4 or 8.
@@ -218,7 +214,7 @@ pub fn check_name(option: &str, name: &str) -> Result<(), Failure> {
 /// A file that cannot be used.
 pub fn loaded(planned: &PlannedScene) -> Result<Scene, Failure> {
     let scene = planned.load()?;
-    scene.remarks().iter().for_each(|remark| eprintln!("phr: {remark}"));
+    scene.remarks().iter().for_each(|remark| note(remark));
     Ok(scene)
 }
 

@@ -48,12 +48,14 @@ pub fn plain_name(name: &str) -> String {
 }
 
 impl PlannedScene {
-    /// The scenes called `names` on a command line, see [`PlannedScene::find`].
+    /// The scenes called `names` on a command line, see [`PlannedScene::find`], no two of one name.
     ///
     /// # Errors
-    /// Of the first that cannot be found.
+    /// Of the first that cannot be found; those of [`PlannedScene::check_names`].
     pub fn find_all(names: &[String]) -> Result<Vec<Self>, PlanError> {
-        names.iter().map(|name| Self::find(name)).collect()
+        let scenes = names.iter().map(|name| Self::find(name)).collect::<Result<Vec<_>, _>>()?;
+        Self::check_names(&scenes)?;
+        Ok(scenes)
     }
 
     /// Refuses scenes of which tables could not tell two apart.

@@ -4,7 +4,7 @@ use super::told;
 use crate::bench::files::new_folder;
 use crate::bench::settings::Settings;
 use crate::cli::failure::Failure;
-use crate::cli::options::{Made, all_threads, cells, kernel, pools, width};
+use crate::cli::options::{Made, all_threads, cells, distinct, kernel, pools, width};
 use crate::experiments::animation::{
     self, ANIMATION, AnimationSettings, FrameRow, entrants, measure, records,
 };
@@ -141,7 +141,7 @@ fn scenes(arguments: &Arguments) -> Result<Vec<&'static Animated>, Failure> {
     if arguments.scenes.is_empty() {
         return Ok(animated().iter().collect());
     }
-    arguments.scenes.iter().map(find).collect()
+    distinct(&arguments.scenes).iter().map(find).collect()
 }
 
 fn trace(arguments: &Arguments) -> Result<Settings, Failure> {

@@ -4,8 +4,9 @@ use crate::bench::cell::Cell;
 use crate::bench::files::{content, write_whole};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
-use crate::cli::options::{self, Made, all_threads, check_place, pools, width};
+use crate::cli::options::{self, Made, all_threads, pools, width};
 use crate::cli::output::say;
+use crate::cli::place::{FileKind, check_place};
 use crate::experiments::heatmap;
 use crate::report::plot::raster;
 use std::path::{Path, PathBuf};
@@ -55,7 +56,7 @@ pub struct Arguments {
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    check_place(&arguments.output)?;
+    check_place(&arguments.output, FileKind::Png)?;
     if arguments.output.extension().is_none_or(|ending| ending != "png") {
         let output = arguments.output.display();
         return Err(Failure::Bad(format!(

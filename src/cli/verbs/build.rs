@@ -5,8 +5,9 @@ use crate::bench::memory;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::statistics::Summary;
 use crate::cli::failure::Failure;
-use crate::cli::options::{Made, all_threads, check_place, held, loaded, pools};
-use crate::cli::output::say;
+use crate::cli::options::{Made, all_threads, held, loaded, pools};
+use crate::cli::output::{note, say};
+use crate::cli::place::{FileKind, check_place};
 use crate::report::grid::short;
 use std::path::PathBuf;
 
@@ -51,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Bad(format!("--output {}: {remedy}", output.display())));
     }
     if let Some(output) = &arguments.output {
-        check_place(output)?;
+        check_place(output, FileKind::Tree)?;
     }
     let scene = loaded(&PlannedScene::find(&arguments.scene)?)?;
     say(&format!("{}: {} ({})", scene.name, held(&scene), scene.source))?;
@@ -77,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 text += &line("resident, peak of build", mebibytes(memory.peak_bytes));
                 text += &line("resident, after it", mebibytes(memory.live_bytes));
             }
-            Err(reason) => eprintln!("phr: no resident bytes: {reason}"),
+            Err(reason) => note(&format!("no resident bytes: {reason}")),
         }
         say(&format!("\n{}, width {}\n{text}", cell.builder, cell.width))?;
     }

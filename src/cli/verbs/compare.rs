@@ -90,7 +90,6 @@ fn results(arguments: &Arguments, a: &Path, b: &Path) -> Result<(), Failure> {
 fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
     let threshold = arguments.threshold.unwrap_or(THRESHOLD);
     let scenes = PlannedScene::find_all(&arguments.places)?;
-    PlannedScene::check_names(&scenes)?;
     let names: Vec<String> = scenes.into_iter().map(|scene| scene.name).collect();
     let widths = if arguments.widths.is_empty() { &[4][..] } else { &arguments.widths };
     let ours = contender::cells(true).into_iter().filter(|cell| {

@@ -6,8 +6,9 @@ use crate::bench::contender::saved::{check, offer};
 use crate::bench::contender::{BuildRequest, Contender, TreeUnderKernel};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
-use crate::cli::options::{self, all_threads, check_place, held, loaded, pools};
+use crate::cli::options::{self, all_threads, held, loaded, pools};
 use crate::cli::output::say;
+use crate::cli::place::{FileKind, check_place};
 use crate::trace::{self, Image, PathSettings};
 use std::path::{Path, PathBuf};
 use std::slice::from_ref;
@@ -59,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     let cell = cell(arguments)?;
-    check_place(&arguments.output)?;
+    check_place(&arguments.output, FileKind::Png)?;
     if !arguments.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
         return Err(Failure::Bad(format!(
             "{}: images are PNG; end the name in .png",

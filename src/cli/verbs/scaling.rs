@@ -6,7 +6,7 @@ use crate::bench::scaling::row::{self, SCALING};
 use crate::bench::scaling::{ScalingSettings, measure};
 use crate::builders;
 use crate::cli::failure::Failure;
-use crate::cli::options::{self, Made};
+use crate::cli::options::{self, Made, distinct};
 use crate::cli::output::say;
 use crate::report::scaling::{means, scene_table};
 use std::path::PathBuf;
@@ -61,8 +61,8 @@ fn settings(arguments: &Arguments) -> Result<ScalingSettings, Failure> {
     let names: Vec<String> = if is_default { names() } else { arguments.builders.clone() };
     let widths = if arguments.widths.is_empty() { vec![4, 8] } else { arguments.widths.clone() };
     Ok(ScalingSettings {
-        cells: options::cells(&names, &arguments.made, &widths)?,
-        workers: arguments.workers.clone(),
+        cells: options::cells(&names, &arguments.made, &distinct(&widths))?,
+        workers: distinct(&arguments.workers),
         rounds: arguments.rounds,
         most: options::all_threads(),
     })

@@ -6,8 +6,9 @@ use crate::bench::planned_scene::PlannedScene;
 use crate::bench::tune::search::Search;
 use crate::bench::tune::space::Space;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, check_place, kernel, loaded, pools, rays, seconds, width};
+use crate::cli::options::{all_threads, kernel, loaded, pools, rays, seconds, width};
 use crate::cli::output::say;
+use crate::cli::place::{FileKind, check_place};
 use crate::cli::progress::Steps;
 use crate::report::advice::rays_in_words;
 use crate::report::advice::tuned::{page, verdict};
@@ -72,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.seconds == 0 {
         return Err(Failure::Bad("--seconds 0: nothing would be tried; give 10 or more".into()));
     }
-    arguments.output.as_deref().map(check_place).transpose()?;
+    arguments.output.as_deref().map(|file| check_place(file, FileKind::Json)).transpose()?;
     let planned = PlannedScene::find(arguments.scene.as_deref().unwrap_or_default())?;
     let name = arguments.name.clone().unwrap_or_else(|| {
         let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };

@@ -9,7 +9,7 @@ use crate::bench::kernels::{KernelSettings, left_out, measure};
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::settings::Settings;
 use crate::cli::failure::Failure;
-use crate::cli::options::{self, Made};
+use crate::cli::options::{self, Made, distinct};
 use crate::cli::output::say;
 use crate::report::kernels::{scene_table, summary};
 use crate::trace::PathSettings;
@@ -101,9 +101,9 @@ fn settings(arguments: &Arguments) -> Result<KernelSettings, Failure> {
     let widths = or(&arguments.widths, &[4, 8]);
     let is_default = arguments.builders.is_empty() && arguments.made.is_empty();
     let builders = if is_default { BUILDERS.map(String::from).into() } else { arguments.builders.clone() };
-    let cells = options::cells(&builders, &arguments.made, &widths)?;
+    let cells = options::cells(&builders, &arguments.made, &distinct(&widths))?;
     let path = PathSettings { width: arguments.size, height: arguments.size, ..PathSettings::default() };
-    let threads = if arguments.threads.is_empty() { vec![1] } else { arguments.threads.clone() };
+    let threads = if arguments.threads.is_empty() { vec![1] } else { distinct(&arguments.threads) };
     for &threads in &threads {
         Settings::new(arguments.size, arguments.views, arguments.rounds, threads).check()?;
     }

@@ -5,6 +5,7 @@ use crate::bench::results_dir::PAGE;
 use crate::bench::{results_dir, row};
 use crate::cli::failure::Failure;
 use crate::cli::output::say;
+use crate::cli::place::{FileKind, check_place};
 use crate::report::page::page;
 use std::path::{Path, PathBuf};
 
@@ -37,6 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "--experiments {folder}: no such folder; give one that `phr experiment` wrote to, as results/experiments"
         )));
     }
+    check_place(&file, FileKind::Html)?;
     write_page(results, &arguments.experiments, &file)?;
     say(&file.display().to_string())
 }
