@@ -24,6 +24,7 @@ use crate::bench::plan::Plan;
 use crate::bench::planned_scene::PlannedScene;
 use crate::random::SplitMix64;
 use crate::scene::Scene;
+use std::fs::{File, TryLockError};
 use std::path::Path;
 
 /// Where and how a run is recorded.
@@ -45,9 +46,22 @@ pub fn is_taken(folder: &Path) -> bool {
     [ROWS, SAMPLES].iter().any(|file| folder.join(file).exists())
 }
 
+/// Keeps other runs out of a folder until it is dropped, or its program has ended, however it does. Where folders
+/// cannot be locked, as on some file systems, none is kept out.
+fn hold(folder: &Path) -> Result<Option<File>, RunError> {
+    let Ok(file) = File::open(folder) else { return Ok(None) };
+    match file.try_lock() {
+        Ok(()) => Ok(Some(file)),
+        Err(TryLockError::WouldBlock) => Err(RunError::Held(folder.to_owned())),
+        Err(TryLockError::Error(_)) => Ok(None),
+    }
+}
+
 /// The records on disk.
 pub struct Recorder<'a> {
     folder: &'a Path,
+    /// Keeps other runs out.
+    _held: Option<File>,
     /// All samples so far.
     pub samples: Samples,
     environment: Environment,
@@ -64,6 +78,7 @@ impl<'a> Recorder<'a> {
             return Err(RunError::Taken(folder.to_owned()));
         }
         new_folder(folder)?;
+        let held = hold(folder)?;
         let mut recorded_plan = serde_json::json!({
             "settings": settings,
             "scenes": plan.scenes.iter().map(|(scene, _)| &scene.name).collect::<Vec<_>>(),
@@ -105,8 +120,14 @@ impl<'a> Recorder<'a> {
             environment.notes = old.notes;
         }
         environment.before.push(Moment::now(settings.threads));
-        let recorder =
-            Self { folder, samples, environment, rounds: settings.rounds, threads: settings.threads };
+        let recorder = Self {
+            folder,
+            _held: held,
+            samples,
+            environment,
+            rounds: settings.rounds,
+            threads: settings.threads,
+        };
         recorder.write_environment()?;
         if !options.resume {
             remove_made_of_rows(folder, &[ROWS, ROUNDS, PHASES, SAMPLES])?;
@@ -263,4 +284,21 @@ fn run_id() -> String {
     let nanoseconds = now.map_or(0, |duration| duration.as_nanos() as u64);
     let bits = SplitMix64::new(nanoseconds ^ u64::from(std::process::id()) << 32).next_u64();
     format!("{:012x}", bits >> 16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_run_at_a_time_has_a_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let held = hold(folder.path()).unwrap();
+        let refused = hold(folder.path()).map(|_| ()).map_err(|error| error.to_string());
+        if held.is_some() {
+            assert!(refused.unwrap_err().contains("another run is writing there; wait"));
+        }
+        drop(held);
+        assert!(hold(folder.path()).is_ok());
+    }
 }

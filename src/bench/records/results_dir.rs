@@ -5,6 +5,7 @@ use super::environment::{self, ENVIRONMENT, Environment, State};
 use super::files::{RecordsError, new_folder, read_json, write_json};
 use super::phases;
 use super::row::{self, ROWS, Row};
+use super::samples::SAMPLES;
 use crate::bench::error::ReduceError;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -79,11 +80,19 @@ pub fn reduce(from: &Path, to: &Path) -> Result<Vec<PathBuf>, ReduceError> {
         let phases = phases::read(&part)?;
         reduced.push((part, rows, phases));
     }
+    let place = |part: &Path| {
+        let below = if part == from { None } else { part.file_name() };
+        below.map_or_else(|| to.to_owned(), |name| to.join(name))
+    };
+    let mut places = reduced.iter().map(|(part, ..)| place(part));
+    if let Some(taken) = places.find(|folder| folder.join(SAMPLES).exists()) {
+        return Err(ReduceError::Taken(taken));
+    }
     let mut folders = Vec::new();
     for (part, rows, phases) in reduced {
-        let below = if part == from { None } else { part.file_name() };
-        let folder = below.map_or_else(|| to.to_owned(), |name| to.join(name));
+        let folder = place(&part);
         new_folder(&folder)?;
+        remove_made_of_rows(&folder, &[])?;
         phases::write(&folder, &phases)?;
         let written = Some(row::write_all(&folder, &rows)?);
         if let Some(environment) = environment(&part)? {
