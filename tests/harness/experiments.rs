@@ -203,6 +203,8 @@ fn what_cannot_be_done_is_refused_in_one_line() {
         (&["experiment", "grid", "--redraw", "--out", "empty"], &[ROWS]),
         (&["experiment", "cut-size", "--redraw", "--out", "empty"], &["cut-size.csv", "--redraw"]),
         (&["experiment", "split", "scalable-2k", "scalable-3k"], &["one scene"]),
+        (&["experiment", "cut-size", "--rounds", "3"], &["--rounds has no effect", "leave it out"]),
+        (&["experiment", "split", "--list"], &["--list has no effect"]),
         (&["heatmap", "scalable-2k", "-o", "map.svg"], &["map.svg", ".png"]),
         (&["heatmap", "scalable-2k", "-o", "no/map.png"], &["no", "folder"]),
         (&["heatmap", "scalable-2k", "-o", "map.png", "--view", "9"], &["--view 9"]),

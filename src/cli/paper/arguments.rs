@@ -1,5 +1,6 @@
 //! The arguments of `phr experiment`.
 
+use crate::cli::failure::Failure;
 use crate::cli::options::width;
 use std::path::{Path, PathBuf};
 
@@ -67,6 +68,40 @@ impl Arguments {
     /// The folder of the results.
     pub fn folder(&self) -> PathBuf {
         self.out.clone().unwrap_or_else(|| Path::new("results/experiments").join(&self.name))
+    }
+
+    /// Refuses options that have no effect where an experiment looks into a build, and results in `csv` that would be
+    /// written over.
+    ///
+    /// # Errors
+    /// The first of them.
+    pub fn check_for_a_build(&self, csv: &str) -> Result<(), Failure> {
+        let given = [
+            ("--width", self.width != 4),
+            ("--views", self.views != 3),
+            ("--size", self.size != 256),
+            ("--rounds", self.rounds != 5),
+            ("--seconds", self.seconds != 0),
+            ("--seed", self.seed != 1),
+            ("--host", self.host != "anonymous"),
+            ("--resume", self.resume),
+            ("--rows", !self.rows.is_empty()),
+            ("--list", self.list),
+        ];
+        if let Some((option, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
+            let name = &self.name;
+            return Err(Failure::Bad(format!(
+                "experiment {name}: {option} has no effect, it counts within a build of each scene; leave it out"
+            )));
+        }
+        let path = self.folder().join(csv);
+        if path.exists() && !self.only_reads() && !self.replace {
+            let path = path.display();
+            return Err(Failure::Bad(format!(
+                "{path}: is there already; --replace puts new results in its place, --out gives another folder"
+            )));
+        }
+        Ok(())
     }
 
     /// Whether nothing is to be measured.

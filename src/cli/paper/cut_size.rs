@@ -15,6 +15,7 @@ pub const NAME: &str = "cut-size";
 
 /// Counts, draws and tells.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    arguments.check_for_a_build(CUT_SIZES)?;
     let folder = arguments.folder();
     let path = folder.join(CUT_SIZES);
     let rows = if arguments.only_reads() {

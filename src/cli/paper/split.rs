@@ -6,7 +6,7 @@ use crate::bench::files::{read_csv_file, write_csv};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
 use crate::cli::options::{all_threads, loaded, pools};
-use crate::cli::output::say;
+use crate::cli::output::{note, say};
 use crate::cli::verbs::plot::{check, draw};
 use crate::experiments::split::{self, BoxRow, Kind, SPLITS};
 use crate::report::plot::Drawing;
@@ -20,6 +20,7 @@ const BUILDER: &str = "phr-fast";
 
 /// Finds splits and draws them.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    arguments.check_for_a_build(SPLITS)?;
     let folder = arguments.folder();
     let path = folder.join(SPLITS);
     let rows: Vec<BoxRow> = if arguments.only_reads() {
@@ -57,11 +58,11 @@ fn find(arguments: &Arguments) -> Result<Vec<BoxRow>, Failure> {
         let found = pools.all.install(|| split::choose(&scene, BUILDER, kind)).map_err(Failure::Bad)?;
         match found {
             Some(picture) => rows.extend(split::of_picture(&picture)),
-            None => eprintln!(
-                "phr: {}: nothing for {}, no split of a few nodes shows all steps; give another scene",
+            None => note(&format!(
+                "{}: nothing for {}, no split of a few nodes shows all steps; give another scene",
                 scene.name,
                 kind.file()
-            ),
+            )),
         }
     }
     if rows.is_empty() {

@@ -69,7 +69,7 @@ pub struct Arguments {
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     until: Option<f64>,
     /// Seconds per scene after which --until adds no more rounds
-    #[arg(long, default_value_t = 300, value_name = "N", value_parser = seconds)]
+    #[arg(long, default_value_t = 300, value_name = "N", value_parser = seconds, requires = "until")]
     limit: u64,
     /// Refuse to start on a busy machine
     #[arg(long)]
@@ -87,7 +87,7 @@ pub struct Arguments {
     #[arg(long)]
     one_thread: bool,
     /// Time whole path-traced frames too
-    #[arg(long)]
+    #[arg(long, conflicts_with = "build_only")]
     frames: bool,
     /// Only the K-th of N parts of the scenes, into shards/K-of-N below the folder of the results; see `phr merge`
     #[arg(long, value_name = "K/N")]
@@ -96,7 +96,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Name of the results [default: the set's or the scenes']
-    #[arg(long)]
+    #[arg(long, conflicts_with = "out")]
     name: Option<String>,
     /// Name of this machine in the records
     #[arg(long, default_value = "anonymous")]
@@ -145,6 +145,12 @@ impl Arguments {
 
     fn request(&self) -> Result<Request, Failure> {
         let quick = self.set() == Some(Set::Builtin);
+        if let (Some(folder), true) = (&self.folder, self.set() != Some(Set::Paper)) {
+            let folder = folder.display();
+            return Err(Failure::Bad(format!(
+                "--scenes {folder}: has the scenes of --set paper; give that too"
+            )));
+        }
         let size = self.size.unwrap_or(match self.set() {
             Some(Set::Paper) => 1024,
             Some(Set::Builtin) => 256,
