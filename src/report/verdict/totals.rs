@@ -78,7 +78,8 @@ pub fn stretches<'a>(totals: &[Totals<'a>]) -> Vec<Stretch<'a>> {
         |rays: f64| (0..totals.len()).min_by(|&i, &j| totals[i].at(rays).total_cmp(&totals[j].at(rays)));
     let mut found: Vec<Stretch<'a>> = Vec::new();
     let (mut before, mut last) = (0.0, None);
-    for rays in budgets(24) {
+    // From a ray on: a quick build may be worth it for few.
+    for rays in std::iter::once(1.0).chain(budgets(24)) {
         let best = least(rays);
         if let Some(best) = best.filter(|_| best != last) {
             let from = last.map_or(0.0, |last: usize| crossing(&totals[last], &totals[best], (before, rays)));
@@ -120,6 +121,15 @@ mod tests {
         let found = stretches(&totals);
         assert_eq!(found.iter().map(|stretch| stretch.tree.0).collect::<Vec<_>>(), ["lbvh", "phr-hq"]);
         assert!(found[0].from == 0.0 && (found[1].from / 4e7 - 1.0).abs() < 0.02, "{found:?}");
+    }
+
+    #[test]
+    fn few_rays_are_for_the_quick_build() {
+        let rows = [row("a", "lbvh", 0.1, 100.0), row("a", "phr-hq", 0.5, 10.0)];
+        let totals = totals(&Field::of(&rows).unwrap(), Figure::Build, &Under::One("phr".into()));
+        let found = stretches(&totals);
+        assert_eq!(found.iter().map(|stretch| stretch.tree.0).collect::<Vec<_>>(), ["lbvh", "phr-hq"]);
+        assert!((found[1].from / 4444.0 - 1.0).abs() < 0.02, "{found:?}");
     }
 
     #[test]
