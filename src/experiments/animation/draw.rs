@@ -71,11 +71,11 @@ pub fn draw(rows: &[FrameRow]) -> Option<String> {
     let places = in_lines(widths, (26.0, 78.0), wide - 20.0, 20.0);
     let top = places.last().map_or(78.0, |(_, y)| *y) + 62.0;
     let about = format!(
-        "build + trace, {}-wide trees, {} threads, {} thousand rays a frame, traces under {}; left: all frames so far, \
+        "build + trace, {}-wide trees, {} threads, {} rays a frame, traces under {}; left: all frames so far, \
          relative to the tree named there; middle: each frame, medians of five; right: node visits and block tests under our kernel",
         first.width,
         first.threads,
-        thousands_of_rays(rows),
+        rays_of_frames(rows),
         first.kernel
     );
     let size = (wide, top + scenes.len() as f64 * pitch.1 + 10.0);
@@ -116,11 +116,13 @@ fn is_merge(entrant: &Entrant) -> bool {
     matches!(entrant.update, Update::Merge | Update::MergeSah)
 }
 
-/// The least and the greatest number of rays of a frame, thousands.
-fn thousands_of_rays(rows: &[FrameRow]) -> String {
-    let thousands = || rows.iter().map(|row| (row.rays as f64 / 1e3).round());
-    let (least, most) = (thousands().fold(f64::INFINITY, f64::min), thousands().fold(0.0, f64::max));
-    if least < most { format!("{least} to {most}") } else { most.to_string() }
+/// The least and the greatest number of rays of a frame, in thousands where that loses nothing of note.
+fn rays_of_frames(rows: &[FrameRow]) -> String {
+    let are_few = rows.iter().any(|row| row.rays < 10_000);
+    let (unit, word) = if are_few { (1.0, "") } else { (1e3, " thousand") };
+    let rays = || rows.iter().map(|row| (row.rays as f64 / unit).round());
+    let (least, most) = (rays().fold(f64::INFINITY, f64::min), rays().fold(0.0, f64::max));
+    if least < most { format!("{least} to {most}{word}") } else { format!("{most}{word}") }
 }
 
 /// Those whose frames take longer than with their builder's rebuilding from some frame on, with that frame.

@@ -23,6 +23,12 @@ const STYLES: [(Shape, &str); 8] = [
     (Shape::Circle, "#7f7f7f"),
 ];
 
+/// The mark of a builder by its place among them: beyond the colours, the shapes move on.
+fn style(place: usize) -> (Shape, &'static str) {
+    let at = |place: usize| STYLES[place % STYLES.len()];
+    (at(place + place / STYLES.len()).0, at(place).1)
+}
+
 /// Width of the sheet.
 const WIDTH: f64 = 900.0;
 
@@ -33,7 +39,7 @@ pub fn workers(rows: &[ScalingRow]) -> Option<String> {
     let ideal = vec![(1.0, 1.0), (f64::from(most), f64::from(most))];
     let mut fronts = vec![Front { through: ideal, line: Line { colour: GREY, width: 1.2, more: DASHES } }];
     let (mut points, mut entries) = (Vec::new(), Vec::new());
-    for (tree, (shape, colour)) in trees(rows.iter()).into_iter().zip(STYLES.into_iter().cycle()) {
+    for (tree, (shape, colour)) in trees(rows.iter()).into_iter().zip((0..).map(style)) {
         let of_tree: Vec<&ScalingRow> =
             rows.iter().filter(|row| (&*row.builder, row.width) == tree).collect();
         let mean = |ratios: &dyn Fn(&[&ScalingRow], u32) -> Vec<f64>| -> Vec<(f64, f64)> {
