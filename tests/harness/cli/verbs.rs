@@ -39,10 +39,21 @@ fn bad_input_is_one_line_and_code_2() {
         (&["bench", "sheet.ply", "--out", "/proc/results"], &["/proc/results", "--out"]),
         (&["bench", "sheet.ply", "--resume", "--out", "folder"], &[ENVIRONMENT, "--resume"]),
         (&["bench", "--set", "paper", "--scenes", "nowhere"], &["nowhere", "--scenes"]),
+        (&["bench", "--set", "builtin", "--scenes", "folder"], &["--scenes folder", "--set paper"]),
         (&["build", "missing.ply"], &["missing.ply"]),
         (&["bench", "sheet.ply", "--tree", "sheet.ply"], &["sheet.ply: not a saved tree", "`phr build -o`"]),
         (&["build", "sheet.ply", "-o", "x.phrtree"], &["--output x.phrtree", "--builder"]),
         (&["build", "sheet.ply", "--builder", "lbvh", "-o", "no/x"], &["no/x", "no such folder"]),
+        (
+            &["build", "sheet.ply", "--builder", "lbvh", "-o", "sheet.ply"],
+            &["sheet.ply: is there, and no saved tree", "another name"],
+        ),
+        (
+            &["tune", "sheet.ply", "--rays", "1M", "-o", "sheet.ply"],
+            &["sheet.ply: is there, and no configuration"],
+        ),
+        (&["kernels", "sheet.ply", "./sheet.ply"], &["two scenes", "sheet"]),
+        (&["scaling", "sheet.ply", "./sheet.ply"], &["two scenes", "sheet"]),
         (&["build", "sheet.ply", "--builder", "bvh"], &["no builder is called bvh"]),
         (&["build", "sheet.ply", "--builder", "phr-speed/8"], &["--builder phr-speed --width 8"]),
         (&["build", "sheet.ply", "--builder", "phr-hq", "--width", "5"], &["--width 5", "phr-hq"]),
@@ -87,6 +98,11 @@ fn bad_input_is_one_line_and_code_2() {
         assert_eq!(text(&output.stdout), "", "{arguments:?}");
     }
     assert!(!folder.join("results").exists(), "a refused run writes nothing");
+    let mut unheard = std::process::Command::new(env!("CARGO_BIN_EXE_phr"));
+    unheard.args(["bench", "missing.ply"]).current_dir(&folder);
+    if let Ok(full) = std::fs::File::create("/dev/full") {
+        assert_eq!(unheard.stderr(full).status().unwrap().code(), Some(2), "nobody reads what is told");
+    }
     assert_eq!(phr(&folder, &["bench", "--no-such-option"]).status.code(), Some(2));
     assert_eq!(phr(&folder, &[]).status.code(), Some(2));
 }

@@ -2,6 +2,7 @@
 
 use super::rows::{growing, rows};
 use phr::bench::row::{self, ROWS, Row};
+use phr::bench::samples::SAMPLES;
 use phr::report::ablation::Ablation;
 use phr::report::readme;
 use phr::report::targets::growth::growth;
@@ -75,6 +76,8 @@ fn the_commands_read_subfolders_and_say_what_is_wrong() {
     assert_eq!(phr(&["reduce", "run", "kept"], place.path()).0, 0);
     assert_eq!(row::read(&place.path().join("kept")).unwrap(), rows());
     assert_eq!(row::read(&place.path().join("kept/growth")).unwrap(), growing());
+    std::fs::create_dir(place.path().join("other")).unwrap();
+    std::fs::write(place.path().join("other").join(SAMPLES), "{}").unwrap();
     for arguments in [
         &["targets", "nowhere"][..],
         &["ablation", "run", "--base", "nobody", "phr-speed"],
@@ -82,6 +85,7 @@ fn the_commands_read_subfolders_and_say_what_is_wrong() {
         &["reduce", "run", "run/kept"],
         &["reduce", "nowhere", "kept"],
         &["reduce", "run", "/proc/kept"],
+        &["reduce", "run", "other"],
     ] {
         let (code, output) = phr(arguments, place.path());
         let error = String::from_utf8(output.stderr).unwrap();
