@@ -1,6 +1,6 @@
 //! Why a command did not succeed, and the exit code that says so.
 
-use super::output::note;
+use super::note::note;
 use std::process::ExitCode;
 
 /// Why a command did not succeed.

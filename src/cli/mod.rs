@@ -6,6 +6,7 @@
 
 mod failure;
 mod measuring;
+mod note;
 mod options;
 mod output;
 mod paper;

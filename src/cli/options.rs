@@ -1,7 +1,7 @@
 //! Options that several verbs share: threads, builder, width and kernel.
 
 use super::failure::Failure;
-use super::output::note;
+use super::note::note;
 use crate::bench::cell::{Cell, Kernel};
 use crate::bench::chosen::Chosen;
 use crate::bench::contender;

@@ -1,6 +1,7 @@
 //! A progress bar with the time left, on stderr and at a terminal only.
 
-use super::output::{note, say};
+use super::note::note;
+use super::output::say;
 use crate::bench::row::Row;
 use crate::bench::run::Progress;
 use crate::report::table::{brief, details};
