@@ -275,3 +275,17 @@ fn a_build_without_memory_is_told() {
         assert!(told.contains("no memory for") && told.contains(" MiB; "), "{told}");
     }
 }
+
+#[test]
+fn a_folder_has_one_run_at_a_time() {
+    let folder = workplace();
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    let held = std::fs::File::open(&out).unwrap();
+    if held.try_lock().is_ok() {
+        let told = refused(&phr(folder.path(), &arguments("out", "1")));
+        assert!(told.contains("out: another run is writing there; wait"), "{told}");
+    }
+    drop(held);
+    assert!(phr(folder.path(), &arguments("out", "1")).status.success());
+}

@@ -8,7 +8,7 @@
 
 use super::environment::moment::Moment;
 use super::environment::{ENVIRONMENT, Environment, Machine, Program, State};
-use super::files::{Written, new_folder, read_json, write_json};
+use super::files::{Written, hold, new_folder, read_json, write_json};
 use super::phases::{self, PHASES};
 use super::results_dir::remove_made_of_rows;
 use super::rounds::ROUNDS;
@@ -24,7 +24,7 @@ use crate::bench::plan::Plan;
 use crate::bench::planned_scene::PlannedScene;
 use crate::random::SplitMix64;
 use crate::scene::Scene;
-use std::fs::{File, TryLockError};
+use std::fs::File;
 use std::path::Path;
 
 /// Where and how a run is recorded.
@@ -44,17 +44,6 @@ pub struct RecordOptions<'a> {
 /// True if a folder holds a run's results: hours of measuring, maybe.
 pub fn is_taken(folder: &Path) -> bool {
     [ROWS, SAMPLES].iter().any(|file| folder.join(file).exists())
-}
-
-/// Keeps other runs out of a folder until it is dropped, or its program has ended, however it does. Where folders
-/// cannot be locked, as on some file systems, none is kept out.
-fn hold(folder: &Path) -> Result<Option<File>, RunError> {
-    let Ok(file) = File::open(folder) else { return Ok(None) };
-    match file.try_lock() {
-        Ok(()) => Ok(Some(file)),
-        Err(TryLockError::WouldBlock) => Err(RunError::Held(folder.to_owned())),
-        Err(TryLockError::Error(_)) => Ok(None),
-    }
 }
 
 /// The records on disk.
@@ -78,7 +67,7 @@ impl<'a> Recorder<'a> {
             return Err(RunError::Taken(folder.to_owned()));
         }
         new_folder(folder)?;
-        let held = hold(folder)?;
+        let held = hold(folder).map_err(|_| RunError::Held(folder.to_owned()))?;
         let mut recorded_plan = serde_json::json!({
             "settings": settings,
             "scenes": plan.scenes.iter().map(|(scene, _)| &scene.name).collect::<Vec<_>>(),
@@ -284,21 +273,4 @@ fn run_id() -> String {
     let nanoseconds = now.map_or(0, |duration| duration.as_nanos() as u64);
     let bits = SplitMix64::new(nanoseconds ^ u64::from(std::process::id()) << 32).next_u64();
     format!("{:012x}", bits >> 16)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn one_run_at_a_time_has_a_folder() {
-        let folder = tempfile::tempdir().unwrap();
-        let held = hold(folder.path()).unwrap();
-        let refused = hold(folder.path()).map(|_| ()).map_err(|error| error.to_string());
-        if held.is_some() {
-            assert!(refused.unwrap_err().contains("another run is writing there; wait"));
-        }
-        drop(held);
-        assert!(hold(folder.path()).is_ok());
-    }
 }

@@ -1,8 +1,10 @@
 //! The files of a results folder: read and written whole, each error with its file and remedy.
 
 mod csv_rows;
+mod held;
 
 pub use csv_rows::{check_count, last_line, read_csv, read_csv_file, without_last_line, write_csv};
+pub use held::hold;
 
 use crate::bvh::saved::replace;
 use serde::{Deserialize, Serialize};
