@@ -218,16 +218,15 @@ fn facts_of(
     };
     let Some(statistics) = statistics else { return printed };
     let found = TreeFacts::of(&statistics, printed.engine.clone(), printed.config.clone());
+    let printed = TreeFacts { sah: printed.sah.or(found.sah), ..printed };
     if is_own {
-        return TreeFacts { sah: printed.sah.or(found.sah), bytes: printed.bytes, ..found };
+        return TreeFacts { sah: printed.sah, bytes: printed.bytes, ..found };
     }
     let engine = format!("{} (tree: rtcBuildBVH)", printed.engine);
-    let sah = printed.sah.or(found.sah);
-    TreeFacts { engine, sah, epo: found.epo, refs_per_tri: found.refs_per_tri, ..printed }
+    TreeFacts { engine, epo: found.epo, refs_per_tri: found.refs_per_tri, ..printed }
 }
 
-/// Embree prints six digits; the tree is of another commit, which may differ in the last of them. Of a scene without
-/// area it prints no number.
+/// Embree prints six digits, of another commit's tree, and no number of a scene without area.
 fn is_same(read: f64, printed: f64) -> bool {
     printed.is_nan() || (read - printed).abs() <= 5e-5 * printed.abs()
 }

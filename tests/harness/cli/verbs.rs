@@ -233,6 +233,10 @@ fn single_verbs_do_their_work() {
     let verify = phr(&folder, &["verify", "sheet.ply", "--size", "32"]);
     let told = text(&verify.stdout);
     assert!(verify.status.success() && told.contains("verified") && !told.contains("WRONG"), "{told}");
+    // A scene without area, of which Embree prints no cost.
+    std::fs::write(folder.join("point.obj"), "v 1 1 1\nf 1 1 1\nf 1 1 1\n").unwrap();
+    let verify = phr(&folder, &["verify", "point.obj", "--size", "16"]);
+    assert!(verify.status.success(), "{}", text(&verify.stderr));
 }
 
 #[test]
