@@ -5,7 +5,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// Writes the file at `path`: at any time, also after a kill, it is the old one or the new one, whole. What is written
-/// until then is in a file beside, `mark` behind its name. A link stays, and what it leads to is replaced.
+/// until then is in a file beside, `mark` behind its name. A link stays, and what it leads to is replaced; one that
+/// leads nowhere is replaced itself.
 ///
 /// # Errors
 /// An unwritable place, or one that is there and no regular file, as a device.

@@ -1,7 +1,7 @@
 //! `phr plot`: the figures of a run, from its CSV.
 
 use super::pages::table::under;
-use crate::bench::files::{content, text, write_whole};
+use crate::bench::files::{content, new_folder, text, write_whole};
 use crate::bench::row::ROWS;
 use crate::bench::scaling::row::{self as scaling, SCALING};
 use crate::bench::{phases, row};
@@ -45,6 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.check {
         return check(&drawings, &folder);
     }
+    new_folder(&folder)?;
     for file in draw(&drawings, &folder)? {
         say(&file.display().to_string())?;
     }

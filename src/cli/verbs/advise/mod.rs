@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, default_value = "both", value_name = "N", value_parser = widths)]
     width: Widths,
     /// Seconds to measure, from the loaded scene on
-    #[arg(long, default_value_t = 30, value_name = "N", value_parser = seconds)]
+    #[arg(long, default_value_t = 30, value_name = "N", value_parser = seconds, conflicts_with = "instant")]
     seconds: u64,
     /// Measure nothing: advise by the model over facts of the mesh
     #[arg(long)]
