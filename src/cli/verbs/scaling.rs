@@ -61,7 +61,7 @@ fn settings(arguments: &Arguments) -> Result<ScalingSettings, Failure> {
     let names: Vec<String> = if is_default { names() } else { arguments.builders.clone() };
     let widths = if arguments.widths.is_empty() { vec![4, 8] } else { arguments.widths.clone() };
     Ok(ScalingSettings {
-        cells: options::cells(&names, &arguments.made, &distinct(&widths))?,
+        cells: options::cells(&names, &arguments.made, &widths)?,
         workers: distinct(&arguments.workers),
         rounds: arguments.rounds,
         most: options::all_threads(),

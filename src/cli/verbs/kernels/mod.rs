@@ -101,7 +101,7 @@ fn settings(arguments: &Arguments) -> Result<KernelSettings, Failure> {
     let widths = or(&arguments.widths, &[4, 8]);
     let is_default = arguments.builders.is_empty() && arguments.made.is_empty();
     let builders = if is_default { BUILDERS.map(String::from).into() } else { arguments.builders.clone() };
-    let cells = options::cells(&builders, &arguments.made, &distinct(&widths))?;
+    let cells = options::cells(&builders, &arguments.made, &widths)?;
     let path = PathSettings { width: arguments.size, height: arguments.size, ..PathSettings::default() };
     let threads = if arguments.threads.is_empty() { vec![1] } else { distinct(&arguments.threads) };
     for &threads in &threads {
