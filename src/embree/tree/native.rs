@@ -1,5 +1,5 @@
 //! Reads Embree's own tree of a committed scene into ours, so that costs, node visits and our kernel apply to
-//! Embree's builders too. Boxes, order of children and of leaves stay as they are.
+//! Embree's builders too. Boxes, slots of children and blocks of leaves stay as they are.
 
 #![allow(unsafe_code)]
 
@@ -7,7 +7,7 @@ pub use super::layout::known;
 use super::layout::reference::{self, Target};
 use super::layout::{Node, RootSlot, Triangle4, Unavailable};
 use crate::bvh::{Bvh4, Bvh8, Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
-use crate::embree::build_bvh::on_huge_pages;
+use crate::embree::build_bvh::{on_huge_pages, push_children};
 use crate::embree::scene::{EmbreeScene, GEOMETRY};
 use crate::geometry::{Aabb, Mesh};
 use crate::memory::{catch_out_of_memory, huge_pages};
@@ -56,43 +56,43 @@ unsafe fn walk<const N: usize>(root: u64, bounds: Aabb, mesh: &Mesh) -> Result<W
     let mut seen = huge_pages::filled(mesh.len(), false, COPY);
     let mut stack = vec![Visit { bits: root, depth: 0, parent: None }];
     while let Some(Visit { bits, depth, parent }) = stack.pop() {
-        let link =
-            match reference::get(bits) {
-                None => return Unavailable::because("a child is no reference to a node"),
-                Some(Target::Empty) => Link::EMPTY,
-                Some(Target::Inner(address)) => {
-                    if depth == MAX_DEPTH || tree.nodes.len() == limit {
-                        return Unavailable::because("the tree is deeper or larger than Embree builds");
-                    }
-                    let place: *const Node<N> = std::ptr::with_exposed_provenance(address);
-                    // SAFETY: by the caller's promise a node of this width lies here; alignment is not assumed.
-                    let node = unsafe { place.read_unaligned() };
-                    let index = tree.nodes.len();
-                    huge_pages::push(&mut tree.nodes, convert(&node), COPY);
-                    let visits = node.children.iter().enumerate();
-                    stack.extend(
-                        visits.rev().filter(|(_, bits)| **bits != reference::EMPTY).map(|(slot, &bits)| {
-                            Visit { bits, depth: depth + 1, parent: Some((index, slot)) }
-                        }),
-                    );
-                    Link::inner(index)
+        let link = match reference::get(bits) {
+            None => return Unavailable::because("a child is no reference to a node"),
+            Some(Target::Empty) => Link::EMPTY,
+            Some(Target::Inner(address)) => {
+                if depth == MAX_DEPTH || tree.nodes.len() == limit {
+                    return Unavailable::because("the tree is deeper or larger than Embree builds");
                 }
-                Some(Target::Leaf(address, count)) => {
-                    let first = tree.blocks.len();
-                    if first + count > limit {
-                        return Unavailable::because("there are more leaves than Embree builds");
-                    }
-                    for block in 0..count {
-                        let place: *const Triangle4 =
-                            std::ptr::with_exposed_provenance(address + block * size_of::<Triangle4>());
-                        // SAFETY: by the caller's promise `count` blocks lie here; references keep them aligned.
-                        let block = unsafe { place.read() };
-                        let block = check_block(&block, mesh, &mut seen)?;
-                        huge_pages::push(&mut tree.blocks, block, COPY);
-                    }
-                    Link::leaf(first, count)
+                let place: *const Node<N> = std::ptr::with_exposed_provenance(address);
+                // SAFETY: by the caller's promise a node of this width lies here; alignment is not assumed.
+                let node = unsafe { place.read_unaligned() };
+                let index = tree.nodes.len();
+                huge_pages::push(&mut tree.nodes, convert(&node), COPY);
+                let visits = node.children.into_iter().enumerate().map(|(slot, bits)| Visit {
+                    bits,
+                    depth: depth + 1,
+                    parent: Some((index, slot)),
+                });
+                let visits = visits.filter(|visit| visit.bits != reference::EMPTY);
+                push_children::<_, N>(&mut stack, visits);
+                Link::inner(index)
+            }
+            Some(Target::Leaf(address, count)) => {
+                let first = tree.blocks.len();
+                if first + count > limit {
+                    return Unavailable::because("there are more leaves than Embree builds");
                 }
-            };
+                for block in 0..count {
+                    let place: *const Triangle4 =
+                        std::ptr::with_exposed_provenance(address + block * size_of::<Triangle4>());
+                    // SAFETY: by the caller's promise `count` blocks lie here; references keep them aligned.
+                    let block = unsafe { place.read() };
+                    let block = check_block(&block, mesh, &mut seen)?;
+                    huge_pages::push(&mut tree.blocks, block, COPY);
+                }
+                Link::leaf(first, count)
+            }
+        };
         match parent {
             Some((node, slot)) => tree.nodes[node].links[slot] = link,
             None => tree.root = link,
@@ -164,6 +164,10 @@ mod tests {
             assert_eq!(statistics.depth as u64, printed.depth);
             assert!((statistics.leaf_fill - printed.leaf_fill).abs() < 1e-4);
             assert!((statistics.node_fill - printed.node_fill).abs() < 1e-4);
+            for node in &tree.nodes {
+                let inner = node.links.iter().filter(|link| link.is_inner()).map(|link| link.bits());
+                assert!(if N == 8 { inner.is_sorted() } else { inner.rev().is_sorted() });
+            }
             let split = builder == EmbreeBuilder::FastSpatial;
             assert!(split || statistics.references == mesh.len());
         }
