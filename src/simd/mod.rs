@@ -46,7 +46,7 @@ impl Isa {
     /// by [`Isa::check_environment`].
     pub fn best() -> Self {
         static BEST: OnceLock<Isa> = OnceLock::new();
-        *BEST.get_or_init(|| Self::detect().lowered_to(std::env::var(VARIABLE).ok().as_deref()))
+        *BEST.get_or_init(|| Self::of_processor().lowered_to(std::env::var(VARIABLE).ok().as_deref()))
     }
 
     /// Those up to [`Isa::best`], from least to most able.
@@ -89,8 +89,9 @@ impl Isa {
         }
     }
 
+    /// The most able instruction set of this processor, whatever `PHR_ISA` names: that of Embree's kernels.
     #[cfg(target_arch = "x86_64")]
-    fn detect() -> Self {
+    pub(crate) fn of_processor() -> Self {
         use std::arch::is_x86_feature_detected as has;
         let avx2 =
             has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt");
@@ -102,8 +103,9 @@ impl Isa {
         }
     }
 
+    /// The only one there is.
     #[cfg(not(target_arch = "x86_64"))]
-    fn detect() -> Self {
+    pub(crate) fn of_processor() -> Self {
         Self::Scalar
     }
 
@@ -199,7 +201,7 @@ mod tests {
         assert_eq!(available.last(), Some(&Isa::best()));
         assert!(available.is_sorted());
         assert_eq!(available.iter().map(|isa| isa.name()).collect::<Vec<_>>(), Isa::NAMES[..available.len()]);
-        assert!(Isa::best() <= Isa::detect());
+        assert!(Isa::best() <= Isa::of_processor());
     }
 
     #[test]

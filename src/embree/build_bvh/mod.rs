@@ -12,10 +12,12 @@ use crate::bvh::limits::{BLOCK, MAX_LEAF, check_width};
 use crate::bvh::{Link, MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Mesh;
 use crate::memory::{catch_out_of_memory, huge_pages};
+use crate::simd::Isa;
 use arrayvec::ArrayVec;
 use callbacks::{Head, Node, create_leaf, create_node, element, set_bounds, set_children, split};
 use embree_sys as sys;
 use std::ffi::c_uint;
+use std::sync::LazyLock;
 use std::{ptr, slice};
 
 const DOING: &str = "building a tree by rtcBuildBVH";
@@ -151,16 +153,17 @@ unsafe fn collect<const N: usize>(root: *const Head, mesh: &Mesh) -> Result<Wide
 }
 
 /// Puts `children`, by their slots, on the stack of what is still to be copied. Of those that a ray enters at the same
-/// distance, as where it starts within several, our kernel visits that copied first, Embree's 4-wide kernels that of the
-/// highest slot, its 8-wide one for AVX-512 that of the lowest: copied so, both visit the same nodes.
+/// distance, as where it starts within several, our kernel visits that copied first; Embree's that of the highest slot, but
+/// its 8-wide one for AVX-512 that of the lowest. Copied in Embree's order, both visit the same nodes.
 pub(super) fn push_children<T, const N: usize>(
     stack: &mut Vec<T>,
     children: impl DoubleEndedIterator<Item = T>,
 ) {
-    if N == 4 {
-        stack.extend(children);
-    } else {
+    static AVX512: LazyLock<bool> = LazyLock::new(|| matches!(Isa::of_processor(), Isa::Avx512(_)));
+    if N == 8 && *AVX512 {
         stack.extend(children.rev());
+    } else {
+        stack.extend(children);
     }
 }
 
