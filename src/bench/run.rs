@@ -71,7 +71,9 @@ impl Run<'_> {
         progress.begin(self.plan.scenes.iter().map(|(scene, cells)| weight(scene) * visits(cells)).sum());
         let mut ended = Ok(());
         for (scene, cells) in &self.plan.scenes {
-            if recorder.samples.scene(&scene.name).is_some_and(|samples| self.is_done(samples, cells)) {
+            let is_done =
+                |samples: &SceneSamples| !self.wants(samples, cells, samples.finished_rounds(cells));
+            if recorder.samples.scene(&scene.name).is_some_and(is_done) {
                 progress.advance(weight(scene) * visits(cells));
                 continue;
             }
@@ -89,10 +91,12 @@ impl Run<'_> {
         Ok(Outcome { complete, failures, rows: recorder.rows() })
     }
 
-    /// True if a scene that was begun wants no more rounds.
-    fn is_done(&self, samples: &SceneSamples, cells: &[Cell]) -> bool {
+    /// True if `round` is to be run in a scene that was begun.
+    fn wants(&self, samples: &SceneSamples, cells: &[Cell], round: usize) -> bool {
         let Plan { settings, all_scenes, .. } = self.plan;
-        !settings.wants(samples.finished_rounds(cells), samples.spent, all_scenes.len(), || widest(samples))
+        // Failed cells take no time, so that without others none would ever pass.
+        (round < settings.rounds || samples.can_visit(cells))
+            && settings.wants(round, samples.spent, all_scenes.len(), || widest(samples))
     }
 
     /// What is to be told of a scene whose intervals are not as narrow as was asked for.
@@ -161,8 +165,7 @@ impl Run<'_> {
         let before = recorder.samples.scenes[index].spent;
         let start = Instant::now();
         for round in 0.. {
-            let samples = &recorder.samples.scenes[index];
-            if !settings.wants(round, samples.spent, self.plan.all_scenes.len(), || widest(samples)) {
+            if !self.wants(&recorder.samples.scenes[index], cells, round) {
                 break;
             }
             for (place, cell) in order(cells, &planned.name, settings.seed, round).into_iter().enumerate() {

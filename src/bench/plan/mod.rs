@@ -128,14 +128,16 @@ impl Plan {
     }
 
     /// Reads every scene file once, so that a broken one is found before anything is timed, and each one's triangles
-    /// are known.
+    /// and hash are known.
     ///
     /// # Errors
     /// The first broken one's.
     pub fn check_files(&mut self) -> Result<(), SceneError> {
         for (scene, _) in &mut self.scenes {
             if matches!(scene.source, Source::File(_)) {
-                scene.triangles = scene.load()?.mesh.len();
+                let loaded = scene.load()?;
+                scene.triangles = loaded.mesh.len();
+                scene.sha = Some(loaded.sha);
             }
         }
         Ok(())

@@ -36,6 +36,8 @@ pub struct PlannedScene {
     pub source: Source,
     /// Triangles, the progress bar's weight; of a file an estimate until [`super::Plan::check_files`].
     pub triangles: usize,
+    /// Hash of the geometry, of a file since [`super::Plan::check_files`].
+    pub sha: Option<String>,
 }
 
 /// `name` as records and tables can hold it: `_` for control characters and for what divides the cells of Markdown, and
@@ -82,7 +84,7 @@ impl PlannedScene {
         }
         if let Some(triangles) = scene::scalable_triangles(name).filter(|_| !path.is_file()) {
             let name = scene::scalable_name(triangles);
-            return Ok(Self { name, source: Source::Scalable(triangles), triangles });
+            return Ok(Self { name, source: Source::Scalable(triangles), triangles, sha: None });
         }
         if path.is_dir() {
             return Err(PlanError::Directory(path.to_owned()));
@@ -95,7 +97,8 @@ impl PlannedScene {
 
     pub(super) fn generated(generator: &'static scene::Generator) -> Self {
         let name = generator.name;
-        Self { name: name.into(), source: Source::Generated(name), triangles: generator.triangles }
+        let triangles = generator.triangles;
+        Self { name: name.into(), source: Source::Generated(name), triangles, sha: None }
     }
 
     pub(super) fn file(path: &Path) -> Self {
@@ -106,7 +109,7 @@ impl PlannedScene {
         let stem = scene::stem(path).unwrap_or_else(|| file.split('.').next().unwrap_or_default().into());
         let name = plain_name(&stem);
         let triangles = bytes / if compressed { 6 } else { 30 };
-        Self { name, source: Source::File(path.to_owned()), triangles }
+        Self { name, source: Source::File(path.to_owned()), triangles, sha: None }
     }
 
     /// Where it comes from, without folders.

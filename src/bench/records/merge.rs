@@ -1,7 +1,7 @@
 //! The shards of a run, merged: the rows and rounds that one machine would have written, scenes in the order of the
 //! run. Shards of unlike machines are merged apart: their times are not averaged.
 
-use super::environment::{ENVIRONMENT, Environment, Machine, State};
+use super::environment::{ENVIRONMENT, Environment, State};
 use super::files::{RecordsError, new_folder, write_json};
 use super::phases::{self, PHASES};
 use super::results_dir;
@@ -116,7 +116,7 @@ pub fn merge(folder: &Path) -> Result<Vec<PathBuf>, MergeError> {
     for part in &parts {
         match machines
             .iter_mut()
-            .find(|group| group.iter().all(|known| are_alike(&known.environment, &part.environment)))
+            .find(|group| group.iter().all(|known| known.environment.is_alike(&part.environment)))
         {
             Some(group) => group.push(part),
             None => machines.push(vec![part]),
@@ -163,12 +163,6 @@ fn same_run(first: &Part, part: &Part) -> Result<(), MergeError> {
     }
     let mut other = PLAN.into_iter().filter(|(key, _)| a.plan.get(key) != b.plan.get(key));
     other.next().map_or(Ok(()), |(_, what)| unlike(what))
-}
-
-/// Whether times of both may be averaged.
-fn are_alike(a: &Environment, b: &Environment) -> bool {
-    let traits = |machine: &Machine| (machine.cpu.clone(), machine.processors, machine.cpu_features.clone());
-    traits(&a.machine) == traits(&b.machine) && a.isa == b.isa && a.library == b.library
 }
 
 /// Writes the rows of some shards in the order of `scenes`, and their environment.

@@ -104,6 +104,10 @@ impl<'a> Recorder<'a> {
                 let what = format!("run than {SAMPLES}");
                 return Err(RunError::Resume { folder: folder.to_owned(), what });
             }
+            // Before anything is written: a refusal leaves the run as it is.
+            if let Some(what) = plan.scenes.iter().find_map(|(scene, cells)| samples.differ(scene, cells)) {
+                return Err(RunError::Resume { folder: folder.to_owned(), what });
+            }
             environment.run_id = old.run_id;
             environment.before = old.before;
             environment.notes = old.notes;
@@ -150,19 +154,12 @@ impl<'a> Recorder<'a> {
             });
         }
         let samples = &mut self.samples.scenes[index];
+        // The file may have changed since the run was opened.
         if samples.sha != scene.sha {
             let what = format!("geometry of {}", planned.name);
             return Err(RunError::Resume { folder: self.folder.to_owned(), what });
         }
         for cell in cells {
-            let is_other = |known: &CellSamples| {
-                let (known, cell) = (&known.cell, &cell);
-                (&known.builder, known.width) == (&cell.builder, cell.width) && known.recipe != cell.recipe
-            };
-            if samples.cells.iter().any(is_other) {
-                let what = format!("configuration called {}", cell.builder);
-                return Err(RunError::Resume { folder: self.folder.to_owned(), what });
-            }
             if !samples.cells.iter().any(|known| known.cell == *cell) {
                 samples.cells.push(CellSamples {
                     cell: cell.clone(),
@@ -246,7 +243,7 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// Refuses to mix samples of different programs or settings; the number of rounds may grow, the time as well.
+/// Refuses to mix samples of different programs, machines or settings; the number of rounds may grow, the time as well.
 fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunError> {
     let differs = |what: String| Err(RunError::Resume { folder: folder.to_owned(), what });
     if old.program != new.program {
@@ -254,6 +251,9 @@ fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunEr
     }
     if old.library != new.library {
         return differs(format!("Embree ({})", old.library.embree));
+    }
+    if !old.is_alike(new) {
+        return differs(format!("processor, number of processors or instruction set ({})", old.machine.cpu));
     }
     let settings = |environment: &Environment| environment.plan["settings"].as_object().cloned();
     let (old, new) = (settings(old).unwrap_or_default(), settings(new).unwrap_or_default());

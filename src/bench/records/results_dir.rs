@@ -18,12 +18,13 @@ pub const PAGE: &str = "report.html";
 pub const FIGURES: [&str; 7] =
     ["figure6", "figure6-own", "figure6-paper", "figure6-scenes", "growth", "threads", "phases"];
 
-/// The environment of the results in `folder`; `None` where there is none, as beside a lone CSV.
+/// The environment of the results in `place`, a folder or its rows; `None` where there is none, as beside a lone CSV.
 ///
 /// # Errors
 /// A file of another content.
-pub fn environment(folder: &Path) -> Result<Option<Environment>, RecordsError> {
-    let path = folder.join(ENVIRONMENT);
+pub fn environment(place: &Path) -> Result<Option<Environment>, RecordsError> {
+    let is_rows = place.file_name().is_some_and(|name| name == ROWS) && place.is_file();
+    let path = if is_rows { place.with_file_name(ENVIRONMENT) } else { place.join(ENVIRONMENT) };
     path.is_file().then(|| read_json(&path, environment::REMEDY)).transpose()
 }
 
@@ -92,7 +93,7 @@ pub fn reduce(from: &Path, to: &Path) -> Result<Vec<PathBuf>, ReduceError> {
     for (part, rows, phases) in reduced {
         let folder = place(&part);
         new_folder(&folder)?;
-        remove_made_of_rows(&folder, &[])?;
+        remove_made_of_rows(&folder, &[ENVIRONMENT])?;
         phases::write(&folder, &phases)?;
         let written = Some(row::write_all(&folder, &rows)?);
         if let Some(environment) = environment(&part)? {
@@ -164,6 +165,9 @@ mod tests {
         write(folder.path(), &[all("z")]);
         assert_eq!(scenes(), ["z", "a", "b"]);
         assert_eq!(all_of(&folder.path().join(ROWS)).unwrap().0.len(), 1, "a file alone");
+        std::fs::write(folder.path().join(ENVIRONMENT), "{").unwrap();
+        assert!(environment(&folder.path().join(ROWS)).is_err(), "it is that beside the file");
+        std::fs::remove_file(folder.path().join(ENVIRONMENT)).unwrap();
         assert!(matches!(all_of(&folder.path().join("empty")), Err(RecordsError::Io { .. })));
     }
 

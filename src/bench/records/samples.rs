@@ -7,6 +7,7 @@ use super::tree_facts::TreeFacts;
 use crate::bench::cell::{Cell, Kernel};
 use crate::bench::cpu_time::CpuTime;
 use crate::bench::memory::BuildMemory;
+use crate::bench::planned_scene::PlannedScene;
 use crate::geometry::Dropped;
 use crate::trace::{Isa, RayKind, verify};
 use serde::{Deserialize, Serialize};
@@ -161,6 +162,12 @@ pub struct SceneSamples {
 }
 
 impl SceneSamples {
+    /// Whether a visit to one of `cells` is still of use: not to those whose builder failed.
+    pub fn can_visit(&self, cells: &[Cell]) -> bool {
+        let has_failed = |cell: &Cell| self.cells.iter().any(|it| it.cell == *cell && it.error.is_some());
+        !cells.iter().all(has_failed)
+    }
+
     /// Rounds that each of `cells` has been visited in, failed ones aside.
     pub fn finished_rounds(&self, cells: &[Cell]) -> usize {
         let rounds = |cell: &Cell| match self.cells.iter().find(|samples| samples.cell == *cell) {
@@ -203,6 +210,23 @@ impl Samples {
         write_whole(&path, &bytes)
     }
 
+    /// What a run that goes on with these would have otherwise in `scene`: its rows and those of today could not be
+    /// told apart.
+    pub fn differ(&self, scene: &PlannedScene, cells: &[Cell]) -> Option<String> {
+        let known = self.scene(&scene.name)?;
+        if scene.sha.as_ref().is_some_and(|sha| *sha != known.sha) {
+            return Some(format!("geometry of {}", scene.name));
+        }
+        cells.iter().find_map(|cell| {
+            let of_name =
+                |it: &&CellSamples| (&it.cell.builder, it.cell.width) == (&cell.builder, cell.width);
+            let other = known.cells.iter().filter(of_name).find(|it| it.cell != *cell)?;
+            let is_other_builder = other.cell.recipe != cell.recipe;
+            let what = if is_other_builder { "configuration called" } else { "set of kernels for" };
+            Some(format!("{what} {}", cell.builder))
+        })
+    }
+
     /// The scene called `name`.
     pub fn scene(&self, name: &str) -> Option<&SceneSamples> {
         self.scenes.iter().find(|scene| scene.name == name)
@@ -214,13 +238,8 @@ mod tests {
     use super::*;
     use crate::random::SplitMix64;
 
-    /// A run that is resumed writes its samples again: what a reader rounds would drift. Without serde_json's feature
-    /// `float_roundtrip` a part of these figures come back as their neighbours.
-    #[test]
-    fn figures_are_read_to_the_last_bit() {
-        let mut random = SplitMix64::new(1);
-        let folder = tempfile::tempdir().unwrap();
-        let scene = |spent| SceneSamples {
+    fn scene(spent: f64, cells: Vec<CellSamples>) -> SceneSamples {
+        SceneSamples {
             name: String::new(),
             sha: String::new(),
             source: String::new(),
@@ -230,10 +249,38 @@ mod tests {
             views: 0,
             invalid_rays: 0,
             spent,
-            cells: Vec::new(),
+            cells,
+        }
+    }
+
+    /// Else a run whose time is not over would visit nothing for ever.
+    #[test]
+    fn where_all_builders_failed_there_is_nothing_to_visit() {
+        let cell = |width| Cell::new("b", width, &[]);
+        let samples = |width, error: Option<&str>| CellSamples {
+            cell: cell(width),
+            facts: TreeFacts::default(),
+            checks: Vec::new(),
+            visits: Vec::new(),
+            memory: None,
+            error: error.map(Into::into),
         };
+        let both = [cell(4), cell(8)];
+        let visited = |a, b| scene(0.0, vec![samples(4, a), samples(8, b)]).can_visit(&both);
+        assert!(visited(None, None) && visited(Some("no memory"), None));
+        assert!(!visited(Some("no memory"), Some("no memory")));
+        assert!(scene(0.0, vec![samples(4, Some("no memory"))]).can_visit(&both), "not begun");
+    }
+
+    /// A run that is resumed writes its samples again: what a reader rounds would drift. Without serde_json's feature
+    /// `float_roundtrip` a part of these figures come back as their neighbours.
+    #[test]
+    fn figures_are_read_to_the_last_bit() {
+        let mut random = SplitMix64::new(1);
+        let folder = tempfile::tempdir().unwrap();
         let times = (0..10_000).map(|_| (random.next_u64() >> 11) as f64 * 1e-13);
-        let samples = Samples { scenes: times.map(scene).collect(), ..Samples::default() };
+        let scenes = times.map(|spent| scene(spent, Vec::new())).collect();
+        let samples = Samples { scenes, ..Samples::default() };
         samples.write(folder.path()).unwrap();
         let bits = |samples: &Samples| -> Vec<u64> {
             samples.scenes.iter().map(|scene| scene.spent.to_bits()).collect()

@@ -47,6 +47,13 @@ impl Summary {
         let sigma = 1.4826 * self.mad;
         student95(self.count - 1) * 1.2533 * sigma / (self.count as f64).sqrt() / self.median.abs()
     }
+
+    /// The same, but of few samples at least half of what lies between the least and the greatest: two of three may be
+    /// alike by chance.
+    pub fn cautious_error(&self) -> f64 {
+        let range = if self.count < Ratio::FEW { (self.max - self.min) / self.median.abs() } else { 0.0 };
+        self.relative_error().max(0.5 * range)
+    }
 }
 
 /// The middle of `samples`, or `None` if there are none.

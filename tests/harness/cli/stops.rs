@@ -24,10 +24,23 @@ fn a_run_goes_on_where_it_stopped() {
     assert_eq!(other.status.code(), Some(2));
     assert!(text(&other.stderr).contains("seed"), "{}", text(&other.stderr));
 
-    std::fs::write(folder.join("sheet.ply"), sheet(20)).unwrap();
+    // What is refused leaves the run as it is.
+    let known = std::fs::read(folder.join("out").join(ENVIRONMENT)).unwrap();
+    let refused = |more: &[&str], why: &str| {
+        let other = phr(&folder, &tiny("sheet.ply", &[&["--rounds", "4", "--resume"], more].concat()));
+        assert_eq!(other.status.code(), Some(2));
+        assert!(text(&other.stderr).contains(why), "{}", text(&other.stderr));
+        assert_eq!(std::fs::read(folder.join("out").join(ENVIRONMENT)).unwrap(), known, "{why}");
+    };
+    refused(&["--filter", "phr$"], "set of kernels");
+    let path = folder.join("out").join(ENVIRONMENT);
+    let elsewhere = text(&known).replacen("\"processors\": ", "\"processors\": 9", 1);
+    std::fs::write(&path, &elsewhere).unwrap();
     let other = phr(&folder, &tiny("sheet.ply", &["--rounds", "4", "--resume"]));
-    assert_eq!(other.status.code(), Some(2));
-    assert!(text(&other.stderr).contains("geometry"), "{}", text(&other.stderr));
+    assert!(text(&other.stderr).contains("number of processors"), "{}", text(&other.stderr));
+    std::fs::write(&path, &known).unwrap();
+    std::fs::write(folder.join("sheet.ply"), sheet(20)).unwrap();
+    refused(&[], "geometry of sheet");
 }
 
 /// The time spent in a scene counts over all sessions, and what it was too short for is told by each.

@@ -144,6 +144,15 @@ pub struct Environment {
     pub written: Option<Written>,
 }
 
+impl Environment {
+    /// Whether times of both may be averaged: of like processors, instruction sets and libraries.
+    pub fn is_alike(&self, other: &Self) -> bool {
+        let traits =
+            |of: &Self| (of.machine.cpu.clone(), of.machine.processors, of.machine.cpu_features.clone());
+        traits(self) == traits(other) && self.isa == other.isa && self.library == other.library
+    }
+}
+
 /// Memory available now, bytes, if the system reports it.
 pub fn available_memory() -> Option<u64> {
     Some(memory_kib("MemAvailable:") * 1024).filter(|&bytes| bytes > 0)

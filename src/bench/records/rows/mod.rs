@@ -64,7 +64,8 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
         ..Row::default()
     };
     if let Some(error) = &cell.error {
-        return vec![Row { error: error.clone(), ..base }];
+        let warnings = Warning::join(&header.warnings);
+        return vec![Row { error: error.clone(), warnings, ..base }];
     }
     let known = Row {
         sah: facts.sah.map(figures),
