@@ -4,9 +4,8 @@
 #![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
-use crate::bench::build_times::{is_enough, ms};
 use crate::bench::cell::Cell;
-use crate::bench::contender::Contender;
+use crate::bench::contender::{BuildRequest, Contender};
 use crate::bench::environment::Program;
 use crate::bench::pools::Pools;
 use crate::bench::statistics::median;
@@ -14,7 +13,6 @@ use crate::scene::Scene;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};
-use std::time::Instant;
 
 /// Begins the first line, before the hash of the scene.
 const READY: &str = "ready ";
@@ -172,14 +170,9 @@ pub fn answer(
 fn build(scene: &Scene, pools: &Pools, line: &str) -> Result<f64, String> {
     let words = line.split_once(' ').and_then(|(builder, width)| Some((builder, width.parse().ok()?)));
     let (builder, width) = words.ok_or_else(|| format!("{line}: write BUILDER WIDTH"))?;
-    let contender = Contender::of(&Cell::new(builder, width, &[]))?;
-    let mut durations = Vec::new();
-    while !is_enough(&durations) {
-        let start = Instant::now();
-        let built = contender.once(&scene.mesh, &pools.all)?;
-        durations.push(start.elapsed());
-        drop(built);
-    }
-    let all: Vec<f64> = durations.into_iter().map(ms).collect();
-    median(&all).ok_or_else(|| format!("{builder}: not built"))
+    let mut contender = Contender::of(&Cell::new(builder, width, &[]))?;
+    let request =
+        BuildRequest { mesh: &scene.mesh, pools, kernels: &[], wants_facts: false, fresh_only: true };
+    let built = contender.build(&request)?;
+    median(&built.times.fresh.ms).ok_or_else(|| format!("{builder}: not built"))
 }

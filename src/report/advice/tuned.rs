@@ -90,11 +90,18 @@ fn fresh(tuned: &Tuned, rays: f64) -> String {
     format!("best: {name}, {configuration}\n\n{grid}\nIt {verdict}. {rounds} rounds.\n")
 }
 
+/// Whether the winner is what all is relative to.
+fn is_anchor(tuned: &Tuned) -> bool {
+    tuned.fresh.cell == tuned.anchor
+}
+
 /// Whether the winner is better than the anchor, as what follows its name.
 pub fn verdict(tuned: &Tuned, rays: f64) -> String {
     let [_, _, total] = mean_ratios(&tuned.fresh.pairs, rays);
     let anchor = anchor(tuned);
     match total {
+        // Twice the same: what is measured between them is noise.
+        _ if is_anchor(tuned) => format!("is {anchor} itself: nothing better was found"),
         Estimate { high, .. } if high < 1.0 => format!("takes less time in all than {anchor}"),
         Estimate { low, .. } if low > 1.0 => {
             format!("takes MORE time in all than {anchor}: nothing better was found")

@@ -87,6 +87,8 @@ impl Search {
         let fixed = self.width.map(|_| (0, self.space.point_of(self.space.anchor, widths[0])[0]));
         let mut proposals = Proposals::new(self.space, self.seed, fixed.into_iter().collect());
         let (mut trials, mut failures): (Vec<Trial>, Vec<(String, String)>) = (Vec::new(), Vec::new());
+        // Memory, threads and code are warm after one visit.
+        quick.visit(anchor)?;
         while Instant::now() < until {
             let (recipe, point) = queue.pop().unwrap_or_else(|| {
                 let point = proposals.propose();
