@@ -1,7 +1,8 @@
 //! How often each tree is on the Pareto front of build and trace time: beaten by no other in both.
 
+use crate::bench::cell::is_saved;
 use crate::bench::row::Row;
-use crate::report::figures::{Figure, SceneFigures, Tree, Under, scenes, tree_name, trees};
+use crate::report::figures::{self, Figure, SceneFigures, Tree, Under, scenes, tree_name};
 use crate::report::grid::Grid;
 use crate::report::plot::pareto::front;
 
@@ -17,14 +18,14 @@ pub fn fronts(runs: &[Named<'_>]) -> String {
     });
     let mut grid = Grid::new(["tree".to_owned()].into_iter().chain(header));
     let mut all: Vec<Tree<'_>> = Vec::new();
-    for tree in runs.iter().flat_map(|(_, rows)| trees(*rows)) {
+    for tree in runs.iter().flat_map(|(_, rows)| trees(rows)) {
         if !all.contains(&tree) {
             all.push(tree);
         }
     }
     for &tree in &all {
         let cells = runs.iter().flat_map(|(_, rows)| {
-            if !trees(*rows).contains(&tree) {
+            if !trees(rows).contains(&tree) {
                 return ["-", "-", "-"].map(str::to_owned);
             }
             let best = Under::best(rows);
@@ -38,6 +39,11 @@ pub fn fronts(runs: &[Named<'_>]) -> String {
     }
     let counts = runs.iter().map(|(name, rows)| format!("{} {name}", scenes(rows).len()));
     format!("{}\nNumbers of scenes, of {}.\n", grid.markdown(), counts.collect::<Vec<_>>().join(" and "))
+}
+
+/// The trees that were built; saved ones were loaded.
+fn trees(rows: &[Row]) -> Vec<Tree<'_>> {
+    figures::trees(rows).into_iter().filter(|tree| !is_saved(tree.0)).collect()
 }
 
 /// True if no tree of the scene, or of `tree`'s width there, builds and traces as fast as `tree`.

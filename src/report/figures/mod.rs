@@ -185,7 +185,8 @@ impl<'a> SceneFigures<'a> {
         }
     }
 
-    /// A figure of a tree; times with their spread, costs and steps without any.
+    /// A figure of a tree; times with their spread, but for processors' time, whose rounds are not kept; costs and
+    /// steps have none.
     pub fn figure(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Place<Summary> {
         let traced = || self.trace(tree, under.kernel_of(tree.0));
         match figure {

@@ -59,19 +59,20 @@ pub fn means(rows: &[Row]) -> String {
     let mut are_whole = true;
     for &tree in &field.trees {
         let of = |figure| field.ratios(tree, figure, &under);
-        let (build, traces) = (of(Figure::Build), of(Figure::Trace));
+        let (build, cost, traces) = (of(Figure::Build), of(Figure::Cost), of(Figure::Trace));
         let shown = |ratios: &Ratios| match ratios.0.is_empty() {
             true => String::new(),
             false if tree == BASELINE => "1".into(),
             false => ratios.shown().unwrap_or_default(),
         };
         let [worst, worst_in] = traces.worst_shown().filter(|_| tree != BASELINE).unwrap_or_default();
-        let is_whole = build.0.len().max(traces.0.len()) == field.scenes.len();
+        let is_whole =
+            [&build, &cost, &traces].iter().all(|it| it.0.is_empty() || it.0.len() == field.scenes.len());
         are_whole &= is_whole;
         grid.push(vec![
             tree_name(tree) + if is_whole { "" } else { "*" },
             shown(&build),
-            of(Figure::Cost).geometric().map_or_else(String::new, |cost| format!("{cost:.2}")),
+            cost.geometric().map_or_else(String::new, |cost| format!("{cost:.2}")),
             shown(&traces),
             worst,
             worst_in,
@@ -181,6 +182,17 @@ mod tests {
         assert_eq!(cells[1..4], ["phr-quality-no-auxiliary_leaf / 8", "61728", "0.50 ±0.00"], "{text}");
         assert_eq!(cells[4..9], ["1234", "1.00", "1197530", "0.001", "12.13 ±0.00"], "{text}");
         assert!(means(&rows()).contains(" 0.50 [0.50, 0.50] |"), "{}", means(&rows()));
+    }
+
+    #[test]
+    fn a_mean_over_fewer_scenes_is_marked() {
+        assert!(!means(&rows()).contains('*'));
+        let mut rows = rows();
+        // Its traces in the second scene are wrong.
+        let wrong = rows.iter_mut().rfind(|row| row.builder.starts_with("phr")).unwrap();
+        wrong.trace_ms_median = None;
+        let text = means(&rows);
+        assert!(text.contains("/ 8*") && text.contains("* mean over fewer scenes"), "{text}");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::judge::Verdict;
 use super::list::MOST_ON_FRONT;
+use crate::bench::cell::is_saved;
 use crate::bench::row::Row;
 use crate::bench::statistics::median;
 use crate::random::SplitMix64;
@@ -28,7 +29,8 @@ pub fn fronts(rows: &[Row]) -> String {
     let header = ["compared with", "target", "most scenes", "95 %", "by", "others beyond", "scenes", ""];
     let mut grid = Grid::new(header);
     let scenes = SceneFigures::all(rows);
-    let of_rows = trees(rows);
+    // A saved tree was loaded, not built.
+    let of_rows: Vec<Tree<'_>> = trees(rows).into_iter().filter(|tree| !is_saved(tree.0)).collect();
     let embrees: Vec<Tree<'_>> =
         of_rows.iter().copied().filter(|tree| tree.0.starts_with("embree-")).collect();
     if embrees.len() == of_rows.len() {
@@ -181,5 +183,12 @@ mod tests {
         assert_eq!(verdict(&of(&[ahead, behind, behind, behind])), ("1 [1, 1]".into(), "met".into()));
         assert_eq!(verdict(&of(&[ahead, ahead, unsure, behind])), ("3 [2, 3]".into(), "undecided".into()));
         assert_eq!(fronts(&of(&[ahead])[..1]), "");
+        // A tree that was only loaded takes no place.
+        let loaded = |row: Row| Row { builder: "saved:best".into(), ..row };
+        let rows = [ahead; 4].map(|build| scene("", build)).concat();
+        let named = rows.into_iter().enumerate().map(|(i, row)| Row { scene: (i / 2).to_string(), ..row });
+        let beside: Vec<Row> =
+            named.flat_map(|row| [loaded(Row { build_ms_median: Some(0.1), ..row.clone() }), row]).collect();
+        assert_eq!(verdict(&beside), ("4 [4, 4]".into(), "not met".into()));
     }
 }

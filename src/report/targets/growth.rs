@@ -54,7 +54,7 @@ impl Growth {
                 summary(figures).and_then(|ms| Some(ms.median * 1e6 / *triangles as f64))
             };
             let error = |(_, figures): &(u64, SceneFigures<'_>)| {
-                summary(figures).value().map_or(f64::INFINITY, |ms| ms.relative_error())
+                summary(figures).value().map_or(f64::INFINITY, |ms| ms.cautious_error())
             };
             let (ns, errors) = (by_size.iter().map(ns).collect(), by_size.iter().map(error).collect());
             Line { builder: tree.0.into(), ns, errors }
