@@ -32,7 +32,6 @@ pub fn draw(experiment: &Experiment, rows: &[Row], width: u32, under: &Under) ->
     let bottom = TOP + all.len() as f64 * LINE;
     let is_measured = |figure: &&Figure| all.iter().any(|compared| compared.is_measured(**figure));
     let figures: Vec<&Figure> = experiment.figures.iter().filter(is_measured).collect();
-    let size = (left + figures.len() as f64 * (COLUMN + GAP), bottom + 56.0);
     let count = scenes.len();
     let threads = rows.first().map_or(0, |row| row.threads);
     let noun = if count == 1 { "scene" } else { "scenes" };
@@ -41,6 +40,12 @@ pub fn draw(experiment: &Experiment, rows: &[Row], width: u32, under: &Under) ->
          logarithmic"
     );
     let traces = format!("traces: {}", under.about());
+    let columns = left + figures.len() as f64 * (COLUMN + GAP);
+    // No narrower than what is written beside the columns.
+    let size = (
+        columns.max(2.0 * GAP + text_width(&about, SMALL)).max(left + GAP + text_width(BELOW, SMALL)),
+        bottom + 56.0,
+    );
     let mut svg = sheet(size, experiment.about, &[&about, &traces]);
     for (line, compared) in all.iter().enumerate() {
         let y = TOP + (line as f64 + 0.5) * LINE;
@@ -87,16 +92,12 @@ pub fn draw(experiment: &Experiment, rows: &[Row], width: u32, under: &Under) ->
             svg.point((x(mean.value), y - 6.0), Shape::Diamond, 5.0, COLOUR, false);
         }
     }
-    svg.text(
-        (left, bottom + 40.0),
-        Anchor::Start,
-        SMALL,
-        INK,
-        "left of 1: less time, cost or steps than the builder in grey; steps: nodes visited and leaf blocks tested per ray",
-        "",
-    );
+    svg.text((left, bottom + 40.0), Anchor::Start, SMALL, INK, BELOW, "");
     Some(svg.finish())
 }
+
+/// What the axes mean.
+const BELOW: &str = "left of 1: less time, cost or steps than the builder in grey; steps: nodes visited and leaf blocks tested per ray";
 
 fn against(base: &str) -> String {
     format!("relative to {base}")

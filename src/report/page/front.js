@@ -9,7 +9,7 @@ function drawFront() {
   const where = place.scenes > 1 ? `Geometric means over ${place.scenes} scenes` : place.name + (place.triangles ? `, ${grouped(place.triangles)} triangles` : "");
   find("front-about").textContent =
     `${where}, relative to ${data.base}. Down and to the left is better; no tree beats those on a front in both times. Traces: ${data.kernels[kernel].about}. Builds: ${data.regimes[regime].about}.${hasSaved ? " Saved trees, which were loaded and not built, are on no front." : ""}`;
-  if (!points.length) return put(figure, null, "No tree has a build time and a trace time here: choose another kernel, regime or scene.");
+  if (!points.length) return put(figure, null, "No tree has a build time and a trace time here: choose another width, kernel, regime or scene; a run of builds alone has no trace times.");
 
   const width = Math.max(figure.clientWidth, 280);
   const isNarrow = width < 600;

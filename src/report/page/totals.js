@@ -17,7 +17,7 @@ function drawTotals() {
     .filter(({ tree, values }) => values && !tree.is_saved);
   find("totals-about").textContent =
     `Total time of a build and of the rays traced over its tree, relative to ${data.base}. At the left the build is nearly all, at the right the rays are. The band follows the least.${hasSaved ? " Saved trees, which were loaded and not built, are left out." : ""}`;
-  if (!curves.length) return put(figure, null, "No tree has a build time and a trace time here: choose another kernel, regime or scene.");
+  if (!curves.length) return put(figure, null, "No tree has a build time and a trace time here: choose another width, kernel, regime or scene; a run of builds alone has no trace times.");
 
   const points = curves.flatMap((one) => one.values.map((value, step) => ({ ...one, count: data.budgets[step], value, step })));
   const least = data.budgets.map((count, step) => d3.least(points.filter((point) => point.step === step), (point) => point.value));

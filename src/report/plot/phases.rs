@@ -41,16 +41,16 @@ struct Bar<'a> {
     scenes: usize,
 }
 
-/// The figure; `None` unless the phases of some tree are known.
+/// The figure; `None` unless the phases of some tree are known in every scene.
 pub fn phases(rows: &[Row], phases: &[PhaseRow]) -> Option<String> {
     let all = scenes(rows);
     let mut bars: Vec<Bar<'_>> =
         trees(rows).into_iter().filter_map(|tree| Bar::of(tree, rows, phases, &all)).collect();
+    // A mean over fewer scenes is another mean.
+    bars.retain(|bar| bar.scenes == all.len());
     if !bars.iter().any(Bar::tells) {
         return None;
     }
-    // A mean over fewer scenes is another mean.
-    bars.retain(|bar| bar.scenes == all.len());
     // Builds that tell no phases may take many times as long: their bars are broken off, lest the others' be hair
     // lines.
     let told = bars.iter().filter(|bar| bar.tells()).map(Bar::sum).fold(0.0, f64::max);

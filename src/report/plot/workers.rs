@@ -36,7 +36,7 @@ const WIDTH: f64 = 900.0;
 pub fn workers(rows: &[ScalingRow]) -> Option<String> {
     let counts = numbers(rows.iter());
     let (&least, &most) = (counts.first()?, counts.last().filter(|_| counts.len() > 1)?);
-    let ideal = vec![(1.0, 1.0), (f64::from(most), f64::from(most))];
+    let ideal = [least, most].map(|count| (f64::from(count), f64::from(count))).to_vec();
     let mut fronts = vec![Front { through: ideal, line: Line { colour: GREY, width: 1.2, more: DASHES } }];
     let (mut points, mut entries) = (Vec::new(), Vec::new());
     for (tree, (shape, colour)) in trees(rows.iter()).into_iter().zip((0..).map(style)) {

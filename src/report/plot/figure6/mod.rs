@@ -57,7 +57,8 @@ pub fn by_scene(rows: &[Row], under: &Under) -> Option<String> {
         return None;
     }
     let every = all.iter().flat_map(|(_, points)| points.iter().map(|point| &point.point));
-    let range = Range::of(every);
+    let of_paper: Vec<TreePoint<'_>> = all.iter().flat_map(|(name, _)| papers_of(name)).collect();
+    let range = Range::of(every.chain(of_paper.iter().map(|paper| &paper.point)));
     let mut entries =
         Entry::of_widths(&all.iter().flat_map(|(_, points)| widths(points)).collect::<Vec<_>>());
     if all.iter().any(|(name, _)| paper::scene_of(name).is_some()) {
