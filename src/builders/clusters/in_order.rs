@@ -2,16 +2,13 @@
 //! is a run of them, and the pairs below a node lie in a row that ends with its own. Small subtrees become leaves.
 
 use crate::builders::binary::node::Node;
-use crate::builders::binary::tree::{BinaryTree, TREELET};
+use crate::builders::binary::tree::{BinaryTree, MOST_DIVIDED_LEVELS, TREELET};
 use crate::builders::lbvh::key::MortonKey;
 use crate::builders::lbvh::treelet::LeafRule;
 use crate::memory::huge_pages;
 use crate::memory::pool::Pool;
 use crate::parallel::ordered_append::{self, Chunk, Offset};
 use crate::parallel::task_tree::{Division, TaskTree};
-
-/// Subtrees so many levels below the root are copied by one task, too.
-const MOST_DIVIDED_LEVELS: u32 = 64;
 
 /// Levels below the root of a task's subtree from which on references are halved by count: nothing bounds the depth of
 /// clusters of clusters (AAC with a large delta), and what reads the tree goes down it by recursion.

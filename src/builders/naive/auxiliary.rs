@@ -17,7 +17,7 @@ pub struct Reference {
 }
 
 /// A code and its reference.
-type Item = (u32, Reference);
+pub type Item = (u32, Reference);
 
 /// A subtree.
 pub struct Tree {
@@ -173,11 +173,17 @@ fn subtree(run: &[Item], depth: u32, leaf: u32) -> Rc<Tree> {
     if run.len() <= leaf as usize {
         return Tree::leaf(&run.iter().map(|(_, reference)| *reference).collect::<Vec<_>>());
     }
+    let ([left, right], depth) = partitioned(run, depth);
+    Tree::node(subtree(&left, depth, leaf), subtree(&right, depth, leaf))
+}
+
+/// The two parts of a run of two or more, and how often it has been partitioned by the middle then.
+pub fn partitioned(run: &[Item], depth: u32) -> ([Vec<Item>; 2], u32) {
     let different = run[0].0 ^ run[run.len() - 1].0;
     if different != 0 {
         let bit = 31 - different.leading_zeros();
-        let (left, right): (Vec<_>, Vec<_>) = run.iter().partition(|(code, _)| code >> bit & 1 == 0);
-        return Tree::node(subtree(&left, depth, leaf), subtree(&right, depth, leaf));
+        let (left, right) = run.iter().partition(|(code, _)| code >> bit & 1 == 0);
+        return ([left, right], depth);
     }
     // Of one code: at the middle of the centroids' bounds.
     let mut run = run.to_vec();
@@ -189,8 +195,8 @@ fn subtree(run: &[Item], depth: u32, leaf: u32) -> Rc<Tree> {
     if split == 0 || split == run.len() {
         split = half;
     }
-    let (left, right) = run.split_at(split);
-    Tree::node(subtree(left, depth + 1, leaf), subtree(right, depth + 1, leaf))
+    let right = run.split_off(split);
+    ([run, right], depth + 1)
 }
 
 /// Swaps to the front what lies before the middle of the longest edge of the centroids' bounds; returns how many.

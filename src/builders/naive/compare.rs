@@ -148,7 +148,7 @@ fn large_meshes() -> Vec<(&'static str, Mesh)> {
     ]
 }
 
-fn assert_same<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh, expected: Option<&Wide>, what: &str) {
+pub fn assert_same<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh, expected: Option<&Wide>, what: &str) {
     assert_eq!(tree.validate(mesh), Ok(()), "{what}");
     let difference = Wide::difference(Wide::of_tree(tree).as_ref(), expected);
     assert!(difference.is_none(), "{what}, child {}", difference.unwrap());

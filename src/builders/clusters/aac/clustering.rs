@@ -41,7 +41,7 @@ struct Forest {
 
 struct AacClustering<'a, G> {
     config: &'a AacConfig,
-    /// f(n) of few triangles: most runs are short, and powers are slow.
+    /// Clusters left of few triangles: most runs are short, and powers are slow.
     of_few: [usize; 64],
     refs: PrimRefs<'a, G>,
 }
@@ -62,7 +62,8 @@ impl<G: Geometry> AacClustering<'_, G> {
         if is_serial && !is_fetched {
             prefetch::primitives(self.refs.geometry, keys);
         }
-        if len <= self.config.delta {
+        // One triangle cannot be partitioned, even where delta is 1.
+        if len == 1 || len < self.config.delta {
             let bounds = |key: MortonKey| self.refs.bounds(reference(key));
             forest
                 .clusters
@@ -203,9 +204,9 @@ mod tests {
     #[test]
     fn cluster_numbers_are_those_of_aac_fast() {
         let f = |n| AacConfig::FAST.clusters(n);
-        // 4^0.7 / 2 * n^0.3: 2 of 4, 4.6 of 64, 83.3 of a million.
-        assert_eq!([f(4), f(64), f(1_000_000)], [2, 4, 83]);
-        assert_eq!(f(1), 1);
+        // 4^0.7 / 2 * n^0.3: 2 of 4, 4.6 of 64, 83.3 of a million; f(delta) of fewer.
+        assert_eq!([f(2), f(3), f(4), f(64), f(1_000_000)], [2, 2, 2, 5, 84]);
+        assert_eq!([1, 2, 3].map(|n| AacConfig { delta: 1, epsilon: 0.0 }.clusters(n)), [1, 1, 1]);
     }
 
     #[test]

@@ -6,10 +6,10 @@ use crate::builders::api::config_error::{ConfigError, check};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AacConfig {
-    /// delta: runs of at most this many triangles are not partitioned further; 1 to 64.
+    /// delta: runs of fewer triangles are not partitioned further; 1 to 64.
     pub delta: usize,
-    /// epsilon of f(n) = delta^(0.5 + epsilon) / 2 * n^(0.5 - epsilon), the clusters left of n triangles; 0 to
-    /// 0.5.
+    /// epsilon of f(n) = delta^(0.5 + epsilon) / 2 * n^(0.5 - epsilon), rounded up: the clusters left of n triangles,
+    /// of fewer than delta those left of delta; 0 to 0.5.
     pub epsilon: f64,
 }
 
@@ -17,12 +17,12 @@ impl AacConfig {
     /// AAC-Fast (Gu et al. 2013, section 4.1).
     pub const FAST: Self = Self { delta: 4, epsilon: 0.2 };
 
-    /// f(n).
+    /// Clusters left of `n` triangles.
     pub(super) fn clusters(&self, n: usize) -> usize {
-        let clusters =
-            (self.delta as f64).powf(0.5 + self.epsilon) / 2.0 * (n as f64).powf(0.5 - self.epsilon);
+        let (n, delta) = (n.max(self.delta) as f64, self.delta as f64);
+        let clusters = delta.powf(0.5 + self.epsilon) / 2.0 * n.powf(0.5 - self.epsilon);
         // f(delta) is delta / 2 exactly, but for rounding.
-        ((clusters + 1e-6) as usize).max(1)
+        ((clusters - 1e-6).ceil() as usize).max(1)
     }
 
     /// Refuses parameters out of range.
