@@ -16,9 +16,9 @@ pub struct OutOfMemory {
 
 impl OutOfMemory {
     /// Unwinds to [`catch_out_of_memory`], without a word on the way; a panic as any other while nobody asks to be
-    /// told. Who asks is not known here, as builds run on many threads.
+    /// told, or where nothing unwinds. Who asks is not known here, as builds run on many threads.
     pub(super) fn unwind(self) -> ! {
-        if LISTENERS.load(Relaxed) == 0 {
+        if cfg!(panic = "abort") || LISTENERS.load(Relaxed) == 0 {
             panic!("{self}");
         }
         resume_unwind(Box::new(self))

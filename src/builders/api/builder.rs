@@ -45,7 +45,8 @@ pub struct Build<const N: usize, B = TriangleBlock> {
 /// Builds a BVH of nodes of up to `N` children, 4 or 8. Builders are total: any [`Mesh`], empty ones included, has
 /// a tree. They run on the rayon pool they are called from (`pool.install(|| builder.build(&mesh))`), and the tree
 /// is the same at any number of threads. Until a build is over, idle threads of the pool look for work, a millisecond
-/// at most, before they sleep.
+/// at most, before they sleep; a thread that waits for other work in that pool may take up parts of the build until it
+/// is over.
 ///
 /// Builders of the list build over [`Boxes`] of anything, too:
 /// [`over_boxes`](crate::builders::over_boxes).
@@ -67,7 +68,8 @@ pub trait Builder<const N: usize, G: Geometry = Mesh>: Send {
     /// without a message.
     ///
     /// # Errors
-    /// What there was no memory for. This builder is then of no use but to be dropped.
+    /// What there was no memory for. This builder is then of no use but to be dropped. A program compiled with
+    /// `panic = "abort"` ends instead.
     fn try_build(&mut self, geometry: &G) -> Result<Build<N, G::Block>, OutOfMemory> {
         memory::catch_out_of_memory(|| self.build(geometry))
     }

@@ -1,18 +1,19 @@
 //! Refitting a binary tree to references that have moved: boxes are made anew bottom-up, the topology stays.
 
 use super::node::Node;
-use super::tree::{BinaryTree, TREELET};
+use super::tree::{BinaryTree, MOST_DIVIDED_LEVELS, TREELET};
 use crate::geometry::Aabb;
 use crate::parallel;
 use std::ops::Range;
 
 impl BinaryTree {
     /// Makes all boxes anew, where `leaf` gives the box of a run of references. In the array of pairs children
-    /// stand before parents, and the pairs of subtrees of up to [`TREELET`] references in rows, one after the other.
+    /// stand before parents, and the pairs of subtrees of up to [`TREELET`] references, or [`MOST_DIVIDED_LEVELS`]
+    /// below the root, in rows, one after the other.
     pub fn refit(&mut self, leaf: impl Fn(Range<usize>) -> Aabb + Sync) {
         let Some(root) = self.root else { return };
         let mut ends = Vec::new();
-        self.rows(&root, &mut ends);
+        self.rows(&root, 0, &mut ends);
         let (mut rows, mut rest, mut first) = (Vec::new(), &mut self.pairs[..], 0);
         for end in ends {
             let (row, others) = rest.split_at_mut(end - first);
@@ -26,12 +27,14 @@ impl BinaryTree {
         self.root = Some(refitted(&root, &self.pairs, 0, &leaf));
     }
 
-    /// Where the rows below `node` end.
-    fn rows(&self, node: &Node, ends: &mut Vec<usize>) {
+    /// Where the rows below `node`, so many levels below the root, end.
+    fn rows(&self, node: &Node, level: u32, ends: &mut Vec<usize>) {
         match node.pair() {
             None => {}
-            Some(pair) if node.count() <= TREELET as u32 => ends.push(pair + 1),
-            Some(_) => self.children(node).iter().for_each(|child| self.rows(child, ends)),
+            Some(pair) if node.count() <= TREELET as u32 || level == MOST_DIVIDED_LEVELS => {
+                ends.push(pair + 1)
+            }
+            Some(_) => self.children(node).iter().for_each(|child| self.rows(child, level + 1, ends)),
         }
     }
 }

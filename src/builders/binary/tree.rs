@@ -6,6 +6,9 @@ use crate::memory::prefetch;
 /// Subtrees of at most so many references are built by one task: their pairs lie in a row, children before parents.
 pub(crate) const TREELET: usize = 1 << 12;
 
+/// Subtrees so many levels below the root are built by one task, too, however large.
+pub(crate) const MOST_DIVIDED_LEVELS: u32 = 64;
+
 /// A binary tree whose leaves are runs of references.
 #[derive(Default)]
 pub(crate) struct BinaryTree {

@@ -68,8 +68,7 @@ impl MortonEncoder {
     #[inline(always)]
     fn cell(&self, point: Vec3A) -> [u32; 3] {
         let cell = ((point - self.origin) * self.scale).max(Vec3A::ZERO).min(self.last_cell);
-        // SAFETY: the cell lies between zero and `last_cell`, below 2^16; a NaN, which a finite point cannot give,
-        // would have become zero.
+        // SAFETY: the cell lies between zero and `last_cell`, below 2^16; a finite point gives no NaN.
         cell.to_array().map(|c| unsafe { c.to_int_unchecked::<i32>() } as u32)
     }
 

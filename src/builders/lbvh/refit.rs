@@ -39,6 +39,7 @@ impl Auxiliary {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::builders::binary::tree::MOST_DIVIDED_LEVELS;
     use crate::builders::lbvh::config::Clusters;
     use crate::builders::phr::extensions::auxiliary_tree::AuxiliaryTree;
     use crate::builders::phr::extensions::binned::config::BinnedSahConfig;
@@ -54,6 +55,37 @@ mod tests {
         let wave = |&[x, y, z]: &[f32; 3]| [x + 3.0 * (0.4 * y).sin(), y + 2.0 * (0.3 * x).cos(), z * 1.5];
         moved.move_vertices(&mesh.vertices().iter().map(wave).collect::<Vec<_>>()).unwrap();
         moved
+    }
+
+    /// Each node has the box of what is below; returns the levels.
+    fn assert_boxes(auxiliary: &Auxiliary, mesh: &Mesh) -> u32 {
+        let mut pending: Vec<_> = auxiliary.tree.root.into_iter().map(|root| (root, 1)).collect();
+        let mut levels = 0;
+        while let Some((node, level)) = pending.pop() {
+            levels = levels.max(level);
+            let run = auxiliary.tree.run(&node);
+            let below = auxiliary.order.keys[run].iter();
+            let bounds: Aabb = below.map(|&key| mesh.bounds_of(reference(key))).collect();
+            assert_eq!(bounds, node.bounds());
+            if !node.is_leaf() {
+                pending.extend(auxiliary.tree.children(&node).map(|child| (child, level + 1)));
+            }
+        }
+        levels
+    }
+
+    /// Each level splits off one of the far triangles, so that the near ones are a large subtree far below the root.
+    #[test]
+    fn a_large_subtree_far_below_the_root_is_refitted() {
+        let mesh = testing::mesh(20_070, 1, |i, _| {
+            let x = if i < 70 { 3f32.powi(35 - i as i32) } else { (i - 70) as f32 * 1e-25 };
+            [Vec3::new(x, 0.0, 0.0), Vec3::new(x, 1.0, 0.0), Vec3::new(x, 0.0, 1.0)]
+        });
+        let (mut auxiliary, config) = (Auxiliary::default(), AuxiliaryConfig::PAPER);
+        let tree = AuxiliaryTree::BinnedSah(BinnedSahConfig { bins: 2 });
+        tree.build(&mut auxiliary, (&mesh, 0..mesh.len() as u32), &config, Isa::best());
+        auxiliary.refit(&mesh, &config).unwrap();
+        assert!(assert_boxes(&auxiliary, &mesh) > MOST_DIVIDED_LEVELS);
     }
 
     #[test]
@@ -78,16 +110,7 @@ mod tests {
                 tree.build(&mut auxiliary, (&mesh, 0..n as u32), config, Isa::best());
                 let scale = auxiliary.scale;
                 auxiliary.refit(&moved, config).unwrap();
-                let mut pending: Vec<_> = auxiliary.tree.root.into_iter().collect();
-                while let Some(node) = pending.pop() {
-                    let run = auxiliary.tree.run(&node);
-                    let below = auxiliary.order.keys[run].iter();
-                    let bounds: Aabb = below.map(|&key| moved.bounds_of(reference(key))).collect();
-                    assert_eq!(bounds, node.bounds());
-                    if !node.is_leaf() {
-                        pending.extend(auxiliary.tree.children(&node));
-                    }
-                }
+                assert_boxes(&auxiliary, &moved);
                 assert!(n == 0 || auxiliary.scale != scale);
                 auxiliary.refit(&mesh, config).unwrap();
                 assert_eq!(auxiliary.scale, scale, "moved back");

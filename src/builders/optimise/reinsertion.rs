@@ -47,8 +47,8 @@ impl Reinsertion {
         }
     }
 
-    /// One round; returns how many nodes moved.
-    pub(super) fn round(&mut self, tree: &mut Tree, wanted: usize) -> usize {
+    /// One round.
+    pub(super) fn round(&mut self, tree: &mut Tree, wanted: usize) {
         self.candidates.find(tree, &self.tried, wanted);
         let nodes = &self.candidates.nodes;
         huge_pages::resize(&mut self.moves, nodes.len(), Move::default(), "moves of nodes");
@@ -68,7 +68,6 @@ impl Reinsertion {
         // A search holds no longer where the nodes it speaks of were replaced.
         self.replaced.clear();
         huge_pages::resize(&mut self.replaced, 2 * tree.pairs.len(), false, "nodes that were replaced");
-        let mut made = 0;
         for &one in &self.moves {
             if self.replaced[one.node as usize] || self.replaced[one.target as usize] {
                 continue;
@@ -78,10 +77,8 @@ impl Reinsertion {
                     self.replaced[index as usize] = true;
                     self.tried[index as usize] = false;
                 }
-                made += 1;
             }
         }
-        made
     }
 }
 

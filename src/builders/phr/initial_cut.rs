@@ -2,7 +2,7 @@
 //! the cut is long enough.
 //!
 //! `by_definition` is that rule; the tests' oracle follows it. The paper keeps a priority queue. But a node is no
-//! no larger than its parent, so that opening the largest first opens all nodes above some area. [`initial_cut`] finds
+//! larger than its parent, so that opening the largest first opens all nodes above some area. [`initial_cut`] finds
 //! that area, halving it until too many nodes would be opened, and then walks down to the nodes that are not. No queue
 //! is kept in order, and the children of many nodes are on their way from memory at once.
 

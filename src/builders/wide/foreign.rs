@@ -6,12 +6,13 @@ use super::treelet::WideTreelet;
 use crate::builders::binary::kind::Kind;
 use crate::builders::binary::node::{Node, NodeRun};
 use crate::builders::binary::subtrees::Subtrees;
-use crate::bvh::WideBvh;
-use crate::bvh::limits::{BLOCK, MAX_LEAF};
+use crate::bvh::limits::{BLOCK, MAX_LEAF, MAX_WIDTH};
+use crate::bvh::{MAX_DEPTH, WideBvh};
 use crate::geometry::{Aabb, Mesh};
 
-/// Levels after which a binary tree is given up: its wide tree would be too deep too.
-const MOST_LEVELS: u32 = 512;
+/// Levels after which a binary tree is given up: a node of eight children takes the place of at most seven levels, so
+/// that the wide tree would be too deep too.
+const MOST_LEVELS: u32 = (MAX_DEPTH * (MAX_WIDTH - 1)) as u32;
 
 /// A binary tree over the triangles of a mesh.
 pub trait ForeignTree {
@@ -160,7 +161,7 @@ mod tests {
         let error = widened::<4>(&Halves(&mesh, 100), &mesh).unwrap_err();
         assert_eq!(error, "a leaf of its tree has 100 triangles, ours at most 28");
         let error = widened::<4>(&Halves(&mesh, 0), &mesh).unwrap_err();
-        assert_eq!(error, "its tree has more than 512 levels");
+        assert_eq!(error, "its tree has more than 560 levels");
         let error = widened::<4>(&Halves(&mesh, 4), &soup(99, 0.1, 1)).unwrap_err();
         assert_eq!(error, "a leaf of its tree has triangle 99, the mesh only 99");
         let larger = soup(101, 0.1, 1);
