@@ -5,7 +5,7 @@ use crate::builders;
 use crate::bvh::saved::{SavedError, SavedTree};
 use crate::bvh::{Bvh4, Bvh8, TriangleBlock, WideBvh};
 use crate::geometry::{self, Aabb, Mesh, Ray, Tracer};
-use crate::memory::huge_pages;
+use crate::memory::{OutOfMemory, huge_pages};
 use crate::trace::ProvenTree;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -43,9 +43,20 @@ enum Tree {
     Eight(ProvenTree<8>),
 }
 
+impl Tree {
+    fn blocks(&self) -> &[TriangleBlock] {
+        match self {
+            Self::Four(tree) => &tree.get().blocks,
+            Self::Eight(tree) => &tree.get().blocks,
+        }
+    }
+}
+
 impl Bvh {
-    /// Builds a tree over `mesh` on the current rayon pool. To keep a builder's memory from one build to the next,
-    /// or to build with parameters of your own, use a [`builders::Builder`] and make a `Bvh` of its tree.
+    /// Builds a tree over `mesh` on the current rayon pool. While it lasts, threads of that pool take up parts of it,
+    /// those too that wait for other work there: a build in the background, beside frames, wants a pool of its own. To
+    /// keep a builder's memory from one build to the next, or to build with parameters of your own, use a
+    /// [`builders::Builder`] and make a `Bvh` of its tree.
     ///
     /// # Errors
     /// [`BvhError::NoSuchBuilder`], [`BvhError::Changes`], [`BvhError::NoSuchWidth`], [`BvhError::OutOfMemory`].
@@ -103,7 +114,7 @@ impl Bvh {
     /// Another mesh, or one that was moved since; an unwritable place, or one that is no regular file.
     pub fn save(&self, mesh: &Mesh, path: &Path) -> Result<(), SavedError> {
         let is_of_mesh = self.places.len() == mesh.len();
-        if !is_of_mesh || self.blocks().par_iter().any(|block| !block.is_of(mesh)) {
+        if !is_of_mesh || self.tree.blocks().par_iter().any(|block| !block.is_of(mesh)) {
             return Err(SavedError::NotOfMesh { path: path.to_owned() });
         }
         match &self.tree {
@@ -115,20 +126,16 @@ impl Bvh {
     /// Loads the tree of either width that was saved at `path` for `mesh`, on the current rayon pool.
     ///
     /// # Errors
-    /// [`BvhError::Saved`]: a file that is damaged, or holds the tree of another mesh. [`BvhError::OutOfMemory`].
-    pub fn load(mesh: &Mesh, path: &Path) -> Result<Self, BvhError> {
-        let unusable = |error: SavedError| BvhError::Saved(error.to_string());
-        let saved = SavedTree::open(path).map_err(unusable)?;
-        match saved.header.width {
-            4 => {
-                let tree = ProvenTree::read(mesh, saved).map_err(unusable)?;
-                Ok(Self { places: places(&tree.get().blocks, mesh.len())?, tree: Tree::Four(tree) })
-            }
-            _ => {
-                let tree = ProvenTree::read(mesh, saved).map_err(unusable)?;
-                Ok(Self { places: places(&tree.get().blocks, mesh.len())?, tree: Tree::Eight(tree) })
-            }
-        }
+    /// A missing file ([`SavedError::Io`]), one that is damaged or holds the tree of another mesh, no memory.
+    pub fn load(mesh: &Mesh, path: &Path) -> Result<Self, SavedError> {
+        let saved = SavedTree::open(path)?;
+        let tree = match saved.header.width {
+            4 => Tree::Four(ProvenTree::read(mesh, saved)?),
+            _ => Tree::Eight(ProvenTree::read(mesh, saved)?),
+        };
+        let places = places(tree.blocks(), mesh.len())
+            .map_err(|source| SavedError::OutOfMemory { path: path.to_owned(), source })?;
+        Ok(Self { tree, places })
     }
 
     /// The box of all triangles; [empty](Aabb::is_empty) without any.
@@ -178,19 +185,12 @@ impl Bvh {
         }
     }
 
-    fn blocks(&self) -> &[TriangleBlock] {
-        match &self.tree {
-            Tree::Four(tree) => &tree.get().blocks,
-            Tree::Eight(tree) => &tree.get().blocks,
-        }
-    }
-
     /// A kernel's hit with its normal, from the block that the kernel has just read.
     #[inline]
     fn with_normal(&self, hit: &geometry::Hit) -> Option<Hit> {
         let &geometry::Hit { t, u, v, prim } = hit;
         let &place = self.places.get(prim as usize)?;
-        let (block, lane) = (&self.blocks()[(place / 4) as usize], (place % 4) as usize);
+        let (block, lane) = (&self.tree.blocks()[(place / 4) as usize], (place % 4) as usize);
         let edge = |edges: &[[f32; 4]; 3]| Vec3::from_array(edges.map(|axis| axis[lane]));
         Some(Hit { t, u, v, prim, normal: edge(&block.e2).cross(edge(&block.e1)) })
     }
@@ -233,7 +233,7 @@ fn triangles(blocks: &[TriangleBlock]) -> Result<usize, BvhError> {
 }
 
 /// Where each of so many triangles is; one of the places if it is in several blocks.
-fn places(blocks: &[TriangleBlock], triangles: usize) -> Result<Vec<u32>, BvhError> {
+fn places(blocks: &[TriangleBlock], triangles: usize) -> Result<Vec<u32>, OutOfMemory> {
     let mut places = Vec::new();
     huge_pages::try_reserve(&mut places, triangles, "places of triangles")?;
     places.resize_with(triangles, AtomicU32::default);

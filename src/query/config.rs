@@ -42,12 +42,9 @@ pub enum BvhError {
         /// What is wrong.
         reason: &'static str,
     },
-    /// No memory for a tree.
+    /// No memory for a tree. A program compiled with `panic = "abort"` ends instead.
     #[error(transparent)]
     OutOfMemory(#[from] OutOfMemory),
-    /// A saved tree that cannot be loaded.
-    #[error("{0}")]
-    Saved(String),
     /// The tree's links lead out of it or in circles, or it is too deep.
     #[error("malformed tree: {0}; check it by WideBvh::validate")]
     Malformed(String),

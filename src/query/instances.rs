@@ -12,10 +12,21 @@ use std::borrow::Borrow;
 pub struct Instance<B> {
     /// The object.
     pub bvh: B,
-    /// From the object's space to the world's; any affine map that `f32` can invert, mirrors and shears included. A ray
-    /// whose origin or direction lies beyond 1.8e18 in the object's space misses it, one whose direction is shorter
-    /// there than 1e-10 may miss it.
+    /// From the object's space to the world's: an affine map, mirrors and shears included, that [`Instance::check`]
+    /// finds to be of use. A ray whose origin or direction lies beyond 1.8e18 in the object's space misses it, one
+    /// whose direction is shorter there than 1e-10 may miss it.
     pub transform: Affine3A,
+}
+
+impl<B: Borrow<Bvh>> Instance<B> {
+    /// Whether the transform is of use: finite, with an inverse in the range of `f32`, its determinant more than 1e-7
+    /// of the product of its columns' lengths, and the object within 1.8e18 of the origin.
+    ///
+    /// # Errors
+    /// What it is not, as in [`BvhError::Transform`].
+    pub fn check(&self) -> Result<(), &'static str> {
+        Placed::new(self.bvh.borrow(), self.transform).map(drop)
+    }
 }
 
 /// The closest hit of a ray among instances.
@@ -66,8 +77,8 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
         Ok(Self { bounds: around(&placed), placed, top })
     }
 
-    /// Builds the tree anew over other `instances`, or the same ones that moved, in the memory of this one; their
-    /// objects stay as they are.
+    /// Builds the tree anew over other `instances`, or the same ones that moved, in the memory of this one; what it
+    /// keeps of each instance, some 160 bytes, is written to a new list. Objects stay as they are.
     ///
     /// # Errors
     /// [`BvhError::Transform`]; the tree is then as before. [`BvhError::OutOfMemory`]; it is then empty or as before,

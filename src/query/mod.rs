@@ -15,7 +15,8 @@
 //! * **Faces**: both sides of a triangle are hit. The normal is not turned towards the ray.
 //! * **Edges** belong to their triangles, but rounding decides: a ray at an edge may slip between the two triangles
 //!   that share it, or past a triangle that it touches at the border of a box it runs along. Of hits at the same
-//!   distance any may be reported.
+//!   distance any may be reported. Where a box ends at -0.0 at such a ray, a batch may answer otherwise than the ray by
+//!   itself.
 //! * **Invalid rays** miss, those that are not [`Ray::is_valid`](crate::geometry::Ray::is_valid): a NaN, a component of
 //!   origin or direction beyond 1.844e18 (Embree's limit), a `tnear` that is negative or infinite. No ray panics.
 //! * **Threads**: a [`Bvh`] is `Send` and `Sync`. A query runs on the thread that calls it and allocates nothing

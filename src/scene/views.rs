@@ -121,9 +121,13 @@ pub(super) fn around(mesh: &Mesh, up: Option<Vec3>) -> Vec<View> {
 }
 
 /// The cameras that `views.json` beside the scene file gives under `name`; none where there is no such file
-/// or entry.
+/// or entry; a file of JSON that holds something else is told in `remarks`.
 #[cfg(feature = "files")]
-pub(super) fn beside(scene: &std::path::Path, name: &str) -> Result<Vec<View>, super::SceneError> {
+pub(super) fn beside(
+    scene: &std::path::Path,
+    name: &str,
+    remarks: &mut Vec<String>,
+) -> Result<Vec<View>, super::SceneError> {
     use super::files::{Fault, read_small};
     const REMEDY: &str =
         r#"write {"SCENE": [{"eye": [x, y, z], "target": [x, y, z], "up": [x, y, z], "fov_y_deg": a}]}"#;
@@ -134,13 +138,23 @@ pub(super) fn beside(scene: &std::path::Path, name: &str) -> Result<Vec<View>, s
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
         Err(source) => return Err(super::SceneError::Unreadable { path, source }),
     };
-    let scenes: std::collections::HashMap<String, Vec<View>> =
-        serde_json::from_slice(&text).map_err(|e| {
+    let scenes: std::collections::HashMap<String, Vec<View>> = match serde_json::from_slice(&text) {
+        Ok(scenes) => scenes,
+        // Another program's file of the same name, perhaps.
+        Err(_)
+            if serde_json::from_slice(&text)
+                .is_ok_and(|json: serde_json::Value| json.get(name).is_none()) =>
+        {
+            remarks.push(format!("views.json has no cameras of {name} ({REMEDY})"));
+            return Ok(Vec::new());
+        }
+        Err(e) => {
             let place = format!("line {} column {}", e.line(), e.column());
             let problem = e.to_string();
             let problem = problem.strip_suffix(&format!(" at {place}")).unwrap_or(&problem);
-            Fault::new(place, problem, REMEDY).in_file(&path)
-        })?;
+            return Err(Fault::new(place, problem, REMEDY).in_file(&path));
+        }
+    };
     let views = scenes.get(name).cloned().unwrap_or_default();
     for (i, view) in views.iter().enumerate() {
         view.check().map_err(|e| {

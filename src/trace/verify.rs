@@ -239,6 +239,7 @@ fn settle(mesh: &Mesh, ray: &Ray, witness: impl Fn(&Ray) -> Hit, model: Model) -
             return (Class::Mismatch, hit);
         }
         last = Some(hit);
+        // Strictly behind it: another triangle at the very same distance is not asked for.
         rest.tnear = hit.t.max(rest.tnear.next_up());
     }
     (Class::Mismatch, Hit::MISS)

@@ -233,7 +233,9 @@ fn transforms_that_are_of_no_use_are_refused_in_one_line() {
         (nan, "finite"),
         (Affine3A::from_scale(Vec3::splat(f32::INFINITY)), "finite"),
     ] {
+        let alone = Instance { bvh: &object, transform };
         let error = build(transform).unwrap_err();
+        assert!(alone.check().is_err_and(|reason| error.to_string().contains(reason)));
         assert!(matches!(error, BvhError::Transform { instance: 1, .. }), "{error}");
         let line = error.to_string();
         assert!(

@@ -304,6 +304,12 @@ fn cameras_come_from_views_json() {
     assert_eq!(scene.views.len(), 2);
     assert_eq!((scene.views[1].eye.to_array(), scene.views[1].fov_y_deg), ([1.0, 2.0, 3.0], 50.0));
     assert_eq!(load(&other).unwrap().views.len(), 3, "placed around the geometry");
+    for of_another_program in ["[1, 2]", r#"{"cameras": [{"fov": 50}]}"#] {
+        write(&dir, "views.json", of_another_program);
+        let scene = load(&path).unwrap();
+        assert_eq!(scene.views.len(), 3, "{of_another_program}");
+        assert!(scene.remarks().iter().any(|remark| remark.contains("views.json has no cameras of small")));
+    }
 
     for (json, expected) in [
         ("{", "line 1 column 1"),
@@ -375,6 +381,7 @@ fn shared_scenes() -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
+    assert!(std::env::var_os("PHR_SCENES").is_none(), "PHR_SCENES: no folder {}", folder.display());
     eprintln!("skipped: no folder {} (set PHR_SCENES)", folder.display());
     None
 }

@@ -2,7 +2,8 @@
 
 #![allow(clippy::indexing_slicing, reason = "places in an array of fixed length, none of them from a file")]
 
-use crate::bvh::Link;
+use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
+use crate::bvh::{Link, MAX_DEPTH};
 use crate::geometry::Aabb;
 use crate::random::{GOLDEN, mix};
 use glam::Vec3A;
@@ -36,6 +37,13 @@ pub struct Header {
     pub checksum: u64,
     /// Name of the builder, 32 bytes of it at most.
     pub builder: String,
+}
+
+/// Whether so many nodes and blocks are of a tree over so many triangles: builders make no more than
+/// [`MAX_REFERENCES_PER_TRIANGLE`] leaves for each, nor do nodes lie deeper than [`MAX_DEPTH`].
+pub(super) fn can_be_loaded(nodes: u64, blocks: u64, triangles: u64) -> bool {
+    let most = triangles.saturating_mul(MAX_REFERENCES_PER_TRIANGLE as u64);
+    blocks <= most && nodes <= most.saturating_mul(MAX_DEPTH as u64)
 }
 
 impl Header {

@@ -68,6 +68,26 @@ pub enum SavedError {
         /// What is wrong with it.
         what: String,
     },
+    /// A tree of the other width.
+    #[error("{}: a tree of {width} children per node, not {asked}; load it as one of {width}, or by `Bvh::load`", path.display())]
+    OtherWidth {
+        /// The file.
+        path: PathBuf,
+        /// Children per node in the file.
+        width: u32,
+        /// Those that were asked for.
+        asked: u32,
+    },
+    /// More nodes or blocks than a tree of this crate's builders has.
+    #[error("{}: {nodes} nodes and {blocks} leaf blocks, too many for its triangles; build the tree anew", path.display())]
+    TooMany {
+        /// The file.
+        path: PathBuf,
+        /// Inner nodes.
+        nodes: u64,
+        /// Leaf blocks.
+        blocks: u64,
+    },
     /// No memory for the tree.
     #[error("{}: {source}", path.display())]
     OutOfMemory {

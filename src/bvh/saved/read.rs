@@ -2,12 +2,11 @@
 
 use super::CHUNK;
 use super::SavedError;
-use super::header::{BYTES, Header, MAGIC, checksum, step};
-use crate::bvh::limits::MAX_REFERENCES_PER_TRIANGLE;
+use super::header::{BYTES, Header, MAGIC, can_be_loaded, checksum, step};
 use crate::bvh::links::Named;
 use crate::bvh::record::Record;
 use crate::bvh::validate::Invalid;
-use crate::bvh::{MAX_DEPTH, TriangleBlock, WideBvh, WideNode};
+use crate::bvh::{TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Mesh;
 use crate::memory::huge_pages;
 use crate::memory::runs::{self, Run};
@@ -93,19 +92,20 @@ impl<const N: usize> WideBvh<N> {
     pub(crate) fn read(mesh: &Mesh, saved: SavedTree<'_>) -> Result<Self, SavedError> {
         let SavedTree { file, path, header } = saved;
         if header.width != N as u32 {
-            let what = format!("a tree of {} children per node, not {N}", header.width);
-            return Err(SavedError::unusable(path, what));
+            return Err(SavedError::OtherWidth {
+                path: path.to_owned(),
+                width: header.width,
+                asked: N as u32,
+            });
         }
         if (header.triangles, header.mesh) != (mesh.len() as u64, mesh_fingerprint(mesh)) {
             let Header { triangles, mesh, .. } = header;
             return Err(SavedError::OtherMesh { path: path.to_owned(), triangles, mesh });
         }
         // Before memory is taken for them.
-        let most = header.triangles.saturating_mul(MAX_REFERENCES_PER_TRIANGLE as u64);
-        if header.blocks > most || header.nodes > MAX_DEPTH as u64 * most {
-            let what =
-                format!("{} nodes and {} blocks of {most} references at most", header.nodes, header.blocks);
-            return Err(SavedError::unusable(path, what));
+        let Header { nodes, blocks, triangles, .. } = header;
+        if !can_be_loaded(nodes, blocks, triangles) {
+            return Err(SavedError::TooMany { path: path.to_owned(), nodes, blocks });
         }
         let blocks_at = BYTES as u64 + header.nodes * size_of::<WideNode<N>>() as u64;
         let invalid = |source| match source {

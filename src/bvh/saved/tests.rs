@@ -56,6 +56,22 @@ fn an_open_tree_stays_what_it_was() {
     assert_eq!(Bvh8::load(&mesh, &path).unwrap(), eight);
 }
 
+/// Five leaves of one triangle: no file of it could be loaded.
+#[test]
+fn a_tree_of_too_many_blocks_is_not_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = mesh(1);
+    let mut tree = Bvh8 { bounds: mesh.bounds(), root: Link::inner(0), ..Bvh8::default() };
+    tree.nodes.push(WideNode::EMPTY);
+    for slot in 0..5 {
+        tree.blocks.push(mesh.block_of(&[0]));
+        tree.nodes[0].set(slot, mesh.bounds(), Link::leaf(slot, 1));
+    }
+    let path = folder.path().join("x.phrtree");
+    assert!(matches!(tree.save(&mesh, "by-hand", &path), Err(SavedError::TooMany { blocks: 5, .. })));
+    assert!(!path.exists());
+}
+
 #[test]
 fn other_meshes_and_widths_are_refused() {
     let folder = tempfile::tempdir().unwrap();

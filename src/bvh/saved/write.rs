@@ -2,7 +2,7 @@
 
 use super::CHUNK;
 use super::SavedError;
-use super::header::{BYTES, Header, checksum, step};
+use super::header::{BYTES, Header, can_be_loaded, checksum, step};
 use super::replace::replace;
 use crate::bvh::WideBvh;
 use crate::bvh::record::Record;
@@ -18,11 +18,16 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 const BATCH: usize = 64;
 
 impl<const N: usize> WideBvh<N> {
-    /// Saves the tree, which `builder` built over `mesh`.
+    /// Saves the tree, which `builder` built over `mesh` as it is now: that is not checked here, but in
+    /// [`Bvh::save`](crate::Bvh::save).
     ///
     /// # Errors
-    /// An unwritable place, or one that is no regular file.
+    /// An unwritable place, or one that is no regular file; more leaf blocks than can be loaded.
     pub fn save(&self, mesh: &Mesh, builder: &str, path: &Path) -> Result<(), SavedError> {
+        let (nodes, blocks) = (self.nodes.len() as u64, self.blocks.len() as u64);
+        if !can_be_loaded(nodes, blocks, mesh.len() as u64) {
+            return Err(SavedError::TooMany { path: path.to_owned(), nodes, blocks });
+        }
         // Several programs, or threads of one, may save the same tree at a time.
         static SAVED: AtomicUsize = AtomicUsize::new(0);
         let mark = format!(".{}-{}.part", std::process::id(), SAVED.fetch_add(1, Relaxed));
@@ -33,8 +38,8 @@ impl<const N: usize> WideBvh<N> {
             let header = Header {
                 width: N as u32,
                 root: self.root,
-                nodes: self.nodes.len() as u64,
-                blocks: self.blocks.len() as u64,
+                nodes,
+                blocks,
                 bounds: self.bounds,
                 mesh: mesh_fingerprint(mesh),
                 triangles: mesh.len() as u64,

@@ -121,7 +121,7 @@ pub(super) struct Refused;
 
 impl Guard {
     /// The remedy for what takes too much.
-    const REMEDY: &'static str = "free memory, allow more (--max-memory) or give a smaller scene";
+    const REMEDY: &'static str = "free memory, allow more (--max-memory, `Limits`) or give a smaller scene";
 
     pub fn new(limits: &Limits) -> Self {
         Self { memory: limits.memory, refusal: RefCell::new(None) }

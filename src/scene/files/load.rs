@@ -37,9 +37,9 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// Loads `path`: PLY (binary or ASCII), OBJ, STL (binary or ASCII), glTF 2 or GLB, each with `.gz` or `.zst` after it.
 /// Polygons become fans from their first corner (of concave ones, triangles may lie outside), strips triangles, the
 /// instances of a glTF scene copies in the places of their nodes.
-/// Triangles that no builder accepts are dropped and counted in [`Scene::dropped`], what is no triangle in
-/// [`Scene::contents`]. Cameras come from `views.json` beside the file, or are placed around the geometry where it has
-/// none for this scene.
+/// Faces of OBJ name vertices given before them; later ones are out of range. Triangles that no builder accepts are
+/// dropped and counted in [`Scene::dropped`], what is no triangle in [`Scene::contents`]. Cameras come from
+/// `views.json` beside the file, or are placed around the geometry where it has none for this scene.
 ///
 /// # Errors
 /// [`SceneError`], one line each. A file whose mesh would exceed `limits` is refused, before its memory is taken where
@@ -76,12 +76,13 @@ pub fn load_within(path: &Path, limits: &Limits) -> Result<Scene, SceneError> {
     }
     // What a reader has seen says more than a number.
     let first = raw.first_out_of_range.or_else(|| first.map(|triangle| format!("triangle {triangle}")));
-    let mut cameras = views::beside(path, &name)?;
+    let mut contents = Contents { first_dropped: first, ..raw.contents };
+    let mut cameras = views::beside(path, &name, &mut contents.remarks)?;
     if cameras.is_empty() {
         cameras = views::around(&mesh, raw.up);
     }
     let scene = Scene::new(name, mesh, dropped, cameras, format!("file {}", path.display()));
-    Ok(Scene { contents: Contents { first_dropped: first, ..raw.contents }, ..scene })
+    Ok(Scene { contents, ..scene })
 }
 
 /// The name of a scene file without its endings; `None` where they name no format.

@@ -12,7 +12,8 @@ use std::hint::select_unpredictable;
 use std::path::Path;
 
 /// A tree whose links are in range, whose nodes have one parent each and whose inner levels do not exceed
-/// [`MAX_DEPTH`], over leaf blocks of some form. Only made by [`SoundTree::new`]; the borrow keeps the proof true.
+/// [`MAX_DEPTH`], over leaf blocks of some form. Only made by [`SoundTree::new`], or of a [`ProvenTree`], which that or
+/// [`WideBvh::load`] has found so; the borrow keeps the proof true.
 #[derive(Debug)]
 pub(super) struct SoundTree<'a, const N: usize, B = TriangleBlock> {
     /// The tree's root, or a link reached from it.
@@ -91,7 +92,7 @@ impl<'a, const N: usize, B> SoundTree<'a, N, B> {
     #[inline(always)]
     pub(super) unsafe fn node(self, index: usize) -> &'a WideNode<N> {
         debug_assert!(index < self.nodes.len());
-        // SAFETY: `new` found every inner link reached from the root in range.
+        // SAFETY: whoever proved the tree found every inner link reached from the root in range.
         unsafe { self.nodes.get_unchecked(index) }
     }
 
@@ -102,7 +103,7 @@ impl<'a, const N: usize, B> SoundTree<'a, N, B> {
     #[inline(always)]
     pub(super) unsafe fn leaf(self, first: usize, count: usize) -> &'a [B] {
         debug_assert!(first + count <= self.blocks.len());
-        // SAFETY: `new` found every leaf reached from the root in range.
+        // SAFETY: whoever proved the tree found every leaf reached from the root in range.
         unsafe { self.blocks.get_unchecked(first..first + count) }
     }
 

@@ -1,6 +1,8 @@
 //! Many rays at a time. Where many are left, a vector has a lane for each: [a box](boxes) or [a triangle](triangles) is
 //! tested against all of them at once. Where [few] are, it has a lane for each child or triangle. Either is done in the
-//! operations and the order of [`FastAvx2`], so that each ray has the answers that it has by itself.
+//! operations and the order of [`FastAvx2`], so that each ray has the answers that it has by itself. One case is left
+//! out: here a ray that touches a box at a plane of -0.0 meets it, as distances are compared as floats and not by their
+//! bits.
 
 mod boxes;
 mod few;
