@@ -133,10 +133,11 @@ impl Device {
     pub(super) fn check(&self, doing: &'static str) -> Result<(), EmbreeError> {
         // SAFETY: the device is live.
         let code = unsafe { sys::rtcGetDeviceError(self.0.raw) };
-        let text = self.0.monitor.error.lock().unwrap_or_else(PoisonError::into_inner).take();
+        // Before the text is taken, which may be for another thread.
         if code == sys::RTC_ERROR_NONE {
             return Ok(());
         }
+        let text = self.0.monitor.error.lock().unwrap_or_else(PoisonError::into_inner).take();
         let text = text.unwrap_or_else(|| describe(code).to_owned());
         Err(EmbreeError::Call { doing, text, config: self.0.config.clone() })
     }

@@ -61,14 +61,17 @@ impl MovingScene {
                 new(sys::RTC_BUFFER_TYPE_VERTEX, sys::RTC_FORMAT_FLOAT3, mesh.vertices().len()).cast();
             let indices: *mut [u32; 3] =
                 new(sys::RTC_BUFFER_TYPE_INDEX, sys::RTC_FORMAT_UINT3, mesh.len()).cast();
-            device.check("making a scene")?;
-            if !vertices.is_null() && !indices.is_null() {
+            let made = device.check("making a scene");
+            if made.is_ok() && !vertices.is_null() && !indices.is_null() {
                 vertices.copy_from_nonoverlapping(mesh.vertices().as_ptr(), mesh.vertices().len());
                 indices.copy_from_nonoverlapping(mesh.triangles().as_ptr(), mesh.len());
             }
-            sys::rtcCommitGeometry(geometry);
-            sys::rtcAttachGeometryByID(handle.0, geometry, GEOMETRY);
+            if made.is_ok() {
+                sys::rtcCommitGeometry(geometry);
+                sys::rtcAttachGeometryByID(handle.0, geometry, GEOMETRY);
+            }
             sys::rtcReleaseGeometry(geometry);
+            made?;
             (handle, vertices)
         };
         device.check("attaching the mesh")?;

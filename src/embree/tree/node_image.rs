@@ -15,7 +15,8 @@ pub(super) struct NodeImage<const N: usize> {
 
 impl<const N: usize> NodeImage<N> {
     /// Lays `tree` out depth first. Trees that Embree's kernels could not walk are refused: references beyond
-    /// the tree, nodes or blocks used twice, more than [`MAX_DEPTH`] levels, triangles beyond `triangles`.
+    /// the tree, more nodes or blocks than it has (some are used twice), more than [`MAX_DEPTH`] levels, triangles
+    /// beyond `triangles`.
     pub fn of(tree: &WideBvh<N>, triangles: usize) -> Result<Self, Unavailable> {
         let mut nodes: Pages<Node<N>> = Pages::with_capacity(tree.nodes.len())?;
         let mut leaves: Pages<Triangle4> = Pages::with_capacity(tree.blocks.len())?;
