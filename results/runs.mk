@@ -54,7 +54,7 @@ ROUNDS ?= 3
 MIN_SECONDS ?= 60
 SIZE ?= 160
 CONSTANTS_ROUNDS ?= 0
-PROGRAM = ./target/release/phr
+PROGRAM = $(or $(CARGO_TARGET_DIR),./target)/release/phr
 JUDGED = results/targets
 FULL = results/full
 REFERENCE = results/reference
@@ -157,18 +157,18 @@ bench-builders: program
 
 bench-kernel: program
 	$(PROGRAM) kernels $(KERNEL_SCENES) $(SCENES) --least 100000 --size $(SIZE) --seconds 2 --threads 1 --threads 2 \
-		--out results/kernel $(ARGS)
-	$(PROGRAM) leaks --out results/leaks
+		--replace --out results/kernel $(ARGS)
+	$(PROGRAM) leaks --replace --out results/leaks
 	$(if $(IMAGED),for size in 160 512; do $(PROGRAM) kernels $(IMAGED) --builder embree-sah --width 8 --rounds 3 --size $$size \
-		--out results/kernel-$$size || exit 1; done)
+		--replace --out results/kernel-$$size || exit 1; done)
 
 bench-scaling: program
 	$(PROGRAM) scaling $(KERNEL_SCENES) $(SCENES) $(addprefix --builder ,$(SCALED)) --width 8 \
-		$(addprefix --workers ,1 2 4 16 64) --out results/scaling $(ARGS)
+		$(addprefix --workers ,1 2 4 16 64) --replace --out results/scaling $(ARGS)
 	$(PROGRAM) plot results/scaling
 
 bench-animation: program
-	$(PROGRAM) animate --width 4 --size 128 --out results/animation $(ARGS)
+	$(PROGRAM) animate --width 4 --size 128 --replace --out results/animation $(ARGS)
 
 bench-advice: program
 	$(PROGRAM) bench $(KERNEL_SCENES) $(SCENES) --size 128 $(addprefix --builder ,$(ADVISED)) --filter grafted \

@@ -151,7 +151,7 @@ pub fn rays(text: &str) -> Result<f64, String> {
 
 /// The arguments without the folders of this machine.
 pub fn command_line() -> Vec<String> {
-    without_folders(std::env::args().skip(1))
+    without_folders(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()))
 }
 
 /// The last part of what may be a path: of all but the values of `--filter` and `--shard`.
@@ -160,8 +160,13 @@ fn without_folders(arguments: impl Iterator<Item = String>) -> Vec<String> {
     let shortened = |argument: String| {
         let keeps = is_value || ["--filter=", "--shard="].iter().any(|option| argument.starts_with(option));
         is_value = matches!(&*argument, "--filter" | "--shard");
-        match argument.rsplit_once('/') {
-            Some((_, file)) if !keeps => file.to_owned(),
+        // The name of an option stays where its value is behind it.
+        let (option, value) = match argument.split_once('=') {
+            Some((option, value)) if option.starts_with("--") => (format!("{option}="), value),
+            _ => (String::new(), &*argument),
+        };
+        match value.rsplit_once('/') {
+            Some((_, file)) if !keeps => option + file,
             _ => argument,
         }
     };

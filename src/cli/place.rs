@@ -1,6 +1,7 @@
 //! Places of the files that commands write: nothing is lost there.
 
 use super::failure::Failure;
+use crate::bench::files::new_folder;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -55,6 +56,21 @@ pub fn check_place(path: &Path, kind: FileKind) -> Result<(), Failure> {
         return Err(Failure::Bad(format!("{path}: is there, and no {name}; remove it or give another name")));
     }
     Ok(())
+}
+
+/// Refuses to write over the results in `csv` unless they are to be replaced, before any work is done; makes their
+/// folder.
+///
+/// # Errors
+/// Results that are there, a folder that cannot be made.
+pub fn results_place(csv: &Path, replace: bool) -> Result<(), Failure> {
+    if csv.exists() && !replace {
+        let csv = csv.display();
+        return Err(Failure::Bad(format!(
+            "{csv}: is there already; --replace puts new results in its place, --out gives another folder"
+        )));
+    }
+    Ok(csv.parent().map_or(Ok(()), new_folder)?)
 }
 
 #[cfg(test)]

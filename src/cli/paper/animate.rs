@@ -1,10 +1,10 @@
 //! `phr animate`: trees that follow a moving scene.
 
 use super::told;
-use crate::bench::files::new_folder;
 use crate::bench::settings::Settings;
 use crate::cli::failure::Failure;
 use crate::cli::options::{Made, all_threads, cells, distinct, kernel, pools, width};
+use crate::cli::place::results_place;
 use crate::experiments::animation::{
     self, ANIMATION, AnimationSettings, FrameRow, entrants, measure, records,
 };
@@ -61,13 +61,32 @@ pub struct Arguments {
     /// Folder of the results
     #[arg(long, default_value = "results/animation", value_name = "DIR")]
     out: PathBuf,
+    /// Replace the results of an earlier run in the folder
+    #[arg(long, conflicts_with_all = ["redraw", "check"])]
+    replace: bool,
     /// Measure nothing: draw and tell again from the CSV in the folder
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = MEASURED)]
     redraw: bool,
     /// Measure and draw nothing; fail if figure or findings in the folder are not those of the CSV
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = MEASURED)]
     check: bool,
 }
+
+/// What says how to measure.
+const MEASURED: [&str; 12] = [
+    "scenes",
+    "builders",
+    "changes",
+    "configs",
+    "frames",
+    "triangles",
+    "kernel",
+    "views",
+    "size",
+    "rounds",
+    "threads",
+    "seed",
+];
 
 /// Builders of ours unless others are named.
 const BUILDERS: [&str; 3] = ["lbvh", "phr-fast", "phr-speed"];
@@ -103,7 +122,7 @@ fn measured(arguments: &Arguments) -> Result<Vec<FrameRow>, Failure> {
     let cells = cells(&builders, &arguments.made, &[arguments.width])?;
     // Refused before anything is measured or written.
     entrants(&cells, true).map_err(Failure::Bad)?;
-    new_folder(&arguments.out)?;
+    results_place(&arguments.out.join(ANIMATION), arguments.replace)?;
     let mut rows = Vec::new();
     for animated in scenes {
         let triangles = arguments.triangles.unwrap_or(animated.triangles);

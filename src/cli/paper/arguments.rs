@@ -2,6 +2,7 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::options::width;
+use crate::cli::place::results_place;
 use std::path::{Path, PathBuf};
 
 /// Make one of the paper's experiments: measure, draw, and tell what was found
@@ -54,13 +55,13 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", conflicts_with_all = ["resume", "replace", "scenes"])]
     pub rows: Vec<PathBuf>,
     /// List what would be run
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["rows", "redraw", "check"])]
     pub list: bool,
     /// Measure nothing: draw and tell again from the CSV in the folder
-    #[arg(long)]
+    #[arg(long, conflicts_with = "scenes")]
     pub redraw: bool,
     /// Measure and draw nothing; fail if figures or findings in the folder are not those of the CSV
-    #[arg(long)]
+    #[arg(long, conflicts_with = "scenes")]
     pub check: bool,
 }
 
@@ -94,14 +95,7 @@ impl Arguments {
                 "experiment {name}: {option} has no effect, it counts within a build of each scene; leave it out"
             )));
         }
-        let path = self.folder().join(csv);
-        if path.exists() && !self.only_reads() && !self.replace {
-            let path = path.display();
-            return Err(Failure::Bad(format!(
-                "{path}: is there already; --replace puts new results in its place, --out gives another folder"
-            )));
-        }
-        Ok(())
+        if self.only_reads() { Ok(()) } else { results_place(&self.folder().join(csv), self.replace) }
     }
 
     /// Whether nothing is to be measured.

@@ -64,8 +64,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     // The bytes of builds are no question of any experiment.
     let outcome = make(&plan, records, None, Bar::new(false))?;
-    tell(experiment, arguments, &outcome.rows, &folder)?;
-    verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)
+    let told = tell(experiment, arguments, &outcome.rows, &folder);
+    // What failed, or that the run was stopped, says more than that there is nothing to draw.
+    verdict(&outcome.rows, outcome.failures, outcome.complete, &folder)?;
+    told
 }
 
 /// Refuses rows of one scene that are of other geometry or threads: they cannot stand beside each other.
@@ -113,13 +115,13 @@ fn tell(
 ) -> Result<(), Failure> {
     let drawings = contest::figures(experiment, rows, arguments.width);
     if drawings.is_empty() {
-        return Err(Failure::Bad(format!(
-            "{}: no rows of {} at width {}; run `phr experiment {}` first",
-            folder.display(),
-            experiment.name,
-            arguments.width,
-            experiment.name
-        )));
+        let (folder, name, width) = (folder.display(), experiment.name, arguments.width);
+        let other = rows.iter().map(|row| row.width).find(|other| *other != width);
+        let remedy = match other {
+            Some(other) if rows.iter().all(|row| row.width != width) => format!("give --width {other}"),
+            _ => format!("run `phr experiment {name}` first"),
+        };
+        return Err(Failure::Bad(format!("{folder}: no rows of {name} at width {width}; {remedy}")));
     }
     let text = contest::findings(experiment, rows, arguments.width);
     let act = if arguments.check { told::compare } else { told::write };

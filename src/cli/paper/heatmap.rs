@@ -47,12 +47,15 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Measure nothing: draw again from the files beside the picture
-    #[arg(long, conflicts_with_all = ["scene", "builders", "changes", "configs"])]
+    #[arg(long, conflicts_with_all = MEASURED)]
     redraw: bool,
     /// Measure and draw nothing; fail if the picture is not that of the files beside it
-    #[arg(long, conflicts_with_all = ["scene", "builders", "changes", "configs", "redraw"])]
+    #[arg(long, conflicts_with_all = MEASURED, conflicts_with_all = ["scale", "redraw"])]
     check: bool,
 }
+
+/// What says how to measure.
+const MEASURED: [&str; 8] = ["scene", "builders", "changes", "configs", "width", "view", "size", "threads"];
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -63,18 +66,31 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "{output}: a heat map is a PNG file; give a name that ends in .png"
         )));
     }
+    if !(1..=heatmap::MOST_PIXELS).contains(&arguments.size) || arguments.scale == Some(0) {
+        return Err(Failure::Bad(format!(
+            "--size, --scale: give 1 to {} pixels and 1 or more steps",
+            heatmap::MOST_PIXELS
+        )));
+    }
     if arguments.redraw || arguments.check {
-        let drawn = heatmap::draw(&heatmap::read(&arguments.output)?)?;
+        let mut panels = heatmap::read(&arguments.output)?;
+        if let Some(scale) = arguments.scale {
+            panels.iter_mut().for_each(|panel| panel.row.scale = scale);
+            heatmap::write(&arguments.output, &panels)?;
+        }
+        let drawn = heatmap::draw(&panels)?;
         return if arguments.check {
             check(&arguments.output, &drawn)
         } else {
             Ok(write_whole(&arguments.output, &drawn)?)
         };
     }
-    if !(1..=heatmap::MOST_PIXELS).contains(&arguments.size) || arguments.scale == Some(0) {
+    let [csv, counts] = heatmap::places(&arguments.output);
+    check_place(&counts, FileKind::Png)?;
+    if csv.exists() && heatmap::read(&arguments.output).is_err() {
+        let csv = csv.display();
         return Err(Failure::Bad(format!(
-            "--size, --scale: give 1 to {} pixels and 1 or more steps",
-            heatmap::MOST_PIXELS
+            "{csv}: is there, and not of a heat map; remove it or give another name"
         )));
     }
     let pools = pools(arguments.threads.unwrap_or_else(all_threads))?;

@@ -81,7 +81,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u64,
     /// Time builds only
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["size", "views"])]
     build_only: bool,
     /// Time builds on one thread too, beside those on all; with --build-only
     #[arg(long)]

@@ -62,7 +62,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let program = std::env::current_exe()?;
     for cell in cells {
         let built = Contender::of(&cell).and_then(|mut contender| contender.build(&request));
-        let built = built.map_err(Failure::Wrong)?;
+        let named = |reason| Failure::Wrong(format!("{}, width {}: {reason}", cell.builder, cell.width));
+        let built = built.map_err(named)?;
         let mut text = describe(&built);
         if let Some(output) = &arguments.output {
             let tree = built.tree().map_err(|reason| Failure::Wrong(reason.to_owned()))?;

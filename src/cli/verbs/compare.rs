@@ -17,9 +17,10 @@ use std::time::Duration;
 /// Compare the times of results B with those of A, or this program with another; exit code 0 if nothing is slower, 1 if
 /// something is, 3 if undecided
 ///
-/// Of results, each verdict follows from the 95 % interval of the ratio of medians: by bootstrap over samples.json,
-/// rounds paired where both runs have the same, widened where samples are few, or from median and deviation in
-/// rows.csv where there are no samples.
+/// Of results, each verdict follows from the 95 % interval of B / A: where both runs have rounds in common, B / A is
+/// the mean of the ratios of their rounds, which need not be the quotient of the medians beside it. Else it is the
+/// ratio of medians, by bootstrap over samples.json, widened where samples are few, or from median and deviation in
+/// rows.csv.
 ///
 /// With --against, two builds of this program build the scenes by turns, this one as B; each verdict follows from the
 /// interval of the paired ratios. That finds smaller changes sooner.

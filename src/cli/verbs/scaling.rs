@@ -1,6 +1,5 @@
 //! `phr scaling`: builds on more threads than the machine has, from the times of their tasks.
 
-use crate::bench::files::new_folder;
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::scaling::row::{self, SCALING};
 use crate::bench::scaling::{ScalingSettings, measure};
@@ -8,6 +7,7 @@ use crate::builders;
 use crate::cli::failure::Failure;
 use crate::cli::options::{self, Made, distinct};
 use crate::cli::output::say;
+use crate::cli::place::results_place;
 use crate::report::scaling::{means, scene_table};
 use std::path::PathBuf;
 
@@ -23,7 +23,7 @@ pub struct Arguments {
     #[command(flatten)]
     made: Made,
     /// Children per node (repeatable) [default: 4 and 8]
-    #[arg(long = "width", value_name = "N")]
+    #[arg(long = "width", value_name = "N", value_parser = options::width)]
     widths: Vec<u32>,
     /// Workers (repeatable); as many threads are measured beside them where the machine has them
     #[arg(long, value_name = "N", default_values_t = [1, 2, 4, 8, 16, 32, 64])]
@@ -34,19 +34,22 @@ pub struct Arguments {
     /// Folder of the results
     #[arg(long, default_value = "results/scaling", value_name = "DIR")]
     out: PathBuf,
+    /// Replace the results of an earlier run in the folder
+    #[arg(long)]
+    replace: bool,
 }
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = settings(arguments)?;
     let scenes = PlannedScene::find_all(&arguments.scenes)?;
+    results_place(&arguments.out.join(SCALING), arguments.replace)?;
     let mut rows = Vec::new();
     for planned in scenes {
         let scene = options::loaded(&planned)?;
         let of_scene = measure(&scene, &settings);
         rows.extend(of_scene.map_err(|why| Failure::Bad(format!("{}: {why}", scene.name)))?);
         say(&(scene_table(&rows, &scene.name) + "\n"))?;
-        new_folder(&arguments.out)?;
         row::write(&arguments.out.join(SCALING), &rows)?;
     }
     say(&means(&rows))

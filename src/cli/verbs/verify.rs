@@ -50,7 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let plan = Plan::new(&request)?;
     let pools = pools(plan.settings.threads)?;
-    let mut wrong = 0;
+    let (mut wrong, mut failed) = (0, 0);
     for (planned, cells) in &plan.scenes {
         let scene = loaded(planned)?;
         let mut grid =
@@ -66,12 +66,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         for cell in cells {
             let name = format!("{} / {}", cell.builder, cell.width);
             match bench.verify(cell) {
-                Ok(kernels) => kernels.iter().for_each(|kernel| {
-                    wrong += usize::from(kernel.mismatch.is_some());
-                    grid.push(line(&name, kernel));
-                }),
+                Ok(kernels) => {
+                    wrong += usize::from(kernels.iter().any(|kernel| kernel.mismatch.is_some()));
+                    kernels.iter().for_each(|kernel| grid.push(line(&name, kernel)));
+                }
                 Err(reason) => {
-                    wrong += 1;
+                    failed += 1;
                     let nothing = std::iter::repeat_n("-".to_owned(), 6);
                     grid.push([name].into_iter().chain(nothing).chain([reason]).collect());
                 }
@@ -79,7 +79,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         say(&(grid.markdown() + "\n"))?;
     }
-    if wrong > 0 { Err(Failure::Wrong(format!("{wrong} trees give wrong hits, see above"))) } else { Ok(()) }
+    match (wrong, failed) {
+        (0, 0) => Ok(()),
+        _ => Err(Failure::Wrong(format!(
+            "trees with wrong hits: {wrong}, builders that failed: {failed}; see above"
+        ))),
+    }
 }
 
 fn line(name: &str, kernel: &KernelChecks) -> Vec<String> {

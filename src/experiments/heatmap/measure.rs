@@ -59,7 +59,7 @@ fn panel(request: &Request<'_>, cell: &Cell, rays: &[Ray], reference: &[Hit]) ->
     let Request { scene, view, size, pools, .. } = *request;
     let (mesh, name) = (&scene.mesh, format!("{} / {}", cell.builder, cell.width));
     let build = BuildRequest { mesh, pools, kernels: &[Kernel::Phr], wants_facts: false, fresh_only: true };
-    let built = Contender::of(cell)?.build(&build)?;
+    let built = Contender::of(cell)?.build(&build).map_err(|reason| format!("{name}: {reason}"))?;
     let tree = TreeUnderKernel::new(&built, Kernel::Phr, pools.all.current_num_threads())?;
     let tracer =
         tree.tracer().map_err(|reason| format!("{name}: our kernel cannot have its tree: {reason}"))?;

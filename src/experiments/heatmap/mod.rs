@@ -9,4 +9,4 @@ pub mod records;
 
 pub use draw::draw;
 pub use measure::{Request, measure};
-pub use records::{HeatmapRow, MOST_PIXELS, Panel, read, write};
+pub use records::{HeatmapRow, MOST_PIXELS, Panel, places, read, write};

@@ -121,7 +121,11 @@ fn a_generated_scene_needs_no_file() {
 #[test]
 fn builds_alone_are_timed_without_rays() {
     let (_keep, folder) = workplace();
-    let output = phr(&folder, &tiny("sheet.ply", &["--rounds", "3", "--build-only"]));
+    let mut arguments = tiny("sheet.ply", &["--rounds", "3", "--build-only"]);
+    let refused = phr(&folder, &arguments);
+    assert!(text(&refused.stderr).contains("--size"), "nothing is rendered: {}", text(&refused.stderr));
+    arguments.retain(|it| !["--size", "16", "--views", "1"].contains(it));
+    let output = phr(&folder, &arguments);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let rows = row::read(&folder.join("out")).unwrap();
     assert_eq!(rows.len(), 3 * trees());

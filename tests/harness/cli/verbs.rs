@@ -325,7 +325,13 @@ fn every_verb_with_builders_takes_a_configuration() {
         assert!(told.contains("mine") && !told.contains("phr-hq"), "{arguments:?}: {told}");
     }
     for arguments in cases.iter().filter(|it| ["heatmap", "scaling", "kernels", "animate"].contains(&it[0])) {
-        let output = phr(&folder, &[arguments, &["--set", "phr-fast.delta=7"][..]].concat());
+        let mut again = [arguments, &["--set", "phr-fast.delta=7"][..]].concat();
+        if arguments[0] != "heatmap" {
+            let refused = phr(&folder, &again);
+            assert!(text(&refused.stderr).contains("--replace"), "{arguments:?} {}", text(&refused.stderr));
+            again.push("--replace");
+        }
+        let output = phr(&folder, &again);
         let (told, wrong) = (text(&output.stdout), text(&output.stderr));
         assert!(
             output.status.success() && told.contains("phr-fast[delta=7]"),

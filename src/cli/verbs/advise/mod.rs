@@ -11,6 +11,7 @@ use crate::bench::row;
 use crate::cli::failure::Failure;
 use crate::cli::options::{Widths, all_threads, loaded, pools, rays, seconds, widths};
 use crate::cli::output::say;
+use crate::cli::place::{FileKind, check_place};
 use crate::cli::progress::Steps;
 use crate::cli::verbs::plot::draw;
 use crate::report::advice::measured::Measurement;
@@ -62,8 +63,8 @@ pub struct Arguments {
     /// Folder for CSV and plot [default: results/advice-SCENE, with --instant results/advice-SCENE-instant]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// The model [default: the one in this program]
-    #[arg(long, value_name = "FILE")]
+    /// The model [default: the one in this program]; with --judge each scene's is fitted to the others
+    #[arg(long, value_name = "FILE", conflicts_with = "judge")]
     model: Option<PathBuf>,
     /// Fit the model to the rows of a results folder and write it to the file of --model
     #[arg(long, value_name = "RESULTS", requires = "model", conflicts_with = "judge")]
@@ -85,6 +86,7 @@ pub struct Arguments {
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let (Some(results), Some(file)) = (&arguments.fit, &arguments.model) {
+        check_place(file, FileKind::Json)?;
         let refused = |reason| Failure::Bad(format!("{}: {reason}", results.display()));
         let mut rows = row::read(results)?;
         let all = rows.len();

@@ -1,11 +1,11 @@
 //! `phr leaks`: rays aimed at the vertices and edges of a closed mesh from within, and how many get out.
 
-use crate::bench::files::new_folder;
 use crate::bench::kernels::leaks::{self, LEAKS, LeakSettings};
 use crate::bench::settings::MOST_THREADS;
 use crate::cli::failure::Failure;
 use crate::cli::options;
 use crate::cli::output::say;
+use crate::cli::place::results_place;
 use crate::report::kernels::leaks_table;
 use std::path::PathBuf;
 
@@ -22,6 +22,9 @@ pub struct Arguments {
     /// Folder of the results
     #[arg(long, default_value = "results/leaks", value_name = "DIR")]
     out: PathBuf,
+    /// Replace the results of an earlier run in the folder
+    #[arg(long)]
+    replace: bool,
 }
 
 /// Runs the verb.
@@ -30,9 +33,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if !(1..=MOST_THREADS).contains(&threads) {
         return Err(Failure::Bad(format!("--threads {threads}: give 1 to {MOST_THREADS}")));
     }
+    results_place(&arguments.out.join(LEAKS), arguments.replace)?;
     let rows =
         leaks::measure(&LeakSettings { rays: arguments.rays as u64, threads }).map_err(Failure::Bad)?;
-    new_folder(&arguments.out)?;
     leaks::write(&arguments.out.join(LEAKS), &rows)?;
     say(&leaks_table(&rows))?;
     match rows.iter().filter(|row| row.is_watertight()).map(|row| row.leaks).sum::<u64>() {

@@ -3,7 +3,6 @@
 
 pub mod leaks;
 
-use crate::bench::files::new_folder;
 use crate::bench::kernels::row::{self, KERNELS, KernelRow};
 use crate::bench::kernels::{KernelSettings, left_out, measure};
 use crate::bench::planned_scene::PlannedScene;
@@ -11,6 +10,7 @@ use crate::bench::settings::Settings;
 use crate::cli::failure::Failure;
 use crate::cli::options::{self, Made, distinct};
 use crate::cli::output::say;
+use crate::cli::place::results_place;
 use crate::report::kernels::{scene_table, summary};
 use crate::trace::PathSettings;
 use std::path::PathBuf;
@@ -32,7 +32,7 @@ pub struct Arguments {
     #[command(flatten)]
     made: Made,
     /// Children per node (repeatable) [default: 4 and 8]
-    #[arg(long = "width", value_name = "N")]
+    #[arg(long = "width", value_name = "N", value_parser = options::width)]
     widths: Vec<u32>,
     /// Threads (repeatable) [default: 1]
     #[arg(long, value_name = "N")]
@@ -55,12 +55,16 @@ pub struct Arguments {
     /// Folder of the results
     #[arg(long, default_value = "results/kernels", value_name = "DIR")]
     out: PathBuf,
+    /// Replace the results of an earlier run in the folder
+    #[arg(long)]
+    replace: bool,
 }
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = settings(arguments)?;
     let scenes = PlannedScene::find_all(&arguments.scenes)?;
+    results_place(&arguments.out.join(KERNELS), arguments.replace)?;
     let mut rows = Vec::new();
     for planned in scenes {
         let scene = options::loaded(&planned)?;
@@ -72,7 +76,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             measure(&scene, &settings).map_err(|why| Failure::Bad(format!("{}: {why}", scene.name)))?,
         );
         say(&scene_table(&rows, &scene.name))?;
-        new_folder(&arguments.out)?;
         row::write(&arguments.out.join(KERNELS), &rows)?;
     }
     say(&summary(&rows))?;
