@@ -38,9 +38,12 @@ fn figures_in_the_text_are_those_of_the_rows() {
 fn runs_behind_the_figures_are_kept_by_git() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let texts: Vec<String> = pages().iter().map(|page| std::fs::read_to_string(page).unwrap()).collect();
-    let markers = texts.iter().flat_map(|text| prose(text)).filter(|(_, line)| line.starts_with("<!-- "));
+    let lines = texts.iter().flat_map(|text| prose(text));
+    let markers = lines
+        .flat_map(|(_, line)| line.split("<!-- ").skip(1))
+        .filter_map(|marker| marker.split("-->").next());
     let mut runs: Vec<&str> =
-        markers.flat_map(|(_, line)| line.split(' ')).filter(|word| word.starts_with("results/")).collect();
+        markers.flat_map(|marker| marker.split(' ')).filter(|word| word.starts_with("results/")).collect();
     runs.sort_unstable();
     runs.dedup();
     assert!(runs.len() >= 10, "{runs:?}");

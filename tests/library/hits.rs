@@ -19,6 +19,7 @@ fn shared_scenes() -> Vec<PathBuf> {
     let folder = std::env::var_os("PHR_SCENES")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes"), PathBuf::from);
     let Ok(entries) = std::fs::read_dir(&folder) else {
+        assert!(std::env::var_os("PHR_SCENES").is_none(), "PHR_SCENES: no folder {}", folder.display());
         println!("skipped: no scenes in {}", folder.display());
         return Vec::new();
     };

@@ -118,6 +118,10 @@ fn trees_are_those_on_record() {
 /// The instruction set is detected once per process: each lower one has a process of its own.
 #[test]
 fn trees_are_the_same_with_lower_instruction_sets() {
+    // What is being written cannot be compared with.
+    if std::env::var_os("PHR_RECORD_TREES").is_some() {
+        return;
+    }
     for isa in Isa::available().filter(|&isa| isa != Isa::best()) {
         let output = Command::new(std::env::current_exe().unwrap())
             .args(["--exact", "tree_hashes::trees_are_those_on_record"])
