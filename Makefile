@@ -58,14 +58,14 @@ NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
 # The program alone: criterion's benchmarks are not built.
 bench: program
-	./target/release/phr bench --set builtin --rounds 3 --views 1 --size 160 --replace $(ARGS)
+	$(PROGRAM) bench --set builtin --rounds 3 --views 1 --size 160 --replace $(ARGS)
 
 # The page of the folder RESULTS again; ARGS="--experiments results/experiments" adds those.
 report: program
-	./target/release/phr report $(RESULTS) $(ARGS)
+	$(PROGRAM) report $(RESULTS) $(ARGS)
 
 bench-full: program
-	./target/release/phr bench --set builtin --replace $(ARGS)
+	$(PROGRAM) bench --set builtin --replace $(ARGS)
 
 # One test more than there are processors at a time: some wait for a browser, or for a program that they stop.
 # The page's tests are left out, and say so, where the browser cannot be had; with PHR_BROWSER=1 they fail.

@@ -14,7 +14,11 @@ fn builders(criterion: &mut Criterion) {
         for builder in builders::NAMES {
             let mut builder = builders::by_name::<4>(builder).expect("a name of the list");
             group.bench_function(BenchmarkId::from_parameter(builder.name()), |bencher| {
-                bencher.iter(|| builder.build(&scene.mesh));
+                // In the memory of the last tree, as in the regime `rebuild`.
+                bencher.iter(|| {
+                    let tree = builder.build(&scene.mesh).tree;
+                    builder.recycle(tree);
+                });
             });
         }
         group.finish();

@@ -132,9 +132,9 @@ fn primitives(criterion: &mut Criterion) {
             });
         });
         #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
+        if phr::trace::Isa::best() != phr::trace::Isa::Scalar {
             group.bench_function(BenchmarkId::from_parameter("by hand, AVX2"), |bencher| {
-                // SAFETY: the processor has AVX2 and FMA, and so has BMI and LZCNT.
+                // SAFETY: the library found all of AVX2, FMA, BMI and LZCNT.
                 bencher.iter(|| black_box(unsafe { by_hand_avx2(tree, &spheres, rays) }));
             });
         }
