@@ -46,6 +46,10 @@ fn run() -> Result<(), String> {
     }
     println!("cargo::rustc-link-search=native={}", embree.lib.display());
     println!("cargo::rustc-link-lib=dylib=embree{}", embree.major);
+    // The loader looks among the system's libraries, and would find the distribution's Embree there. `phr` does the same.
+    if ["EMBREE_DIR", "EMBREE3_DIR"].into_iter().any(|name| prefix(name).is_some()) {
+        println!("cargo::rustc-link-arg-tests=-Wl,-rpath,{}", embree.lib.display());
+    }
     println!("cargo::metadata=include={}", embree.include.display());
     println!("cargo::metadata=lib={}", embree.lib.display());
     println!("cargo::metadata=major={}", embree.major);

@@ -35,7 +35,9 @@ pub fn ticks((least, most): (f64, f64), room: usize) -> Vec<(f64, String)> {
     ticks
         .into_iter()
         .map(|tick| {
-            let text = format!("{tick:.3}");
+            // Three digits behind the point, of values below a tenth three that count.
+            let digits = (2.0 - tick.log10().floor()).clamp(3.0, 12.0) as usize;
+            let text = format!("{tick:.digits$}");
             let text = text.trim_end_matches('0').trim_end_matches('.').to_owned();
             (text.parse().unwrap_or(tick), text)
         })
@@ -63,6 +65,7 @@ mod tests {
         assert_eq!(texts((0.9, 1.45), 7), ["0.9", "1", "1.1", "1.2", "1.3", "1.4"]);
         assert_eq!(texts((0.02, 300.0), 5), ["0.1", "1", "10", "100"]);
         assert_eq!(texts((0.26, 1.1), 10), ["0.3", "0.4", "0.5", "0.6", "0.8", "1"]);
+        assert_eq!(texts((0.0001, 0.0012), 5), ["0.0001", "0.0002", "0.0005", "0.001"]);
     }
 
     #[test]
