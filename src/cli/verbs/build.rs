@@ -60,10 +60,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let request =
         BuildRequest { mesh: &scene.mesh, pools: &pools, kernels: &[], wants_facts: true, fresh_only: false };
     let program = std::env::current_exe()?;
+    let mut failed = Vec::new();
     for cell in cells {
         let built = Contender::of(&cell).and_then(|mut contender| contender.build(&request));
-        let named = |reason| Failure::Wrong(format!("{}, width {}: {reason}", cell.builder, cell.width));
-        let built = built.map_err(named)?;
+        let built = match built {
+            Ok(built) => built,
+            // The others may be built all the same.
+            Err(reason) => {
+                failed.push(format!("{}, width {}: {reason}", cell.builder, cell.width));
+                continue;
+            }
+        };
         let mut text = describe(&built);
         if let Some(output) = &arguments.output {
             let tree = built.tree().map_err(|reason| Failure::Wrong(reason.to_owned()))?;
@@ -84,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         say(&format!("\n{}, width {}\n{text}", cell.builder, cell.width))?;
     }
-    Ok(())
+    if failed.is_empty() { Ok(()) } else { Err(Failure::Wrong(failed.join("; "))) }
 }
 
 fn describe(built: &BuiltTree<'_>) -> String {

@@ -18,19 +18,29 @@ const FONT: f64 = 12.0;
 const LOSES: &str =
     "from here on a frame takes longer than with the same builder's rebuilding, medians of five frames";
 
-/// The line of a contestant: a colour by its builder, after Okabe and Ito, and dashes by how it follows.
-fn line(entrant: &Entrant) -> Line {
-    let colour = match entrant.builder.as_str() {
-        "lbvh" => "#000000",
-        "embree-morton" => "#56b4e9",
-        "embree-sah" => "#0072b2",
-        "phr-fast" => "#d55e00",
-        "phr-draft" => "#f0e442",
-        "phr-turbo" => "#e69f00",
-        "phr-speed" => "#cc79a7",
-        "phr-quality" | "phr-hq" => "#009e73",
-        _ => "#7f7f7f",
-    };
+/// The colours of builders, after Okabe and Ito, and those of the others by their place among these.
+const COLOURS: [(&str, &str); 8] = [
+    ("lbvh", "#000000"),
+    ("embree-morton", "#56b4e9"),
+    ("embree-sah", "#0072b2"),
+    ("phr-fast", "#d55e00"),
+    ("phr-draft", "#f0e442"),
+    ("phr-turbo", "#e69f00"),
+    ("phr-speed", "#cc79a7"),
+    ("phr-quality", "#009e73"),
+];
+const OTHERS: [&str; 6] = ["#7f7f7f", "#8c564b", "#332288", "#999933", "#882255", "#44aa99"];
+
+/// The line of one of `entrants`: a colour by its builder, and dashes by how it follows.
+fn line(entrant: &Entrant, entrants: &[&Entrant]) -> Line {
+    let own = |name: &str| COLOURS.iter().find(|(builder, _)| *builder == name).map(|(_, colour)| *colour);
+    let colour = own(&entrant.builder).unwrap_or_else(|| {
+        let mut others: Vec<&str> =
+            entrants.iter().map(|it| &*it.builder).filter(|it| own(it).is_none()).collect();
+        others.dedup();
+        let place = others.iter().position(|it| *it == entrant.builder).unwrap_or_default();
+        OTHERS[place % OTHERS.len()]
+    });
     let (width, more) = match entrant.update {
         Update::Rebuild => (2.0, ""),
         Update::Refit => (2.0, " stroke-dasharray=\"2 3\""),
@@ -60,7 +70,7 @@ pub fn draw(rows: &[FrameRow]) -> Option<String> {
             entrants.push(&track.entrant);
         }
     }
-    entrants.sort_by_key(|entrant| place(&entrant.builder));
+    entrants.sort_by_key(|entrant| (place(&entrant.builder), &entrant.builder));
     let (inside, pitch, left) = ((500.0, 330.0), (580.0, 420.0), 80.0);
     let wide = left + 3.0 * pitch.0 - 60.0;
     let mut names: Vec<String> = entrants.iter().map(|entrant| entrant.name()).collect();
@@ -83,7 +93,7 @@ pub fn draw(rows: &[FrameRow]) -> Option<String> {
     for (index, (name, (x, y))) in names.iter().zip(&places).enumerate() {
         match entrants.get(index) {
             Some(entrant) => {
-                let Line { colour, width, more } = line(entrant);
+                let Line { colour, width, more } = line(entrant, &entrants);
                 svg.line(&[(*x, *y), (x + 40.0, *y)], colour, width, more);
             }
             None => svg.point((x + 32.0, *y), Shape::Diamond, 0.36 * FONT, INK, false),
@@ -91,7 +101,9 @@ pub fn draw(rows: &[FrameRow]) -> Option<String> {
         svg.text((x + 46.0, y + 4.5), Anchor::Start, SMALL, INK, name, "");
     }
     for (index, (scene, tracks)) in scenes.iter().enumerate() {
-        for (column, panel) in panels(scene, tracks, index + 1 == scenes.len()).into_iter().enumerate() {
+        for (column, panel) in
+            panels(scene, (tracks, &entrants), index + 1 == scenes.len()).into_iter().enumerate()
+        {
             let (x, y) = (left + column as f64 * pitch.0, top + index as f64 * pitch.1);
             panel.draw(&mut svg, Rect { x, y, width: inside.0, height: inside.1 });
         }
@@ -135,7 +147,7 @@ fn losers<'a, 'b>(tracks: &'b [Track<'a>]) -> Vec<(&'b Track<'a>, usize)> {
 }
 
 /// The panels of a scene.
-fn panels(scene: &str, tracks: &[Track<'_>], is_last: bool) -> [Panel; 3] {
+fn panels(scene: &str, (tracks, entrants): (&[Track<'_>], &[&Entrant]), is_last: bool) -> [Panel; 3] {
     let sah = Entrant { builder: "embree-sah".into(), ..Entrant::default() };
     let base = rebuilt(tracks, &sah).unwrap_or(&tracks[0]);
     let so_far = base.cumulated(None);
@@ -148,7 +160,7 @@ fn panels(scene: &str, tracks: &[Track<'_>], is_last: bool) -> [Panel; 3] {
         let (mut fronts, mut points) = (Vec::new(), Vec::new());
         let mut range = Range { x: (0.0, 1.0), y: (begin, begin) };
         for track in tracks {
-            let line = line(&track.entrant);
+            let line = line(&track.entrant, entrants);
             let through: Vec<(f64, f64)> =
                 values(track).into_iter().enumerate().map(|(i, value)| (i as f64, value)).collect();
             for &(x, y) in &through {
@@ -170,7 +182,7 @@ fn panels(scene: &str, tracks: &[Track<'_>], is_last: bool) -> [Panel; 3] {
     let steps = base.steps().first().copied().unwrap_or(1.0);
     let mut each = panel(format!("{scene}: each frame"), "build + trace, ms".into(), &of_frame, least);
     each.points.extend(losers(tracks).into_iter().map(|(track, frame)| {
-        let (at, colour) = ((frame as f64, of_frame(track)[frame]), line(&track.entrant).colour);
+        let (at, colour) = ((frame as f64, of_frame(track)[frame]), line(&track.entrant, entrants).colour);
         Point { at, shape: Shape::Diamond, colour, is_hollow: false, label: None, interval: None }
     }));
     [
@@ -210,6 +222,11 @@ mod tests {
         for title in [">s: each frame<", ">s, its static part kept: each frame<"] {
             assert!(svg.contains(title), "{title}: {svg}");
         }
+        // Two builders without a colour of their own.
+        let changed = ["phr-fast[delta=7]", "phr-fast[delta=8]"]
+            .map(|name| rows(name, Update::Rebuild, &[(5.0, 9.0); 9]));
+        let both = draw(&changed.concat()).unwrap();
+        assert!(OTHERS[..2].iter().all(|colour| both.contains(colour)), "{both}");
         assert!(!svg.contains(LOSES) && !svg.contains("<polygon"), "nobody loses: {svg}");
         assert!(draw(&rows("lbvh", Update::Refit, &[(1.0, 2.0)])).is_some(), "one frame");
         assert!(draw(&[]).is_none());
