@@ -13,6 +13,7 @@ mod query;
 mod scene_files;
 mod scene_formats;
 mod scene_limits;
+mod scene_views;
 mod trace_agreement;
 mod trace_batches;
 mod trace_embree;

@@ -13,7 +13,7 @@ const VERTICES: [[f32; 3]; 5] =
 const FACES: [&[u32]; 3] = [&[0, 1, 4], &[1, 2, 4], &[0, 1, 2, 3]];
 const TRIANGLES: [[u32; 3]; 4] = [[0, 1, 4], [1, 2, 4], [0, 1, 2], [0, 2, 3]];
 
-fn write(dir: &TempDir, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+pub fn write(dir: &TempDir, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
     let path = dir.path().join(name);
     std::fs::write(&path, content).unwrap();
     path
@@ -55,7 +55,7 @@ fn ascii_ply() -> String {
     text
 }
 
-fn binary_ply(big_endian: bool) -> Vec<u8> {
+pub fn binary_ply(big_endian: bool) -> Vec<u8> {
     let order = if big_endian { "binary_big_endian" } else { "binary_little_endian" };
     let mut bytes = ply_header(order, FLOATS, LIST).into_bytes();
     let mut put = |word: [u8; 4]| bytes.extend(word.iter().copied());
@@ -77,7 +77,7 @@ fn gzip(bytes: impl AsRef<[u8]>) -> Vec<u8> {
 }
 
 /// Compressed with the longest window that the loader must allow.
-fn zstd(bytes: impl AsRef<[u8]>) -> Vec<u8> {
+pub fn zstd(bytes: impl AsRef<[u8]>) -> Vec<u8> {
     let mut encoder = zstd::Encoder::new(Vec::new(), 3).unwrap();
     encoder.long_distance_matching(true).unwrap();
     encoder.window_log(27).unwrap();
@@ -94,7 +94,7 @@ fn assert_whole(scene: &Scene) {
     assert!(scene.source.starts_with("file ") && scene.sha.len() == 16);
 }
 
-const OBJ: &str = "# a comment\nmtllib missing.mtl\no first\nv 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 -2.25\nv 0.5 0.5 1e-3\n\
+pub const OBJ: &str = "# a comment\nmtllib missing.mtl\no first\nv 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 -2.25\nv 0.5 0.5 1e-3\n\
                    f 1 2 5\nf 2 3 5\nf 1 2 3 4\n";
 
 #[test]
@@ -291,46 +291,6 @@ fn wrong_paths_are_told() {
     assert!(said(&dir.path().join("folder.ply")).contains("a directory"));
     assert!(said(&write(&dir, "mesh.fbx", "")).contains("not a scene file"));
     assert!(said(&write(&dir, "mesh", "")).contains("not a scene file"));
-}
-
-#[test]
-fn cameras_come_from_views_json() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = write(&dir, "small.ply.zst", zstd(binary_ply(false)));
-    let other = write(&dir, "other.obj", OBJ);
-    let view = r#"{"eye": [1, 2, 3], "target": [0, 0, 0.5], "up": [0, 0, 1], "fov_y_deg": 50}"#;
-    write(&dir, "views.json", format!(r#"{{"small": [{view}, {view}]}}"#));
-    let scene = load(&path).unwrap();
-    assert_eq!(scene.views.len(), 2);
-    assert_eq!((scene.views[1].eye.to_array(), scene.views[1].fov_y_deg), ([1.0, 2.0, 3.0], 50.0));
-    assert_eq!(load(&other).unwrap().views.len(), 3, "placed around the geometry");
-    for of_another_program in ["[1, 2]", r#"{"cameras": [{"fov": 50}]}"#] {
-        write(&dir, "views.json", of_another_program);
-        let scene = load(&path).unwrap();
-        assert_eq!(scene.views.len(), 3, "{of_another_program}");
-        assert!(scene.remarks().iter().any(|remark| remark.contains("views.json has no cameras of small")));
-    }
-
-    for (json, expected) in [
-        ("{", "line 1 column 1"),
-        ("{\n\"small\": 3}", "line 2"),
-        (r#"{"small": [{"eye": [1, 2], "target": [0, 0, 0], "up": [0, 0, 1], "fov_y_deg": 50}]}"#, "line 1"),
-        (r#"{"small": [{"eye": [1, 2, 3], "up": [0, 0, 1], "fov_y_deg": 50}]}"#, "missing field `target`"),
-        (&format!(r#"{{"small": [{}]}}"#, view.replace("50", "0")), "view 0 of small: fov_y_deg"),
-        (
-            &format!(r#"{{"small": [{}]}}"#, view.replace("[0, 0, 0.5]", "[1, 2, 3]")),
-            "eye and target coincide",
-        ),
-        (&format!(r#"{{"small": [{}]}}"#, view.replace("[0, 0, 1]", "[0, 0, 0]")), "up is zero"),
-    ] {
-        write(&dir, "views.json", json);
-        let message = load(&path).expect_err(json).to_string();
-        assert!(
-            message.contains("views.json") && message.contains(expected),
-            "{expected} is not in: {message}"
-        );
-        assert!(!message.contains('\n'), "{message}");
-    }
 }
 
 /// Whatever the bytes, loading ends with a scene or a message.

@@ -1,0 +1,45 @@
+//! The cameras of scene files: those of a `views.json` beside them, or some around the mesh.
+#![cfg(feature = "files")]
+
+use crate::scene_files::{OBJ, binary_ply, write, zstd};
+use phr::scene::load;
+
+#[test]
+fn cameras_come_from_views_json() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = write(&dir, "small.ply.zst", zstd(binary_ply(false)));
+    let other = write(&dir, "other.obj", OBJ);
+    let view = r#"{"eye": [1, 2, 3], "target": [0, 0, 0.5], "up": [0, 0, 1], "fov_y_deg": 50}"#;
+    write(&dir, "views.json", format!(r#"{{"small": [{view}, {view}]}}"#));
+    let scene = load(&path).unwrap();
+    assert_eq!(scene.views.len(), 2);
+    assert_eq!((scene.views[1].eye.to_array(), scene.views[1].fov_y_deg), ([1.0, 2.0, 3.0], 50.0));
+    assert_eq!(load(&other).unwrap().views.len(), 3, "placed around the geometry");
+    for of_another_program in ["[1, 2]", r#"{"cameras": [{"fov": 50}]}"#] {
+        write(&dir, "views.json", of_another_program);
+        let scene = load(&path).unwrap();
+        assert_eq!(scene.views.len(), 3, "{of_another_program}");
+        assert!(scene.remarks().iter().any(|remark| remark.contains("views.json has no cameras of small")));
+    }
+
+    for (json, expected) in [
+        ("{", "line 1 column 1"),
+        ("{\n\"small\": 3}", "line 2"),
+        (r#"{"small": [{"eye": [1, 2], "target": [0, 0, 0], "up": [0, 0, 1], "fov_y_deg": 50}]}"#, "line 1"),
+        (r#"{"small": [{"eye": [1, 2, 3], "up": [0, 0, 1], "fov_y_deg": 50}]}"#, "missing field `target`"),
+        (&format!(r#"{{"small": [{}]}}"#, view.replace("50", "0")), "view 0 of small: fov_y_deg"),
+        (
+            &format!(r#"{{"small": [{}]}}"#, view.replace("[0, 0, 0.5]", "[1, 2, 3]")),
+            "eye and target coincide",
+        ),
+        (&format!(r#"{{"small": [{}]}}"#, view.replace("[0, 0, 1]", "[0, 0, 0]")), "up is zero"),
+    ] {
+        write(&dir, "views.json", json);
+        let message = load(&path).expect_err(json).to_string();
+        assert!(
+            message.contains("views.json") && message.contains(expected),
+            "{expected} is not in: {message}"
+        );
+        assert!(!message.contains('\n'), "{message}");
+    }
+}
