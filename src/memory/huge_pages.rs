@@ -18,15 +18,18 @@ pub(crate) fn try_reserve<T>(array: &mut Vec<T>, len: usize, what: &'static str)
         return Ok(());
     }
     if array.is_empty() {
-        // What grows is copied, even where it holds nothing.
         *array = Vec::new();
     }
-    array
-        .try_reserve_exact(len - array.len())
+    // Not by the allocator, which touches the new memory before huge pages are asked for, and copies what is empty.
+    let mut longer: Vec<T> = Vec::new();
+    longer
+        .try_reserve_exact(len)
         .map_err(|_| OutOfMemory { what, bytes: len.saturating_mul(size_of::<T>()) })?;
-    if size_of::<T>() * array.capacity() >= 2 * HUGE_PAGE {
-        advise(array.as_mut_ptr().cast(), size_of::<T>() * array.capacity());
+    if size_of::<T>() * longer.capacity() >= 2 * HUGE_PAGE {
+        advise(longer.as_mut_ptr().cast(), size_of::<T>() * longer.capacity());
     }
+    longer.append(array);
+    *array = longer;
     Ok(())
 }
 
