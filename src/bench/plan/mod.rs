@@ -86,7 +86,12 @@ impl Plan {
         }
         PlannedScene::check_names(&scenes)?;
         let mut cells = request.builders.cells(request.settings.build_only)?;
-        cells.retain(|cell| request.width.is_none_or(|width| cell.width == width));
+        if let Some(width) = request.width {
+            if !request.builders.is_empty() {
+                request.builders.check_width(&cells, width)?;
+            }
+            cells.retain(|cell| cell.width == width);
+        }
         let mut plan = Self {
             scenes: Vec::new(),
             shard: request.shard,

@@ -134,20 +134,32 @@ impl Chosen {
     pub fn single_cells(&self, width: Option<u32>) -> Result<Vec<Cell>, PlanError> {
         let mut left = self.cells(false)?;
         let mut found = Vec::new();
+        if let Some(width) = width {
+            self.check_width(&left, width)?;
+        }
         while let Some(first) = left.first().cloned() {
             let (of_builder, others): (Vec<_>, Vec<_>) =
                 left.into_iter().partition(|cell| cell.builder == first.builder);
             left = others;
-            let fits = |cell: &&Cell| width.is_none_or(|width| cell.width == width);
-            let widths =
-                of_builder.iter().map(|cell| cell.width.to_string()).collect::<Vec<_>>().join(" and ");
-            found.push(of_builder.iter().find(fits).cloned().ok_or(PlanError::NoSuchWidth {
-                builder: first.builder,
-                width: width.unwrap_or_default(),
-                widths,
-            })?);
+            let fits = |cell: &Cell| width.is_none_or(|width| cell.width == width);
+            found.extend(of_builder.into_iter().find(fits));
         }
         Ok(found)
+    }
+
+    /// Checks that each builder of `cells` has one of `width`.
+    ///
+    /// # Errors
+    /// The first that has none.
+    pub fn check_width(&self, cells: &[Cell], width: u32) -> Result<(), PlanError> {
+        let of_builder = |builder: &str| -> Vec<u32> {
+            cells.iter().filter(|cell| cell.builder == builder).map(|cell| cell.width).collect()
+        };
+        let lacks = |cell: &&Cell| !of_builder(&cell.builder).contains(&width);
+        cells.iter().find(lacks).map_or(Ok(()), |Cell { builder, .. }| {
+            let widths: Vec<String> = of_builder(builder).iter().map(u32::to_string).collect();
+            Err(PlanError::NoSuchWidth { builder: builder.clone(), width, widths: widths.join(" and ") })
+        })
     }
 }
 
