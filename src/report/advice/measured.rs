@@ -107,13 +107,18 @@ impl Measurement {
     /// Of trees that it does not know, changed ones among them, nothing is expected, and they come first.
     fn candidates(&self, model: &Model, facts: &SceneFacts) -> Vec<Candidate> {
         let lines = model.lines(facts);
-        let best = |rays: f64| lines.iter().map(|line| line.at(rays)).fold(f64::INFINITY, f64::min);
+        let line_of = |cell: &Cell| {
+            let is_of =
+                |tree: &super::model::TreeModel| tree.builder == cell.builder && tree.width == cell.width;
+            model.trees.iter().position(is_of).map(|i| lines[i])
+        };
+        // The best of those asked for, not of all that the model knows.
+        let asked: Vec<_> = self.cells.iter().filter_map(line_of).collect();
+        let best = |rays: f64| asked.iter().map(|line| line.at(rays)).fold(f64::INFINITY, f64::min);
         let best = BUDGETS.map(best);
         let mut found: Vec<(f64, Candidate)> = Vec::new();
         for cell in &self.cells {
-            let is_of =
-                |tree: &super::model::TreeModel| tree.builder == cell.builder && tree.width == cell.width;
-            let line = model.trees.iter().position(is_of).map(|i| lines[i]);
+            let line = line_of(cell);
             let prospect = line.map_or(0.0, |line| {
                 BUDGETS
                     .iter()
