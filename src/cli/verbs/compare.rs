@@ -85,7 +85,8 @@ fn results(arguments: &Arguments, a: &Path, b: &Path) -> Result<(), Failure> {
     }
     let count = |verdict| outcome.count(verdict);
     let slower = count(Verdict::Slower) + outcome.failures.len();
-    verdict(slower, count(Verdict::Inconclusive), &outcome.summary(threshold))
+    // What B lacks may be what got slower.
+    verdict(slower, count(Verdict::Inconclusive) + outcome.missing, &outcome.summary(threshold))
 }
 
 fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {

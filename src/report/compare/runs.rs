@@ -126,6 +126,8 @@ pub struct Outcome {
     pub remarks: Vec<String>,
     /// What works in A but not in B.
     pub failures: Vec<String>,
+    /// Figures that A has and B lacks.
+    pub missing: usize,
 }
 
 impl Outcome {
@@ -161,6 +163,7 @@ impl Outcome {
         let known: HashSet<&str> = ours.iter().map(|measure| measure.name.as_str()).collect();
         let only_b = theirs.iter().filter(|new| !known.contains(new.name.as_str())).map(|new| new.of.clone());
         outcome.note_errors(a, b);
+        outcome.missing = only_a.len();
         outcome.note("only in A", only_a);
         outcome.note("only in B", only_b.collect());
         outcome.note("other geometry or other rays", changed);
@@ -168,7 +171,6 @@ impl Outcome {
     }
 
     fn note(&mut self, why: &str, mut names: Vec<String>) {
-        names.dedup();
         let mut seen = HashSet::new();
         names.retain(|name| seen.insert(name.clone()));
         self.remarks.extend(names.into_iter().map(|name| format!("{why}: {name}")));
@@ -236,7 +238,9 @@ impl Outcome {
         let counts = Verdict::ALL.map(|verdict| format!("{} {}", self.count(verdict), verdict.name()));
         let (figures, failed) = (self.comparisons.len(), self.failures.len());
         let failed = if failed == 0 { String::new() } else { format!(", {failed} failed") };
-        format!("{figures} figures, threshold {} %: {}{failed}", short(100.0 * threshold), counts.join(", "))
+        let missing = if self.missing == 0 { String::new() } else { format!(", {} only in A", self.missing) };
+        let threshold = short(100.0 * threshold);
+        format!("{figures} figures, threshold {threshold} %: {}{failed}{missing}", counts.join(", "))
     }
 }
 
