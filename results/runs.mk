@@ -123,6 +123,8 @@ $(call measured,--set builtin $(SCENES) --size 64 $(addprefix --builder ,$(ABLAT
 endef
 
 bench-reference: program
+	@git diff --quiet HEAD -- src embree-sys benches build.rs Cargo.toml Cargo.lock || { \
+		echo "the program is not that of the last commit, by which its runs are noted: commit first"; exit 1; }
 	@echo "$(words $(STAGES)) runs over $(words $(SCENES)) scene files and the built-in scenes: $(STAGES)." \
 		"The reference run itself (builders) takes four to eight hours on two cores, all of them 15 to 20." \
 		"Done at this revision: $(or $(notdir $(wildcard $(DONE)/*)),none). Stop it with Ctrl-C, go on with the same command."
@@ -226,11 +228,13 @@ bench-experiments: program
 embree-ndebug: packages
 	sh .ci/embree-ndebug
 
-# One folder for each library; a round for the one, then one for the other.
+# One folder for each library; a round for the one, then one for the other, the other first in every second.
 bench-ndebug: embree-ndebug program
 	for round in 1 2 3 4; do \
 		[ $$round = 1 ] && resume=--replace || resume=--resume; \
-		for library in with: without:$(NDEBUG)/lib; do \
+		libraries="with: without:$(NDEBUG)/lib"; \
+		[ $$((round % 2)) = 0 ] && libraries="without:$(NDEBUG)/lib with:"; \
+		for library in $$libraries; do \
 			LD_LIBRARY_PATH=$${library#*:} $(PROGRAM) bench --set builtin --size $(SIZE) \
 				$(addprefix --builder ,$(ASSERTED)) --rounds $$round --threads 2 $$resume \
 				--out results/ndebug-full/$${library%%:*} $(ARGS) || exit 1; \
@@ -242,7 +246,8 @@ bench-ndebug: embree-ndebug program
 bench-instructions: program
 	for round in 1 2 3; do \
 		[ $$round = 1 ] && resume=--replace || resume=--resume; \
-		for isa in best scalar; do \
+		[ $$((round % 2)) = 1 ] && order="best scalar" || order="scalar best"; \
+		for isa in $$order; do \
 			[ $$isa = best ] && unset PHR_ISA || export PHR_ISA=$$isa; \
 			$(PROGRAM) bench $(SCENES) --build-only --width 4 $(addprefix --builder ,$(INSTRUCTED)) \
 				--rounds $$round --threads 2 $$resume --out results/instructions-full/$$isa $(ARGS) || exit 1; \
@@ -258,7 +263,7 @@ bench-peers: packages
 	$(CARGO) build --release --bin phr --features peers --target-dir target/peers
 	./target/peers/release/phr bench $(PEERED) --filter '( 8 |embree-sah 4 ).*embree-grafted' $(addprefix --builder ,$(PEERS)) \
 		--size 96 --views 1 --rounds 3 --threads 2 $(call begun,results/peers-run) $(ARGS)
-	$(PROGRAM) reduce results/peers-run results/peers
+	./target/peers/release/phr reduce results/peers-run results/peers
 
 bench-saved: program
 	for builder in $(SAVED); do \
