@@ -153,11 +153,6 @@ impl Environment {
     }
 }
 
-/// Memory available now, bytes, if the system reports it.
-pub fn available_memory() -> Option<u64> {
-    Some(memory_kib("MemAvailable:") * 1024).filter(|&bytes| bytes > 0)
-}
-
 fn memory_kib(key: &str) -> u64 {
     line_of("/proc/meminfo", key).split_whitespace().next().and_then(|kib| kib.parse().ok()).unwrap_or(0)
 }
