@@ -112,17 +112,17 @@
 //! # From a scene file to a row of the table
 //!
 //! 1. [`scene`] loads or generates an indexed triangle [`geometry::Mesh`] and its cameras;
-//! 2. [`builders`] computes primitive boxes, Morton codes and the auxiliary LBVH, refines cuts of it and emits
-//! 3. a [`bvh::WideBvh`], whose cost [`bvh`] measures;
+//! 2. [`builders`] computes boxes of primitives, Morton codes and the auxiliary LBVH, and refines cuts of it;
+//! 3. the result is a [`bvh::WideBvh`], whose cost [`bvh`] measures;
 //! 4. [`trace`] records a path tracer's rays once per view and traces them through any tree;
-//! 5. [`query`] is the same for an application;
+//! 5. [`query`] traces the rays of an application;
 //! 6. `embree` does the same with the distribution's Embree (feature `embree`), `peers` builds with other crates
 //!    (feature `peers`);
 //! 7. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots;
 //!    `experiments` has the paper's other figures and its experiments, and `cli` turns all of it into commands
 //!    (feature `harness`).
 //!
-//! Imports run down this list: `random`, `memory`, `geometry`, `scene`, `bvh`, `simd`, `parallel`, `builders`,
+//! A module imports only from those before it: `random`, `memory`, `geometry`, `scene`, `bvh`, `simd`, `parallel`, `builders`,
 //! `embree`, `peers`, `trace`, `query`, `bench`, `report`, `experiments`, `cli`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]

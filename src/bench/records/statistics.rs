@@ -76,9 +76,12 @@ pub fn student95(degrees: usize) -> f64 {
         1..=10 => TABLE[degrees - 1],
         11..=20 => 2.2,
         21..=60 => 2.06,
-        _ => 1.96,
+        _ => NORMAL95,
     }
 }
+
+/// The normal distribution's two-sided 95 % quantile.
+pub const NORMAL95: f64 = 1.96;
 
 /// A ratio of two medians with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -19,7 +19,7 @@ pub enum Warning {
     Outliers,
     /// Other programs held the processors.
     Contended,
-    /// More or fewer threads ran than were asked for.
+    /// More threads ran than were asked for.
     ThreadMismatch,
     /// The run ended before all rounds were done.
     Unfinished,

@@ -61,10 +61,14 @@ pub fn summary(
     let withheld = withheld.map_or_else(String::new, |rows| {
         let revision = rows.first().map_or("", |row| &row.git_rev);
         let scenes = scenes(rows).len();
-        let reused = if rows.iter().any(|row| row.regime == WARM) { ", our builds in reused memory and Embree's in new, which favours us" } else { "" };
+        let reused = if rows.iter().any(|row| row.regime == WARM) {
+            " There our builds reused memory and Embree's did not, which favours us."
+        } else {
+            ""
+        };
         format!(
-            " Withheld: {scenes} other scenes, not seen by those who tuned, but for five in a probe for phr-speed, on \
-             another machine, revision {revision}{reused}."
+            " Withheld: {scenes} other scenes, on another machine, by revision {revision}. Those who tuned did not see them, \
+             except five in a probe for phr-speed.{reused}"
         )
     });
     Ok(format!(

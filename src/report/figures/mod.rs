@@ -160,7 +160,9 @@ impl<'a> SceneFigures<'a> {
         let told = |row: &&Row| row.build_ms_median.is_some() && row.verified != Some(false);
         match self.compared(tree).find(told) {
             Some(row) => Place::Value(row),
-            None if self.compared(tree).any(|row| !row.error.is_empty()) => Place::Failed,
+            None if self.compared(tree).any(|row| !row.error.is_empty() && !row.is_unavailable()) => {
+                Place::Failed
+            }
             None => Place::Missing,
         }
     }
@@ -180,7 +182,7 @@ impl<'a> SceneFigures<'a> {
         let rows = || self.compared(tree).filter(|row| row.kernel == kernel || row.kernel == NO_KERNEL);
         match rows().find(|row| row.is_good() && row.trace_ms_median.is_some()) {
             Some(row) => Place::Value(row),
-            None if rows().any(|row| !row.is_good()) => Place::Failed,
+            None if rows().any(|row| !row.is_good() && !row.is_unavailable()) => Place::Failed,
             None => Place::Missing,
         }
     }

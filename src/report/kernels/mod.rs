@@ -9,7 +9,8 @@ pub use leaks::leaks_table;
 use super::grid::{Grid, short};
 use crate::bench::kernels::row::KernelRow;
 use crate::report::means::beside_mean;
-use targets::{TARGETS, ratios};
+use crate::report::targets::judge::Verdict;
+use targets::{TARGETS, failed, ratios};
 
 /// The figures of one scene: million rays per second, and relative to Embree's single rays over the same tree.
 pub fn scene_table(rows: &[KernelRow], scene: &str) -> String {
@@ -70,7 +71,10 @@ pub fn summary(rows: &[KernelRow]) -> String {
                 worst,
                 worst_in,
                 ratios.0.len().to_string(),
-                target.verdict(interval, least.interval()).cell(),
+                match failed(rows, target, threads) {
+                    Some(scene) => Verdict::Failed(scene.into()).cell(),
+                    None => target.verdict(interval, least.interval()).cell(),
+                },
             ]);
         }
     }
@@ -172,6 +176,16 @@ mod tests {
             |line: &&str| line.contains("shadow") && line.contains(" phr |") && line.contains("0.97");
         assert!(summary.lines().any(|line| beside(&line) && line.contains("2.40")), "{summary}");
         assert!(!summary.contains("no passes"), "{summary}");
+    }
+
+    #[test]
+    fn wrong_hits_meet_no_target() {
+        let rows = ["a", "b"].iter().flat_map(|scene| {
+            [row(scene, SINGLE, 2.0), KernelRow { verified: *scene == "b", ..row(scene, OURS, 6.0) }]
+        });
+        let summary = summary(&rows.collect::<Vec<_>>());
+        let line = summary.lines().find(|line| line.contains("any hit of shadow")).unwrap().replace(' ', "");
+        assert!(line.contains("|b|1|notmet:failedina|"), "{summary}");
     }
 
     #[test]

@@ -19,7 +19,8 @@ pub(super) struct Speed {
 }
 
 impl Speed {
-    /// That of a builder's tree under a kernel among the rows of one scene; `None` without such rows.
+    /// That of a builder's tree under a kernel among the rows of one scene; `None` without such rows, and where the hits
+    /// of one are wrong.
     pub fn of(rows: &[&KernelRow], tree: (&str, &str, u32), kind: &str) -> Option<Self> {
         let same = |row: &&&KernelRow| {
             (row.builder.as_str(), row.kernel.as_str(), row.width) == tree
@@ -28,15 +29,18 @@ impl Speed {
         let (mut rays, mut seconds, mut squares) = (0.0, 0.0, 0.0);
         let mut passes: Option<Vec<f64>> = None;
         for row in rows.iter().filter(same) {
+            if !row.verified {
+                return None;
+            }
             let of_row = row.rays as f64 / row.mrays_s;
             rays += row.rays as f64;
             seconds += of_row;
             squares += (of_row * error(row, rows)).powi(2);
             let more = row.passes();
+            // Kinds may differ in their number of rounds: of those that all have.
             passes = Some(match passes {
                 None => more,
-                Some(sums) if sums.len() == more.len() => sums.iter().zip(more).map(|(a, b)| a + b).collect(),
-                Some(_) => Vec::new(),
+                Some(sums) => sums.iter().zip(more).map(|(a, b)| a + b).collect(),
             });
         }
         let passes = passes?;
@@ -45,9 +49,10 @@ impl Speed {
 
     /// How many times as fast as `other`: passes of a round are pairs.
     pub fn relative_to(&self, other: &Self, scene: &str) -> SceneRatio {
-        let noise = if self.passes.len() == other.passes.len() && self.passes.len() >= LEAST_ROUNDS {
-            let pairs = other.passes.iter().zip(&self.passes).map(|(&theirs, &ours)| [theirs, ours]);
-            Noise::Rounds(Pairs::new(pairs.collect()))
+        let pairs: Vec<[f64; 2]> =
+            other.passes.iter().zip(&self.passes).map(|(&theirs, &ours)| [theirs, ours]).collect();
+        let noise = if pairs.len() >= LEAST_ROUNDS {
+            Noise::Rounds(Pairs::new(pairs))
         } else {
             Noise::Error(self.error.hypot(other.error))
         };
@@ -91,6 +96,7 @@ mod tests {
             width: 8,
             rays: 1000,
             mrays_s: 2.0,
+            verified: true,
             ratio: half.map(|_| 1.0),
             ratio_low: half.map(|half| (-1.96 * half).exp()),
             ratio_high: half.map(|half| (1.96 * half).exp()),
@@ -128,12 +134,12 @@ mod tests {
             pass_ms: passes.into(),
             ..row("embree-sah", kernel, None)
         };
-        // Both drift alike: their ratio has no noise.
+        // Both drift alike: their ratio has no noise, whatever happens in rounds that not all kinds have.
         let rows = [
             with(SINGLE, "shadow", "1 2 4"),
-            with(SINGLE, "bounce", "1 2 4"),
+            with(SINGLE, "bounce", "1 2 4 4"),
             with(OURS, "shadow", "2 4 8"),
-            with(OURS, "bounce", "2 4 8"),
+            with(OURS, "bounce", "2 4 8 9"),
         ];
         let all: Vec<&KernelRow> = rows.iter().collect();
         let of = |kernel| Speed::of(&all, ("embree-sah", kernel, 8), ALL).unwrap();

@@ -120,7 +120,17 @@ impl Target {
     }
 }
 
-/// Our speed relative to the other by scene.
+/// The first scene in which our kernel's hits are wrong.
+pub(super) fn failed<'a>(rows: &'a [KernelRow], target: &Target, threads: u32) -> Option<&'a str> {
+    let is_of_target = |row: &&KernelRow| {
+        (row.builder.as_str(), row.kernel.as_str(), row.threads) == (target.ours.0, target.ours.1, threads)
+            && target.width.is_none_or(|width| row.width == width)
+            && (target.kind == ALL || row.ray_kind == target.kind)
+    };
+    rows.iter().filter(is_of_target).find(|row| !row.verified).map(|row| row.scene.as_str())
+}
+
+/// Our speed relative to the other by scene; without scenes where hits of one are wrong.
 pub(super) fn ratios(rows: &[KernelRow], target: &Target, threads: u32) -> Ratios {
     let mut scenes: Vec<&str> = rows.iter().map(|row| row.scene.as_str()).collect();
     scenes.dedup();

@@ -6,7 +6,7 @@ use crate::bench::cell::is_saved;
 use crate::bench::row::Row;
 use crate::bench::statistics::median;
 use crate::random::SplitMix64;
-use crate::report::figures::interval::Interval;
+use crate::report::figures::interval::{Interval, LEAST_ROUNDS};
 use crate::report::figures::{Figure, SceneFigures, Tree, Under, tree_name, trees};
 use crate::report::grid::Grid;
 use crate::report::plot::pareto::front;
@@ -136,6 +136,9 @@ fn counted<'t>(scenes: &[Points<'_>], tree: Tree<'t>, same_width: bool) -> (Tree
     };
     let mut drawn: Vec<f64> = (0..DRAWS).map(|_| draw()).collect();
     drawn.sort_by(f64::total_cmp);
+    if scenes.iter().any(|scene| scene.rounds < LEAST_ROUNDS) {
+        return (tree, count, Interval { low: 0.0, high: scenes.len() as f64 });
+    }
     let at = |index: usize| drawn.get(index).copied().unwrap_or(count as f64);
     let (low, high) = (at(DRAWS / 40), at(DRAWS - 1 - DRAWS / 40));
     (tree, count, Interval { low: low.min(count as f64), high: high.max(count as f64) })
@@ -183,6 +186,13 @@ mod tests {
         assert_eq!(verdict(&of(&[ahead, behind, behind, behind])), ("1 [1, 1]".into(), "met".into()));
         assert_eq!(verdict(&of(&[ahead, ahead, unsure, behind])), ("3 [2, 3]".into(), "undecided".into()));
         assert_eq!(fronts(&of(&[ahead])[..1]), "");
+        // A single round decides nothing.
+        let one = |row: Row| Row {
+            by_round: RowRounds { build: [(0, 1.0)].into(), ..RowRounds::default() },
+            ..row
+        };
+        let once: Vec<Row> = of(&[ahead, ahead, ahead, behind]).into_iter().map(one).collect();
+        assert_eq!(verdict(&once), ("3 [0, 4]".into(), "undecided".into()));
         // A tree that was only loaded takes no place.
         let loaded = |row: Row| Row { builder: "saved:best".into(), ..row };
         let rows = [ahead; 4].map(|build| scene("", build)).concat();

@@ -45,7 +45,7 @@ const LEGEND: &str = "Trees of the same width on both sides; scenes of more than
     it under phr. mean: geometric of ratios, arithmetic of bytes. 95 %: interval of the mean over scenes and rounds. noise: half its \
     interval over rounds alone. worst: of all scenes, with its own 95 % interval over rounds; not told apart: from the mean, which \
     that interval holds. A target is met if the whole interval of the mean, and where it has a limit that of the \
-    worst scene, is within it; not met if one is wholly beyond; else undecided.\n";
+    worst scene, is within it, and no scene lacks; not met if one is wholly beyond; else undecided.\n";
 
 fn section(measure: Measure) -> &'static str {
     match measure {

@@ -43,9 +43,10 @@ fn means_and_worst_scenes_are_those_worked_out_by_hand() {
     assert!(near(build.mean, 1.0) && build.under_phr.is_none(), "{build:?}");
     assert_eq!((worst(&build), &build.verdict), (Some(("yard", 2.0)), &Verdict::Undecided));
     assert_eq!((build.scenes, build.of_scenes, build.noise.as_str()), (2, 2, ""));
-    // Both scenes twice or neither: the ends are 0.5 and 2, deviations enlarged by sqrt(2 / 1) as of two scenes.
+    // Both scenes twice or neither: the ends are 0.5 and 2, deviations enlarged by sqrt(2 / 1) and by Student's factor
+    // of one degree of freedom.
     let interval = build.interval.unwrap();
-    let end = 2f64.powf(2f64.sqrt());
+    let end = 2f64.powf(2f64.sqrt() * 12.706 / 1.96);
     assert!(near(Some(interval.high), end) && near(Some(interval.low), 1.0 / end), "{interval:?}");
     // sqrt(0.8 * 1.05) under Embree's kernel, sqrt(1 * 4) under ours; 1.05 is the limit of the worst.
     let trace = judged(&rows(), "phr-speed", TRACE);
@@ -154,6 +155,29 @@ fn what_is_missing_is_not_measured_and_what_failed_is_not_met() {
     let not_grafted: Vec<Row> = rows().into_iter().filter(|row| row.kernel == "phr").collect();
     assert_eq!(judged(&not_grafted, "phr-speed", TRACE).verdict, Verdict::NotMeasured);
 
+    // A kernel that cannot be had is no failure, and a mean without a scene is not sure.
+    let unavailable = with(
+        alike(9.0),
+        |row| row.kernel == "embree-grafted",
+        |row| (row.trace_ms_median, row.error) = (None, "not available, because of another layout".into()),
+    );
+    assert_eq!(judged(&unavailable, "phr-speed", TRACE).verdict, Verdict::NotMeasured);
+    let one_lacks: Vec<Row> = alike(9.0)
+        .into_iter()
+        .filter(|row| (row.scene.as_str(), row.builder.as_str()) != ("hall", "phr-speed"))
+        .collect();
+    let build = judged(&one_lacks, "phr-speed", BUILD);
+    assert_eq!((build.scenes, build.of_scenes, build.verdict), (1, 2, Verdict::Undecided));
+
+    // What failed in a run is not made good by another.
+    let failed = |row: &Row| row.builder == "phr-speed" && row.scene == "hall";
+    let no_build = |row: &mut Row| (row.build_ms_median, row.error) = (None, "it panicked".into());
+    let mut twice = with(alike(9.0), failed, no_build);
+    assert_eq!(judged(&twice, "phr-speed", BUILD).verdict, Verdict::Failed("hall".into()));
+    let another = alike(9.0).into_iter().filter(|row| failed(row) && row.kernel == "embree-grafted");
+    twice.extend(another.map(|row| Row { run_id: "another".into(), kernel: "none".into(), ..row }));
+    assert_eq!(judged(&twice, "phr-speed", BUILD).verdict, Verdict::Failed("hall".into()));
+
     let wrong = with(
         rows(),
         |row| row.builder == "phr-speed" && row.scene == "hall",
@@ -179,7 +203,7 @@ fn the_report_has_a_line_for_every_target() {
     assert_eq!(lines.count(), list::targets().len());
     let line = text.lines().find(|line| line.starts_with("| phr-speed") && line.contains("trace")).unwrap();
     let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
-    let expected = "phr-speed, 4, trace, embree-sah, ≤ 0.86, 0.917, [0.756, 1.111], , 2.000, 1.050, yard, ≤ 1.00, 2, not met";
+    let expected = "phr-speed, 4, trace, embree-sah, ≤ 0.86, 0.917, [0.264, 3.188], , 2.000, 1.050, yard, ≤ 1.00, 2, not met";
     assert_eq!(cells.join(", "), expected);
     assert!(text.contains("Measured: 2026-01-02T03:04:05Z, revision 0123456789ab, threads: 2, rounds: 3."));
     let twice = |target: &Target| {

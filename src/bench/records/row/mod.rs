@@ -28,6 +28,8 @@ pub const REBUILD: &str = "rebuild";
 pub const COLD: &str = "cold";
 /// Value of `regime` in runs before there was [`FRESH`]: Embree's builds were fresh, ours reused all memory.
 pub const WARM: &str = "warm";
+/// How the error of a row begins whose kernel cannot be had here.
+pub const UNAVAILABLE: &str = "not available";
 
 /// One line of `rows.csv`. Figures that do not apply or could not be had are empty, never zero.
 /// Times are in milliseconds of wall clock.
@@ -207,6 +209,11 @@ impl Row {
     /// True if the row holds figures that can be used.
     pub fn is_good(&self) -> bool {
         self.error.is_empty() && self.verified != Some(false)
+    }
+
+    /// True if the tree could not be traced by this kernel here, which is no fault of the tree.
+    pub fn is_unavailable(&self) -> bool {
+        self.error.starts_with(UNAVAILABLE)
     }
 
     /// The build times, if there are any.

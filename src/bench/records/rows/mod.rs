@@ -3,7 +3,7 @@
 mod build_rows;
 mod kernel_rows;
 
-use crate::bench::row::{ALL, FRESH, NO_KERNEL, Row, SCHEMA};
+use crate::bench::row::{ALL, FRESH, NO_KERNEL, Row, SCHEMA, UNAVAILABLE};
 use crate::bench::samples::{CellSamples, Samples, SceneSamples};
 use crate::bench::statistics::figures;
 use crate::bench::warnings::Warning;
@@ -97,7 +97,7 @@ fn cell_rows(scene: &SceneSamples, cell: &CellSamples, header: &Header) -> Vec<R
     for kernel in &cell.checks {
         let row = Row { kernel: kernel.kernel.name().into(), isa: kernel.isa.clone(), ..compared.clone() };
         if let Some(reason) = &kernel.unavailable {
-            rows.push(Row { error: format!("not available, because {reason}"), ..row });
+            rows.push(Row { error: format!("{UNAVAILABLE}, because {reason}"), ..row });
         } else if let Some(mismatch) = &kernel.mismatch {
             rows.push(Row { verified: Some(false), error: mismatch.clone(), ..row });
         } else {

@@ -1,6 +1,6 @@
 //! The interval of an arithmetic mean, as the paper averages in its Figure 6.
 
-use super::{DRAWS, Interval, SEED, SceneRatio, student};
+use super::{DRAWS, Interval, SEED, SceneRatio, student, wider};
 use crate::random::SplitMix64;
 
 /// The interval of the arithmetic mean of `ratios` over scenes and rounds; `None` for none.
@@ -10,8 +10,7 @@ pub fn of_arithmetic_mean(ratios: &[SceneRatio]) -> Option<Interval> {
         return ratios.first().map(|_| Interval::UNKNOWN);
     }
     let mean = ratios.iter().map(|ratio| ratio.value).sum::<f64>() / count as f64;
-    // As a factor is widened, but what is added.
-    let wider = (count as f64 / (count as f64 - 1.0)).sqrt();
+    let wider = wider(count);
     let student = student(ratios.iter().map(|ratio| &ratio.noise));
     let (mut random, mut scratch) = (SplitMix64::new(SEED), Vec::new());
     let mut draw = || {

@@ -1,6 +1,6 @@
 //! 95 % intervals of means of ratios, by bootstrap: scenes are drawn with replacement, and in each drawn scene
 //! rounds. The times of two builders stay paired within a round, since rounds are interleaved and drift hits both.
-//! Draws are centred on the figure, and deviations known from few rounds are enlarged as Student's. Generators are
+//! Draws are centred on the figure, and deviations known from few scenes or rounds are enlarged as Student's. Generators are
 //! seeded, so that the same rows give the same interval.
 
 mod arithmetic;
@@ -10,7 +10,7 @@ pub use arithmetic::of_arithmetic_mean;
 pub use noise::{LEAST_ROUNDS, Noise, Pairs};
 
 use crate::random::SplitMix64;
-use noise::student;
+use noise::{student, wider};
 
 /// Draws behind an interval.
 const DRAWS: usize = 2000;
@@ -116,8 +116,7 @@ fn logarithms(ratios: &[SceneRatio], over: Over, seed: u64) -> impl Iterator<Ite
     let count = ratios.len();
     let mean = mean_logarithm(ratios);
     let (mut random, mut scratch) = (SplitMix64::new(seed), Vec::new());
-    // In a sample of few, deviations are too small.
-    let wider = (count as f64 / (count as f64 - 1.0)).sqrt();
+    let wider = if over == Over::Rounds { 0.0 } else { wider(count) };
     let student = student(ratios.iter().map(|ratio| &ratio.noise));
     let mut draw = || {
         let (mut of_scenes, mut of_rounds) = (0.0, 0.0);
@@ -126,7 +125,7 @@ fn logarithms(ratios: &[SceneRatio], over: Over, seed: u64) -> impl Iterator<Ite
             of_scenes += (ratios[scene].value.ln() - mean) / count as f64;
             of_rounds += ratios[scene].noise.draw(&mut random, &mut scratch, student) / count as f64;
         }
-        (if over == Over::Rounds { 0.0 } else { wider * of_scenes }, of_rounds)
+        (wider * of_scenes, of_rounds)
     };
     let drawn: Vec<(f64, f64)> = (0..DRAWS).map(|_| draw()).collect();
     // The median of few rounds drawn again is not, on average, that of all.
@@ -180,6 +179,21 @@ mod tests {
         };
         let held = (0..100).filter(|&run| holds(run)).count();
         assert!((88..=100).contains(&held), "{held}");
+    }
+
+    /// 95 of 100 intervals over scenes should hold the truth, of few scenes too.
+    #[test]
+    fn intervals_over_few_scenes_hold_the_truth_about_as_often_as_they_say() {
+        for scenes in [3, 5, 9, 19] {
+            let holds = |run: u64| {
+                let mut random = SplitMix64::new(run);
+                let values: Vec<f64> = (0..scenes).map(|_| (0.2 * normal(&mut random)).exp()).collect();
+                let interval = of_mean(&exact(&values), Over::ScenesAndRounds).unwrap();
+                interval.low <= 1.0 && 1.0 <= interval.high
+            };
+            let held = (0..300).filter(|&run| holds(31 * run)).count();
+            assert!((270..=300).contains(&held), "{held} of {scenes} scenes");
+        }
     }
 
     #[test]

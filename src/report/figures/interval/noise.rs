@@ -1,10 +1,8 @@
 //! What rounds tell of a ratio's noise.
 
-use crate::bench::statistics::{Summary, student95};
+use crate::bench::statistics::{NORMAL95, Summary, student95};
 use crate::random::SplitMix64;
 
-/// The normal distribution's two-sided 95 % quantile.
-const NORMAL95: f64 = 1.96;
 /// Rounds below which nothing is said of noise: two that happen to be alike would make any difference sure.
 pub const LEAST_ROUNDS: usize = 3;
 
@@ -26,7 +24,7 @@ impl Noise {
     pub fn of(a: &Summary, b: &Summary, pairs: Vec<[f64; 2]>) -> Self {
         match pairs.len() {
             0 if a.count.min(b.count) >= LEAST_ROUNDS => {
-                Self::Error(a.relative_error().hypot(b.relative_error()) / NORMAL95)
+                Self::Error(a.cautious_error().hypot(b.cautious_error()) / NORMAL95)
             }
             LEAST_ROUNDS.. => Self::Rounds(Pairs::new(pairs)),
             _ => Self::Error(f64::INFINITY),
@@ -86,6 +84,13 @@ pub(super) fn normal(random: &mut SplitMix64) -> f64 {
     let mut unit = || (random.next_u64() >> 11) as f64 * 2f64.powi(-53);
     let (radius, angle) = ((-2.0 * (1.0 - unit()).ln()).sqrt(), std::f64::consts::TAU * unit());
     radius * angle.cos()
+}
+
+/// By how much deviations of `count` scenes drawn again are to be enlarged: those of few from their own mean are too
+/// small, and their size is known from these few.
+pub(super) fn wider(count: usize) -> f64 {
+    let others = count as f64 - 1.0;
+    (count as f64 / others).sqrt() * student95(count - 1) / NORMAL95
 }
 
 /// By how much deviations of rounds are to be enlarged, since their size is known from so few: Student's factor by the
