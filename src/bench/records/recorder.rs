@@ -54,6 +54,8 @@ pub struct Recorder<'a> {
     /// All samples so far.
     pub samples: Samples,
     environment: Environment,
+    /// Whether scenes that are not planned now were left unfinished by a run that this one goes on with.
+    others_unfinished: bool,
     rounds: usize,
     threads: usize,
 }
@@ -94,6 +96,7 @@ impl<'a> Recorder<'a> {
             written: None,
             machine,
         };
+        let mut others_unfinished = false;
         let mut samples = Samples { schema: SCHEMA, run_id: environment.run_id.clone(), scenes: Vec::new() };
         if options.resume {
             let old: Environment = read_json(&folder.join(ENVIRONMENT), NO_RESUME)?;
@@ -108,6 +111,7 @@ impl<'a> Recorder<'a> {
             if let Some(what) = plan.scenes.iter().find_map(|(scene, cells)| samples.differ(scene, cells)) {
                 return Err(RunError::Resume { folder: folder.to_owned(), what });
             }
+            others_unfinished = old.state != State::Complete && keep_scenes(&mut environment.plan, &old.plan);
             environment.run_id = old.run_id;
             environment.before = old.before;
             environment.notes = old.notes;
@@ -118,6 +122,7 @@ impl<'a> Recorder<'a> {
             _held: held,
             samples,
             environment,
+            others_unfinished,
             rounds: settings.rounds,
             threads: settings.threads,
         };
@@ -224,6 +229,7 @@ impl<'a> Recorder<'a> {
 
     /// Writes how the run ended, with a line for each of its scenes that is `imprecise`.
     pub fn close(&mut self, complete: bool, imprecise: Vec<String>) -> Result<(), RunError> {
+        let complete = complete && !self.others_unfinished;
         self.environment.state = if complete { State::Complete } else { State::Interrupted };
         self.environment.after = Some(Moment::now(self.threads));
         let mut notes = Vec::new();
@@ -243,6 +249,17 @@ impl<'a> Recorder<'a> {
     }
 }
 
+/// Adds the scenes of the plan `old` that `new` lacks; returns whether there are any.
+fn keep_scenes(new: &mut serde_json::Value, old: &serde_json::Value) -> bool {
+    let of = |plan: &serde_json::Value| plan["scenes"].as_array().cloned().unwrap_or_default();
+    let mut scenes = of(new);
+    let planned = scenes.len();
+    scenes.extend(of(old).into_iter().filter(|scene| !of(new).contains(scene)));
+    let kept = scenes.len() > planned;
+    new["scenes"] = scenes.into();
+    kept
+}
+
 /// Refuses to mix samples of different programs, machines or settings; the number of rounds may grow, the time as well.
 fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunError> {
     let differs = |what: String| Err(RunError::Resume { folder: folder.to_owned(), what });
@@ -257,6 +274,12 @@ fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunEr
     }
     let settings = |environment: &Environment| environment.plan["settings"].as_object().cloned();
     let (old, new) = (settings(old).unwrap_or_default(), settings(new).unwrap_or_default());
+    let rounds = |of: &serde_json::Map<String, serde_json::Value>| {
+        of.get("rounds").and_then(serde_json::Value::as_u64)
+    };
+    if rounds(&new) < rounds(&old) {
+        return differs(format!("number of rounds, which may only grow ({})", rounds(&old).unwrap_or(0)));
+    }
     let must_agree = |key: &str| !matches!(key, "rounds" | "seconds" | "until_permille" | "limit");
     match new.iter().find(|(key, value)| must_agree(key) && old.get(*key) != Some(value)) {
         Some((key, _)) => {

@@ -8,6 +8,7 @@ mod system;
 use crate::bench::files::Written;
 use moment::Moment;
 use serde::{Deserialize, Serialize};
+use std::hash::Hasher;
 pub use system::UNKNOWN;
 use system::{line_of, output, text};
 
@@ -48,6 +49,9 @@ pub struct Program {
     pub rustflags: String,
     /// Instruction sets assumed at compile time; kernels choose theirs at run time.
     pub target_features: String,
+    /// A hash of the executable, where its revision does not tell what it was made of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub executable: Option<String>,
 }
 
 impl Program {
@@ -61,8 +65,19 @@ impl Program {
             profile: concat!(env!("PHR_PROFILE"), ", opt-level ", env!("PHR_OPT_LEVEL")).into(),
             rustflags: env!("PHR_RUSTFLAGS").into(),
             target_features: env!("PHR_TARGET_FEATURES").into(),
+            executable: env!("PHR_GIT_REV").ends_with("-dirty").then(executable),
         }
     }
+}
+
+/// A hash of the executable of this process; "unknown" if it cannot be read.
+fn executable() -> String {
+    let hash = |bytes: Vec<u8>| {
+        let mut hasher = std::hash::DefaultHasher::new();
+        hasher.write(&bytes);
+        format!("{:016x}", hasher.finish())
+    };
+    std::env::current_exe().and_then(std::fs::read).map_or_else(|_| UNKNOWN.into(), hash)
 }
 
 /// The machine and its system; "unknown" where the system does not say.
