@@ -51,7 +51,7 @@ impl Tree {
                 prims.dedup();
                 return Wide::Leaf(self.bounds, prims);
             }
-            Content::Finished(tree) => return tree.widened(width),
+            Content::Finished(tree) => return tree.packed(width),
         };
         while children.len() < width {
             let mut largest = None;
@@ -67,6 +67,38 @@ impl Tree {
             children.splice(i..=i, pair);
         }
         Wide::Node(self.bounds, children.iter().map(|child| child.widened(width)).collect())
+    }
+
+    /// The same, but children with no more leaves than a node holds are opened only if all their leaves fit beside the
+    /// others. Areas are compared without their last four bits.
+    pub fn packed(&self, width: usize) -> Wide {
+        let Content::Node(pair) = &self.content else { return self.widened(width) };
+        let mut children = pair.to_vec();
+        while children.len() < width {
+            let area = |child: &Rc<Self>| child.bounds.half_area().to_bits() >> 4;
+            let mut largest: Option<(usize, &[Rc<Self>; 2])> = None;
+            for (i, child) in children.iter().enumerate() {
+                let leaves = child.leaves();
+                let is_open = leaves > width || children.len() + leaves - 1 <= width;
+                if let Content::Node(pair) = &child.content
+                    && is_open
+                    && largest.is_none_or(|(most, _)| area(child) > area(&children[most]))
+                {
+                    largest = Some((i, pair));
+                }
+            }
+            let Some((i, pair)) = largest else { break };
+            let pair = pair.clone();
+            children.splice(i..=i, pair);
+        }
+        Wide::Node(self.bounds, children.iter().map(|child| child.packed(width)).collect())
+    }
+
+    fn leaves(&self) -> usize {
+        match &self.content {
+            Content::Node(children) => children.iter().map(|child| child.leaves()).sum(),
+            _ => 1,
+        }
     }
 
     /// The tree whose subtrees of at most `most` references and half `area` are leaves.

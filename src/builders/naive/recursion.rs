@@ -47,7 +47,7 @@ impl Naive<'_> {
         if let [lone] = &cut.members[..]
             && let Some(finished) = lone.finished()
         {
-            return Some(finished.widened(self.width));
+            return Some(finished.packed(self.width));
         }
         if let Some(costs) = &self.extensions().collapse
             && cut.count() < self.part

@@ -1,5 +1,7 @@
-//! Paper 4.5 without a branch that depends on the tree, for builders that know all areas and leaves in advance; the
-//! nodes are those of [`super::open_largest`].
+//! Paper 4.5 without a branch that depends on the tree, for builders that know all areas and leaves in advance.
+//! As [`super::open_largest`], but a child with no more leaves than a node has slots is opened only if all its leaves
+//! fit into the slots that are free. Else it has a node of its own, which is fuller: opened in part it would leave
+//! several nodes of few children.
 //!
 //! A child that cannot be opened is replaced by itself, and unused slots are children like others. Nodes are found
 //! level by level, so that the processor has many in flight; as nodes lie in the order of the pairs they are over,
@@ -11,7 +13,7 @@ use crate::geometry::Aabb;
 
 /// A binary subtree that may become a child of a wide node. Tags: the index of the pair of children or the [`Link`]
 /// of a leaf, and an order, which grows with the area of an inner node and is negative for leaves and others that
-/// are not opened.
+/// are not opened. The last four bits of the area give way to the number of leaves below, 0 if a node cannot hold them.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(crate) struct Slot(TaggedBox);
@@ -20,6 +22,8 @@ impl Slot {
     const LEAF: u32 = 1 << 31;
     const CLOSED: u32 = Self::LEAF | 1;
     const BARE: u32 = Self::LEAF | 2;
+    /// The bits of an order that are a number of leaves.
+    const LEAVES: u32 = 15;
 
     /// An unused slot.
     pub const NONE: Self = Self(TaggedBox::empty([u32::MAX, Self::LEAF]));
@@ -30,12 +34,24 @@ impl Slot {
         Self(TaggedBox::new(bounds, [Link::leaf(block, 1).bits(), Self::LEAF]))
     }
 
-    /// The parent of a pair of children.
+    /// The parent of a pair of children, for nodes of `N`.
     #[inline]
-    pub fn inner(children: &[Self; 2], pair: usize) -> Self {
+    pub fn inner<const N: usize>(children: &[Self; 2], pair: usize) -> Self {
         let bounds = children[0].bounds().union(children[1].bounds());
+        let leaves = children[0].leaves() + children[1].leaves();
+        let leaves = if leaves <= N as u32 { leaves } else { 0 };
         // Positive floats are ordered as their bits are.
-        Self(TaggedBox::new(bounds, [pair as u32, bounds.half_area().to_bits()]))
+        let area = bounds.half_area().to_bits() & !Self::LEAVES;
+        Self(TaggedBox::new(bounds, [pair as u32, area | leaves]))
+    }
+
+    /// The number of leaves below, if a node can hold them; else more than it can.
+    #[inline]
+    fn leaves(&self) -> u32 {
+        let order = self.0.second();
+        let below =
+            if order > Self::LEAF || order & Self::LEAVES == 0 { Self::LEAVES } else { order & Self::LEAVES };
+        if self.is_leaf() { 1 } else { below }
     }
 
     /// The parent of a pair of children that is no part of a wide node.
@@ -198,11 +214,13 @@ fn children_of<const N: usize>(slots: &[Slot], pair: u32, none: u32) -> [u32; N]
     for (i, slot) in [2 * pair, 2 * pair + 1].into_iter().enumerate() {
         (children[i], orders[i]) = (slot, order(slot));
     }
-    for _ in 2..N {
-        let (mut at, mut largest, mut slot) = (0, orders[0], children[0]);
+    for used in 2..N {
+        // Whoever is opened takes a slot more for each leaf but one.
+        let most_leaves = (N - used + 1) as i32;
+        let (mut at, mut largest, mut slot) = (0, -1, children[0]);
         // Unused slots too, which are never larger: a fixed number of steps is unrolled to vectors.
-        for i in 1..N {
-            let is_larger = orders[i] > largest;
+        for i in 0..N {
+            let is_larger = (orders[i] > largest) & (orders[i] & Slot::LEAVES as i32 <= most_leaves);
             at = if is_larger { i } else { at };
             slot = if is_larger { children[i] } else { slot };
             largest = if is_larger { orders[i] } else { largest };

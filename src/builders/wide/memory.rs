@@ -74,16 +74,11 @@ impl<S: Default, const N: usize, B> Memory<S, N, B> {
 
     /// The arrays of a tree over `n` primitives, empty, with the capacity that most trees need.
     pub fn arrays(&mut self, n: usize) -> Finished<N, B> {
-        self.arrays_of(n, n / N)
-    }
-
-    /// The same, with room for about so many nodes.
-    pub fn arrays_of(&mut self, n: usize, some_nodes: usize) -> Finished<N, B> {
         self.blocks(n);
         let WideBvh { mut nodes, mut blocks, .. } = self.tree.take().unwrap_or_default();
         nodes.clear();
         blocks.clear();
-        huge_pages::reserve(&mut nodes, some_nodes + 64, "nodes");
+        huge_pages::reserve(&mut nodes, n / N + 64, "nodes");
         (nodes, blocks)
     }
 

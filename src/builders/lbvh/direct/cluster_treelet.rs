@@ -98,7 +98,7 @@ impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
         let root = cartesian_tree(Part::NONE, of_leaves, |parts| {
             let [left, right] = &parts;
             let children = parts.map(|part| part.slot);
-            let slot = Slot::inner(&children, widen.pairs.len());
+            let slot = Slot::inner::<N>(&children, widen.pairs.len());
             let count = left.count + right.count;
             let levels = left.levels.max(right.levels) + 1;
             // One branch: that a subtree is a cluster is foreseen near the leaves, but not by which of the limits.

@@ -51,8 +51,7 @@ impl<const N: usize, I: Copy + Default + Send> ClusterTreelets<N, I> {
         let refs = order.refs(geometry);
         *scale = AreaScale::in_order(order.bounds(), &keys, &refs, config.calibration);
         *has_finished_leaves = true;
-        // Those above clusters come on top of theirs: of hair, 8-wide, 1.05 times as many as triangles by the width.
-        let (mut nodes, mut blocks) = memory.arrays_of(references, references / N * 5 / 4);
+        let (mut nodes, mut blocks) = memory.arrays(references);
         tree.root = None;
         tree.pairs.clear();
         if !keys.is_empty() {

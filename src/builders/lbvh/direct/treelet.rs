@@ -46,7 +46,7 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
         let leaves = slots.iter().zip(&*leaves).map(|(&slot, &begin)| (slot, deltas.before(begin as usize)));
         let root = cartesian_tree(Slot::NONE, leaves, |children| {
             widen.pairs.push(children);
-            Slot::inner(&children, widen.pairs.len() - 1)
+            Slot::inner::<N>(&children, widen.pairs.len() - 1)
         });
         let nodes = &mut treelet.nodes;
         let link = isa.run(
