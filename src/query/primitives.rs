@@ -7,7 +7,7 @@ use crate::geometry::{Aabb, Ray};
 use crate::simd::Isa;
 use crate::trace::ProvenTree;
 use std::fmt;
-use std::sync::{Mutex, PoisonError};
+use std::panic::AssertUnwindSafe;
 
 /// A tree over primitives of the caller, who tests them; leaves hold their numbers. Boxes are tested as in
 /// [`Bvh`](super::Bvh), with the best instructions of the machine, and the caller's test is compiled into the
@@ -47,8 +47,9 @@ struct Built<const N: usize> {
     tree: ProvenTree<N, IdBlock>,
     /// The builder's name with its changes.
     name: String,
-    /// From the first rebuild on, with its memory. Locked by nobody: builds have the tree to themselves.
-    builder: Mutex<Option<Box<BoxBuilder<N>>>>,
+    /// From the first rebuild on, with its memory. A panic leaves none half used: it is put back after a build that
+    /// went well.
+    builder: Option<AssertUnwindSafe<Box<BoxBuilder<N>>>>,
 }
 
 /// The closest hit of a ray by the caller's test.
@@ -149,17 +150,16 @@ impl<const N: usize> Built<N> {
     fn new(boxes: &Boxes<'_>, name: &str) -> Result<Self, BvhError> {
         let tree = builder(name)?.try_build(boxes)?.tree;
         let tree = ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?;
-        Ok(Self { tree, name: name.to_owned(), builder: Mutex::new(None) })
+        Ok(Self { tree, name: name.to_owned(), builder: None })
     }
 
     fn rebuild(&mut self, boxes: &Boxes<'_>) -> Result<(), BvhError> {
-        let kept = self.builder.get_mut().unwrap_or_else(PoisonError::into_inner);
-        let mut builder = kept.take().map_or_else(|| builder(&self.name), Ok)?;
+        let mut builder = self.builder.take().map_or_else(|| builder(&self.name), |kept| Ok(kept.0))?;
         let old = std::mem::take(&mut self.tree);
         builder.recycle(old.into_inner());
         let built = builder.try_build(boxes)?.tree;
         // One that failed is of no use any more.
-        *kept = Some(builder);
+        self.builder = Some(AssertUnwindSafe(builder));
         self.tree = ProvenTree::proven(built)?.map_err(BvhError::Malformed)?;
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! The library as its users meet it: scenes, builders, trees, rays. One program, since each takes seconds to link.
 
+mod builders;
 mod changed_builders;
 mod configurations;
 mod costs;

@@ -8,6 +8,7 @@ use phr::query::BvhError;
 use phr::random::SplitMix64;
 use phr::trace::{Isa, ProvenTree};
 use phr::{BvhConfig, PrimitiveBvh, Primitives};
+use std::panic::{RefUnwindSafe, UnwindSafe};
 
 /// Spheres: centre and radius. Boxes are a little larger, as the test is rounded.
 struct Spheres(Vec<(Vec3, f32)>);
@@ -320,6 +321,6 @@ fn what_cannot_be_built_is_refused_in_one_line() {
 
 #[test]
 fn trees_are_shared_among_threads() {
-    fn shared<T: Send + Sync + 'static>() {}
+    fn shared<T: Send + Sync + UnwindSafe + RefUnwindSafe + 'static>() {}
     shared::<PrimitiveBvh>();
 }

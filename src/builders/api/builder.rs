@@ -7,6 +7,7 @@ use crate::geometry::Mesh;
 use crate::memory::{self, OutOfMemory};
 use crate::parallel::awake::Awake;
 use crate::parallel::timeline;
+use std::fmt;
 use std::time::{Duration, Instant};
 
 /// A named part of a build and how long it took on the wall clock.
@@ -50,7 +51,10 @@ pub struct Build<const N: usize, B = TriangleBlock> {
 ///
 /// Builders of the list build over [`Boxes`] of anything, too:
 /// [`over_boxes`](crate::builders::over_boxes).
-pub trait Builder<const N: usize, G: Geometry = Mesh>: Send {
+///
+/// A `Box<dyn Builder<8>>` may be kept where an engine keeps what threads share, a bevy resource for example: all that
+/// is done with a shared one is to ask its name.
+pub trait Builder<const N: usize, G: Geometry = Mesh>: Send + Sync {
     /// The name used in commands and records, e.g. `phr-fast`.
     fn name(&self) -> &str;
 
@@ -77,6 +81,12 @@ pub trait Builder<const N: usize, G: Geometry = Mesh>: Send {
     /// Gives back a tree that is no longer needed, so that the next one is built in its memory: fresh memory
     /// costs as much as a good part of a build.
     fn recycle(&mut self, tree: WideBvh<N, G::Block>);
+}
+
+impl<const N: usize> fmt::Debug for dyn Builder<N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Builder").field(&self.name()).finish()
+    }
 }
 
 /// A builder over boxes; as other builders it keeps its memory from build to build.

@@ -13,6 +13,7 @@ use crate::builders::wide::build;
 use crate::bvh::limits::{BLOCK, MAX_LEAF};
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::simd::Isa;
+use std::fmt;
 
 /// Parameters of Hunt's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +33,12 @@ pub struct Hunt<const N: usize, B: LeafBlock = TriangleBlock> {
     cuts: PhrConfig,
     memory: CutMemory<N, B>,
     isa: Isa,
+}
+
+impl<const N: usize, B: LeafBlock> fmt::Debug for Hunt<N, B> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Hunt").field("name", &self.name).field("config", &self.config).finish_non_exhaustive()
+    }
 }
 
 impl<const N: usize, B: LeafBlock> Hunt<N, B> {

@@ -12,6 +12,7 @@ use crate::builders::prims::geometry::Geometry;
 use crate::bvh::limits::BLOCK;
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::simd::Isa;
+use std::fmt;
 
 /// Parameters of [`OptimisedPhr`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +57,15 @@ pub struct OptimisedPhr<const N: usize, B: LeafBlock = TriangleBlock> {
     memory: CutMemory<N, B>,
     optimiser: Optimiser<N, B>,
     isa: Isa,
+}
+
+impl<const N: usize, B: LeafBlock> fmt::Debug for OptimisedPhr<N, B> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("OptimisedPhr")
+            .field("name", &self.name)
+            .field("config", &self.config)
+            .finish_non_exhaustive()
+    }
 }
 
 impl<const N: usize, B: LeafBlock> OptimisedPhr<N, B> {

@@ -23,6 +23,7 @@ use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::geometry::Mesh;
 use crate::memory::catch_out_of_memory;
 use crate::simd::Isa;
+use std::fmt;
 
 /// Builds trees of nodes of up to `N` children by PHR; memory is kept between builds.
 pub struct Phr<const N: usize, B: LeafBlock = TriangleBlock> {
@@ -30,6 +31,12 @@ pub struct Phr<const N: usize, B: LeafBlock = TriangleBlock> {
     config: PhrConfig,
     memory: CutMemory<N, B>,
     isa: Isa,
+}
+
+impl<const N: usize, B: LeafBlock> fmt::Debug for Phr<N, B> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Phr").field("name", &self.name).field("config", &self.config).finish_non_exhaustive()
+    }
 }
 
 impl<const N: usize, B: LeafBlock> Phr<N, B> {

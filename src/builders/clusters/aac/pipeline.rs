@@ -7,11 +7,18 @@ use crate::builders::api::config_error::ConfigError;
 use crate::builders::clusters::memory::ClusterMemory;
 use crate::builders::prims::geometry::Geometry;
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
+use std::fmt;
 
 /// Builds trees of nodes of up to `N` children by AAC; memory is kept between builds.
 pub struct Aac<const N: usize, B: LeafBlock = TriangleBlock> {
     config: AacConfig,
     memory: ClusterMemory<N, B>,
+}
+
+impl<const N: usize, B: LeafBlock> fmt::Debug for Aac<N, B> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Aac").field("config", &self.config).finish_non_exhaustive()
+    }
 }
 
 impl<const N: usize, B: LeafBlock> Aac<N, B> {

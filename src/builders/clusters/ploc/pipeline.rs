@@ -8,6 +8,7 @@ use crate::builders::clusters::memory::ClusterMemory;
 use crate::builders::prims::geometry::Geometry;
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::simd::Isa;
+use std::fmt;
 
 /// Builds trees of nodes of up to `N` children by PLOC; memory is kept between builds.
 pub struct Ploc<const N: usize, B: LeafBlock = TriangleBlock> {
@@ -15,6 +16,12 @@ pub struct Ploc<const N: usize, B: LeafBlock = TriangleBlock> {
     isa: Isa,
     clustering: Clustering,
     memory: ClusterMemory<N, B>,
+}
+
+impl<const N: usize, B: LeafBlock> fmt::Debug for Ploc<N, B> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Ploc").field("config", &self.config).finish_non_exhaustive()
+    }
 }
 
 impl<const N: usize, B: LeafBlock> Ploc<N, B> {

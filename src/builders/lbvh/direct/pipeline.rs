@@ -17,6 +17,7 @@ use crate::memory::stream::Vectors;
 use crate::parallel::ordered_append;
 use crate::simd::Isa;
 use arrayvec::ArrayVec;
+use std::fmt;
 
 /// Builds the LBVH of paper 4.7 as a tree of nodes of up to `N` children; memory is kept between builds.
 pub struct Lbvh<const N: usize, B: LeafBlock = TriangleBlock, I = [u32; 4]> {
@@ -24,6 +25,12 @@ pub struct Lbvh<const N: usize, B: LeafBlock = TriangleBlock, I = [u32; 4]> {
     treelets: Pool<DirectTreelet<I, N>>,
     memory: Memory<(), N, B>,
     isa: Isa,
+}
+
+impl<const N: usize, B: LeafBlock, I> fmt::Debug for Lbvh<N, B, I> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Lbvh").finish_non_exhaustive()
+    }
 }
 
 impl<const N: usize, B: LeafBlock, I: Default> Default for Lbvh<N, B, I> {

@@ -17,6 +17,7 @@ use crate::builders::wide::build;
 use crate::bvh::limits::BLOCK;
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::simd::Isa;
+use std::fmt;
 
 /// Parameters of [`ClusteredPhr`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,6 +118,15 @@ pub struct ClusteredPhr<const N: usize, B: LeafBlock = TriangleBlock, I = [u32; 
     treelets: ClusterTreelets<N, I>,
     memory: CutMemory<N, B>,
     isa: Isa,
+}
+
+impl<const N: usize, B: LeafBlock, I> fmt::Debug for ClusteredPhr<N, B, I> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ClusteredPhr")
+            .field("name", &self.name)
+            .field("config", &self.config)
+            .finish_non_exhaustive()
+    }
 }
 
 impl<const N: usize, B: LeafBlock, I: Copy + Default + Send> ClusteredPhr<N, B, I> {

@@ -17,6 +17,7 @@ use crate::bvh::WideBvh;
 use crate::geometry::{Aabb, Mesh};
 use crate::memory::{catch_out_of_memory, huge_pages};
 use crate::simd::Isa;
+use std::fmt;
 
 /// Builds trees of nodes of up to `N` children over scenes whose first triangles never move.
 ///
@@ -37,6 +38,12 @@ pub struct MergedPhr<const N: usize> {
     dynamic: Auxiliary,
     kept: Kept,
     isa: Isa,
+}
+
+impl<const N: usize> fmt::Debug for MergedPhr<N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("MergedPhr").field("config", &self.config).finish_non_exhaustive()
+    }
 }
 
 /// The static part.
