@@ -34,6 +34,8 @@ pub struct Bvh {
     tree: Tree,
     /// By triangle: four times its block, plus its lane in it.
     places: Vec<u32>,
+    /// Name of the builder; empty where nobody has told it.
+    builder: String,
 }
 
 /// A tree of either width.
@@ -61,11 +63,18 @@ impl Bvh {
     /// # Errors
     /// [`BvhError::NoSuchBuilder`], [`BvhError::Changes`], [`BvhError::NoSuchWidth`], [`BvhError::OutOfMemory`].
     pub fn build(mesh: &Mesh, config: &BvhConfig<'_>) -> Result<Self, BvhError> {
-        match config.width {
-            4 => tree::<4>(mesh, config.builder)?.try_into(),
-            8 => tree::<8>(mesh, config.builder)?.try_into(),
-            width => Err(BvhError::NoSuchWidth(width)),
-        }
+        let (bvh, builder) = match config.width {
+            4 => {
+                let (tree, builder) = tree::<4>(mesh, config.builder)?;
+                (Self::try_from(tree)?, builder)
+            }
+            8 => {
+                let (tree, builder) = tree::<8>(mesh, config.builder)?;
+                (Self::try_from(tree)?, builder)
+            }
+            width => return Err(BvhError::NoSuchWidth(width)),
+        };
+        Ok(Self { builder, ..bvh })
     }
 
     /// The closest hit of `ray`.
@@ -108,7 +117,8 @@ impl Bvh {
         }
     }
 
-    /// Saves the tree, which was built over `mesh`, at `path`: [`saved`](crate::bvh::saved) describes the format.
+    /// Saves the tree, which was built over `mesh`, at `path`: [`saved`](crate::bvh::saved) describes the format, which
+    /// has room for 32 bytes of the builder's name.
     ///
     /// # Errors
     /// Another mesh, or one that was moved since; an unwritable place, or one that is no regular file.
@@ -118,8 +128,8 @@ impl Bvh {
             return Err(SavedError::NotOfMesh { path: path.to_owned() });
         }
         match &self.tree {
-            Tree::Four(tree) => tree.get().save(mesh, "", path),
-            Tree::Eight(tree) => tree.get().save(mesh, "", path),
+            Tree::Four(tree) => tree.get().save(mesh, &self.builder, path),
+            Tree::Eight(tree) => tree.get().save(mesh, &self.builder, path),
         }
     }
 
@@ -129,13 +139,38 @@ impl Bvh {
     /// A missing file ([`SavedError::Io`]), one that is damaged or holds the tree of another mesh, no memory.
     pub fn load(mesh: &Mesh, path: &Path) -> Result<Self, SavedError> {
         let saved = SavedTree::open(path)?;
+        let builder = saved.header.builder.clone();
         let tree = match saved.header.width {
             4 => Tree::Four(ProvenTree::read(mesh, saved)?),
             _ => Tree::Eight(ProvenTree::read(mesh, saved)?),
         };
         let places = places(tree.blocks(), mesh.len())
             .map_err(|source| SavedError::OutOfMemory { path: path.to_owned(), source })?;
-        Ok(Self { tree, places })
+        Ok(Self { tree, places, builder })
+    }
+
+    /// Name of the builder, as [`by_name`](builders::by_name) knows it; of a loaded tree what its file says, which may
+    /// be the beginning of a long one. `None` of a tree that somebody else has built.
+    pub fn builder(&self) -> Option<&str> {
+        Some(&self.builder[..]).filter(|name| !name.is_empty())
+    }
+
+    /// Most children of a node: 4 or 8.
+    pub fn width(&self) -> usize {
+        match &self.tree {
+            Tree::Four(_) => 4,
+            Tree::Eight(_) => 8,
+        }
+    }
+
+    /// Number of triangles of the mesh.
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
     }
 
     /// The box of all triangles; [empty](Aabb::is_empty) without any.
@@ -196,19 +231,20 @@ impl Bvh {
     }
 }
 
-/// The tree of the builder called `name`.
-fn tree<const N: usize>(mesh: &Mesh, name: &str) -> Result<WideBvh<N>, BvhError> {
+/// The tree of the builder called `name`, and how it calls itself.
+fn tree<const N: usize>(mesh: &Mesh, name: &str) -> Result<(WideBvh<N>, String), BvhError> {
     let mut builder = builders::by_name(name).ok_or_else(|| BvhError::of_name(name))?;
-    Ok(builder.try_build(mesh)?.tree)
+    Ok((builder.try_build(mesh)?.tree, builder.name().to_owned()))
 }
 
 impl TryFrom<Bvh4> for Bvh {
     type Error = BvhError;
 
-    /// Proves a builder's tree sound.
+    /// Proves a builder's tree sound. Its builder is not known then ([`Bvh::builder`]).
     fn try_from(tree: Bvh4) -> Result<Self, BvhError> {
         let places = places(&tree.blocks, triangles(&tree.blocks)?)?;
-        Ok(Self { tree: Tree::Four(ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?), places })
+        let tree = Tree::Four(ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?);
+        Ok(Self { tree, places, builder: String::new() })
     }
 }
 
@@ -218,7 +254,8 @@ impl TryFrom<Bvh8> for Bvh {
     /// As from a 4-wide tree.
     fn try_from(tree: Bvh8) -> Result<Self, BvhError> {
         let places = places(&tree.blocks, triangles(&tree.blocks)?)?;
-        Ok(Self { tree: Tree::Eight(ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?), places })
+        let tree = Tree::Eight(ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?);
+        Ok(Self { tree, places, builder: String::new() })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::trace_support::*;
 use glam::Vec3;
-use phr::bvh::saved::SavedError;
+use phr::bvh::saved::{SavedError, header_of};
 use phr::bvh::{Bvh4, Link};
 use phr::geometry::{Mesh, Ray};
 use phr::query::{BvhError, Hit};
@@ -66,6 +66,26 @@ fn a_loaded_tree_answers_as_the_saved_one() {
             assert!(refused.contains("the tree is of another mesh") && !refused.contains('\n'), "{refused}");
         }
     }
+}
+
+#[test]
+fn a_tree_knows_its_builder_also_from_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.phrtree");
+    let mesh = soup(500, 3);
+    for (builder, width) in [("phr-quality", 8), ("phr-quality-no-local_threshold", 4)] {
+        let bvh = Bvh::build(&mesh, &BvhConfig { builder, width }).unwrap();
+        bvh.save(&mesh, &path).unwrap();
+        assert_eq!(header_of(&path).unwrap().builder, builder);
+        for bvh in [bvh, Bvh::load(&mesh, &path).unwrap()] {
+            assert_eq!((bvh.builder(), bvh.width()), (Some(builder), width));
+            assert_eq!((bvh.len(), bvh.is_empty()), (mesh.len(), false));
+        }
+    }
+    let [foreign, _] = both(&mesh);
+    assert_eq!((foreign.builder(), foreign.width(), foreign.len()), (None, 4, mesh.len()));
+    foreign.save(&mesh, &path).unwrap();
+    assert_eq!(Bvh::load(&mesh, &path).unwrap().builder(), None);
 }
 
 #[test]
