@@ -9,7 +9,7 @@ use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let statue = scene::generator("statue").ok_or("no scene is called statue")?.generate();
-    let object = Bvh::build(&statue.mesh, &BvhConfig { builder: "phr-quality", width: 8 })?;
+    let object = Bvh::build(&statue.mesh, &BvhConfig::new("phr-quality", 8))?;
     let mut random = SplitMix64::new(1);
     let places: Vec<(Vec3, f32)> = (0..100_000).map(|_| (random.point(-60.0, 60.0), random.unit())).collect();
     let at = |frame: f32| -> Vec<_> {
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         places.iter().map(place).map(|transform| Instance { bvh: &object, transform }).collect()
     };
-    let config = BvhConfig { builder: "phr-turbo", width: 8 };
+    let config = BvhConfig::new("phr-turbo", 8);
     let mut world = InstanceBvh::build(at(0.0), &config)?;
     println!("{} triangles, {} times", statue.mesh.len(), world.len());
 

@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     for y in -12..12 {
         let org = |x: i32| Vec3::new(x as f32 / 36.0, y as f32 / 12.0, 3.0);
-        let ray = |x| Ray { org: org(x), tnear: 0.0, dir: Vec3::NEG_Z, tfar: f32::INFINITY };
+        let ray = |x| Ray::new(org(x), Vec3::NEG_Z);
         let depth = |x| bvh.intersect_with(&ray(x), meet).map_or(7, |hit| (3.5 * (hit.t - 2.0)) as usize);
         println!("{}", (-36..36).map(|x| "@#*+=-: ".as_bytes()[depth(x)] as char).collect::<String>());
     }

@@ -26,6 +26,6 @@ impl Camera {
     /// The ray through a point of the picture, in pixels from its upper left corner.
     pub fn ray(&self, x: f32, y: f32) -> Ray {
         let dir = (self.corner + x * self.across + y * self.down).normalize();
-        Ray { org: self.eye, tnear: 0.0, dir, tfar: f32::INFINITY }
+        Ray::new(self.eye, dir)
     }
 }

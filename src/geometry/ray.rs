@@ -21,6 +21,12 @@ impl Ray {
     /// Largest coordinate that Embree accepts (its `FLT_LARGE`); anything larger aborts Debian's build.
     pub const LARGEST: f32 = 1.844e18;
 
+    /// The ray from `org` in the direction `dir` without an end: `tnear` 0, `tfar` infinite. Both are a `Vec3` or an
+    /// array of three numbers.
+    pub fn new(org: impl Into<Vec3>, dir: impl Into<Vec3>) -> Self {
+        Self { org: org.into(), tnear: 0.0, dir: dir.into(), tfar: f32::INFINITY }
+    }
+
     /// True if Embree accepts the ray: components of origin and direction up to [`Ray::LARGEST`], `tnear` finite and
     /// not negative, no NaN.
     pub fn is_valid(&self) -> bool {

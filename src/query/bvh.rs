@@ -23,7 +23,7 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// let (mesh, _) = Mesh::new(corners, vec![[0, 1, 2]])?;
 /// let bvh = Bvh::build(&mesh, &BvhConfig::default())?;
-/// let down = Ray { org: [0.2, 0.3, 2.0].into(), tnear: 0.0, dir: [0.0, 0.0, -1.0].into(), tfar: f32::INFINITY };
+/// let down = Ray::new([0.2, 0.3, 2.0], [0.0, 0.0, -1.0]);
 /// let hit = bvh.intersect(&down).expect("a hit");
 /// assert_eq!((hit.prim, hit.normal.to_array()), (0, [0.0, 0.0, 1.0]));
 /// assert!(bvh.occluded(&down) && !bvh.occluded(&Ray { tfar: 1.0, ..down }));

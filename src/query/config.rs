@@ -2,7 +2,7 @@
 
 use crate::builders::{BoxesError, NAMES, OutOfMemory};
 
-/// What tree to build.
+/// What tree to build: `BvhConfig::new("phr-quality", 8)`, or `BvhConfig { width: 4, ..BvhConfig::default() }`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BvhConfig<'a> {
     /// Name of a builder, one that [`by_name`](crate::builders::by_name) knows: of [`NAMES`], a variant, or, with the
@@ -10,6 +10,13 @@ pub struct BvhConfig<'a> {
     pub builder: &'a str,
     /// Most children of a node: 4 or 8.
     pub width: usize,
+}
+
+impl<'a> BvhConfig<'a> {
+    /// The builder of this name, and nodes of up to `width` children, 4 or 8: checked when it builds.
+    pub const fn new(builder: &'a str, width: usize) -> Self {
+        Self { builder, width }
+    }
 }
 
 impl Default for BvhConfig<'_> {

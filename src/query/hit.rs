@@ -1,5 +1,6 @@
 //! What a ray hit.
 
+use crate::geometry;
 use glam::Vec3;
 
 /// The closest hit of a ray.
@@ -17,4 +18,12 @@ pub struct Hit {
     /// long as twice the triangle's area, points to where the vertices run counter-clockwise, and overflows or
     /// vanishes if that area does.
     pub normal: Vec3,
+}
+
+impl From<Hit> for geometry::Hit {
+    /// The hit without its normal, as tracers tell it.
+    fn from(hit: Hit) -> Self {
+        let Hit { t, u, v, prim, normal: _ } = hit;
+        Self { t, u, v, prim }
+    }
 }

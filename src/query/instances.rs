@@ -51,7 +51,7 @@ pub struct InstanceHit {
 /// let place = |x: f32| Instance { bvh: &object, transform: Affine3A::from_translation(Vec3::new(x, 0.0, 0.0)) };
 /// let mut world = InstanceBvh::build(vec![place(0.0), place(10.0)], &BvhConfig::default())?;
 ///
-/// let ray = Ray { org: [10.2, 0.3, 2.0].into(), tnear: 0.0, dir: [0.0, 0.0, -1.0].into(), tfar: f32::INFINITY };
+/// let ray = Ray::new([10.2, 0.3, 2.0], [0.0, 0.0, -1.0]);
 /// assert_eq!(world.intersect(&ray).map(|found| (found.instance, found.hit.prim)), Some((1, 0)));
 ///
 /// world.rebuild(vec![place(0.0), place(20.0)])?; // the next frame

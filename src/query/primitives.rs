@@ -29,7 +29,7 @@ use std::panic::AssertUnwindSafe;
 ///     let root = (b * b - c).sqrt(); // NaN, which is no hit, where the line misses
 ///     [-b - root, -b + root].into_iter().find(|&t| ray.tnear < t && t <= ray.tfar)
 /// };
-/// let down = Ray { org: [0.0, 0.0, 9.0].into(), tnear: 0.0, dir: [0.0, 0.0, -1.0].into(), tfar: f32::INFINITY };
+/// let down = Ray::new([0.0, 0.0, 9.0], [0.0, 0.0, -1.0]);
 /// let hit = bvh.intersect_with(&down, sphere).expect("a hit");
 /// assert_eq!((hit.id, hit.t), (0, 8.0));
 /// assert!(!bvh.occluded_with(&Ray { tfar: 7.0, ..down }, |id, ray| sphere(id, ray).is_some()));

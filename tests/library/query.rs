@@ -100,6 +100,11 @@ fn a_hit_has_its_coordinates_and_its_normal() {
 }
 
 #[test]
+fn a_new_ray_has_no_end() {
+    assert_eq!(Ray::new([1.0, 2.0, 2.0], Vec3::NEG_Z), DOWN);
+}
+
+#[test]
 fn both_faces_are_hit_and_the_normal_is_not_turned() {
     let up = ray([1.0, 2.0, -3.0], [0.0, 0.0, 1.0]);
     for bvh in triangles() {
@@ -290,6 +295,11 @@ fn check_batch(bvh: &Bvh, rays: &[Ray]) -> Vec<Option<Hit>> {
     hits
 }
 
+/// Hits as tracers tell them.
+fn plain(hits: &[Option<Hit>]) -> Vec<geometry::Hit> {
+    hits.iter().map(|hit| hit.map_or(geometry::Hit::MISS, geometry::Hit::from)).collect()
+}
+
 #[test]
 fn batches_hit_what_brute_force_hits() {
     for scale in [1e-6, 1.0, 1e6] {
@@ -303,11 +313,7 @@ fn batches_hit_what_brute_force_hits() {
             for rays in [&rays[..0], &rays[..1], &rays[..17]] {
                 check_batch(&bvh, rays);
             }
-            let plain = |hit: &Option<Hit>| match *hit {
-                Some(Hit { t, u, v, prim, .. }) => geometry::Hit { t, u, v, prim },
-                None => geometry::Hit::MISS,
-            };
-            let hits: Vec<_> = check_batch(&bvh, &rays).iter().map(plain).collect();
+            let hits = plain(&check_batch(&bvh, &rays));
             let verdict = compare_closest(&mesh, &rays, &reference, &hits);
             assert!(verdict.is_ok() && verdict.edge < 25, "{scale}: {verdict}");
         }
@@ -331,7 +337,7 @@ fn a_tree_is_built_by_name() {
         check_build::<4>(&mesh, builder, &ray);
         check_build::<8>(&mesh, builder, &ray);
     }
-    let error = Bvh::build(&mesh, &BvhConfig { builder: "sah", width: 4 }).unwrap_err();
+    let error = Bvh::build(&mesh, &BvhConfig::new("sah", 4)).unwrap_err();
     assert!(error.to_string().starts_with("no builder is called sah; there are lbvh, "), "{error}");
     let error = Bvh::build(&mesh, &BvhConfig { width: 6, ..BvhConfig::default() }).unwrap_err();
     assert_eq!(error.to_string(), "no tree has nodes of 6 children; give 4 or 8");
