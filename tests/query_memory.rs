@@ -184,6 +184,26 @@ fn nor_does_a_refit() {
     assert!(told && refined.len() > 1, "{}", refined.len());
 }
 
+/// Of no triangle is a tree without memory for its successor, but not out of use.
+#[test]
+fn nor_does_a_tree_that_follows_its_mesh() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let mesh = scene::scalable(80_000, 1).mesh;
+    let config = BvhConfig::new("phr-speed", 8);
+    let mut bvh = Bvh::build(&mesh, &config).unwrap();
+    let fresh = bvh.as_bvh8().cloned();
+    let mut refits = failing(|| bvh.refit(&mesh));
+    assert_eq!(refits.pop(), Some(Ok(())));
+    assert!(!refits.is_empty() && refits.iter().all(|it| matches!(it, Err(RefitError::OutOfMemory(_)))));
+    let rebuilds = failing(|| {
+        let rebuilt = bvh.rebuild(&mesh);
+        assert!(rebuilt.is_ok() || (bvh.is_empty() && bvh.bounds().is_empty()));
+        rebuilt
+    });
+    assert_told(rebuilds, 3, "a tree again");
+    assert_eq!((bvh.len(), bvh.as_bvh8().cloned()), (mesh.len(), fresh));
+}
+
 #[test]
 fn nor_does_the_proof_of_a_large_tree() {
     const NODES: usize = 200_000;

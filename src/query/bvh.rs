@@ -1,17 +1,17 @@
 //! A tree that answers rays.
 
+use super::built::Built;
+use super::places::{places, triangles};
 use super::{BvhConfig, BvhError, Hit};
 use crate::builders;
 use crate::bvh::saved::{SavedError, SavedTree};
 use crate::bvh::{Bvh4, Bvh8, TriangleBlock, WideBvh};
 use crate::geometry::{self, Aabb, Mesh, Ray, Tracer};
-use crate::memory::{OutOfMemory, huge_pages};
 use crate::trace::ProvenTree;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::path::Path;
 use std::slice::{from_mut, from_ref};
-use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// A tree over a mesh, of which it keeps what rays need: the mesh may be dropped. The module's page has the
 /// conventions.
@@ -31,33 +31,33 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 /// ```
 #[derive(Debug)]
 pub struct Bvh {
-    tree: Tree,
+    pub(super) tree: Tree,
     /// By triangle: four times its block, plus its lane in it.
-    places: Vec<u32>,
+    pub(super) places: Vec<u32>,
     /// Name of the builder; empty where nobody has told it.
-    builder: String,
+    pub(super) builder: String,
 }
 
 /// A tree of either width.
 #[derive(Debug)]
-enum Tree {
-    Four(ProvenTree<4>),
-    Eight(ProvenTree<8>),
+pub(super) enum Tree {
+    Four(Built<4>),
+    Eight(Built<8>),
 }
 
 impl Tree {
     fn blocks(&self) -> &[TriangleBlock] {
         match self {
-            Self::Four(tree) => &tree.get().blocks,
-            Self::Eight(tree) => &tree.get().blocks,
+            Self::Four(built) => &built.tree.get().blocks,
+            Self::Eight(built) => &built.tree.get().blocks,
         }
     }
 }
 
 impl Bvh {
     /// Builds a tree over `mesh` on the current rayon pool. While it lasts, threads of that pool take up parts of it,
-    /// those too that wait for other work there: a build in the background, beside frames, wants a pool of its own. To
-    /// keep a builder's memory from one build to the next, or to build with parameters of your own, use a
+    /// those too that wait for other work there: a build in the background, beside frames, wants a pool of its own. A
+    /// mesh that moves is built over again by [`Bvh::rebuild`]. To build with parameters of your own, use a
     /// [`builders::Builder`] and make a `Bvh` of its tree.
     ///
     /// # Errors
@@ -100,8 +100,8 @@ impl Bvh {
         hits.fill(None);
         let answer = |place: usize, hit: geometry::Hit| hits[place] = self.with_normal(&hit);
         match &self.tree {
-            Tree::Four(tree) => tree.batch_tracer().closest_hits(rays, answer),
-            Tree::Eight(tree) => tree.batch_tracer().closest_hits(rays, answer),
+            Tree::Four(built) => built.tree.batch_tracer().closest_hits(rays, answer),
+            Tree::Eight(built) => built.tree.batch_tracer().closest_hits(rays, answer),
         }
     }
 
@@ -112,8 +112,8 @@ impl Bvh {
     pub fn occluded_batch(&self, rays: &[Ray], occluded: &mut [bool]) {
         assert_eq!(rays.len(), occluded.len(), "as many answers as rays");
         match &self.tree {
-            Tree::Four(tree) => tree.batch_tracer().any(rays, occluded),
-            Tree::Eight(tree) => tree.batch_tracer().any(rays, occluded),
+            Tree::Four(built) => built.tree.batch_tracer().any(rays, occluded),
+            Tree::Eight(built) => built.tree.batch_tracer().any(rays, occluded),
         }
     }
 
@@ -128,8 +128,8 @@ impl Bvh {
             return Err(SavedError::NotOfMesh { path: path.to_owned() });
         }
         match &self.tree {
-            Tree::Four(tree) => tree.get().save(mesh, &self.builder, path),
-            Tree::Eight(tree) => tree.get().save(mesh, &self.builder, path),
+            Tree::Four(built) => built.tree.get().save(mesh, &self.builder, path),
+            Tree::Eight(built) => built.tree.get().save(mesh, &self.builder, path),
         }
     }
 
@@ -141,10 +141,10 @@ impl Bvh {
         let saved = SavedTree::open(path)?;
         let builder = saved.header.builder.clone();
         let tree = match saved.header.width {
-            4 => Tree::Four(ProvenTree::read(mesh, saved)?),
-            _ => Tree::Eight(ProvenTree::read(mesh, saved)?),
+            4 => Tree::Four(ProvenTree::read(mesh, saved)?.into()),
+            _ => Tree::Eight(ProvenTree::read(mesh, saved)?.into()),
         };
-        let places = places(tree.blocks(), mesh.len())
+        let places = places(tree.blocks(), mesh.len(), Vec::new())
             .map_err(|source| SavedError::OutOfMemory { path: path.to_owned(), source })?;
         Ok(Self { tree, places, builder })
     }
@@ -176,37 +176,26 @@ impl Bvh {
     /// The box of all triangles; [empty](Aabb::is_empty) without any.
     pub fn bounds(&self) -> Aabb {
         match &self.tree {
-            Tree::Four(tree) => tree.get().bounds,
-            Tree::Eight(tree) => tree.get().bounds,
+            Tree::Four(built) => built.tree.get().bounds,
+            Tree::Eight(built) => built.tree.get().bounds,
         }
     }
 
     /// The tree of nodes of four children, where it has these: to upload it, or for a traversal of your own.
     pub fn as_bvh4(&self) -> Option<&Bvh4> {
-        if let Tree::Four(tree) = &self.tree { Some(tree.get()) } else { None }
+        if let Tree::Four(built) = &self.tree { Some(built.tree.get()) } else { None }
     }
 
     /// The tree of nodes of eight children, where it has these.
     pub fn as_bvh8(&self) -> Option<&Bvh8> {
-        if let Tree::Eight(tree) = &self.tree { Some(tree.get()) } else { None }
-    }
-
-    /// The tree of nodes of four children, where it has these: for [`Builder::recycle`](builders::Builder::recycle),
-    /// before its mesh is built over again.
-    pub fn into_bvh4(self) -> Option<Bvh4> {
-        if let Tree::Four(tree) = self.tree { Some(tree.into_inner()) } else { None }
-    }
-
-    /// The tree of nodes of eight children, where it has these.
-    pub fn into_bvh8(self) -> Option<Bvh8> {
-        if let Tree::Eight(tree) = self.tree { Some(tree.into_inner()) } else { None }
+        if let Tree::Eight(built) = &self.tree { Some(built.tree.get()) } else { None }
     }
 
     /// Bytes of the tree and of what finds a triangle in it.
     pub fn bytes(&self) -> usize {
         let tree = match &self.tree {
-            Tree::Four(tree) => tree.get().bytes(),
-            Tree::Eight(tree) => tree.get().bytes(),
+            Tree::Four(built) => built.tree.get().bytes(),
+            Tree::Eight(built) => built.tree.get().bytes(),
         };
         tree + size_of_val(&self.places[..])
     }
@@ -215,8 +204,8 @@ impl Bvh {
     #[inline]
     fn trace<R>(&self, f: impl FnOnce(&dyn Tracer) -> R) -> R {
         match &self.tree {
-            Tree::Four(tree) => f(&tree.tracer()),
-            Tree::Eight(tree) => f(&tree.tracer()),
+            Tree::Four(built) => f(&built.tree.tracer()),
+            Tree::Eight(built) => f(&built.tree.tracer()),
         }
     }
 
@@ -242,8 +231,8 @@ impl TryFrom<Bvh4> for Bvh {
 
     /// Proves a builder's tree sound. Its builder is not known then ([`Bvh::builder`]).
     fn try_from(tree: Bvh4) -> Result<Self, BvhError> {
-        let places = places(&tree.blocks, triangles(&tree.blocks)?)?;
-        let tree = Tree::Four(ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?);
+        let places = places(&tree.blocks, triangles(&tree.blocks)?, Vec::new())?;
+        let tree = Tree::Four(ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?.into());
         Ok(Self { tree, places, builder: String::new() })
     }
 }
@@ -253,32 +242,8 @@ impl TryFrom<Bvh8> for Bvh {
 
     /// As from a 4-wide tree.
     fn try_from(tree: Bvh8) -> Result<Self, BvhError> {
-        let places = places(&tree.blocks, triangles(&tree.blocks)?)?;
-        let tree = Tree::Eight(ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?);
+        let places = places(&tree.blocks, triangles(&tree.blocks)?, Vec::new())?;
+        let tree = Tree::Eight(ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?.into());
         Ok(Self { tree, places, builder: String::new() })
     }
-}
-
-/// Triangles of a mesh of which these are all blocks.
-fn triangles(blocks: &[TriangleBlock]) -> Result<usize, BvhError> {
-    let last = blocks.par_iter().flat_map_iter(TriangleBlock::ids).max();
-    let length = last.map_or(0, |last| last as usize + 1);
-    if length > Mesh::MAX_TRIANGLES {
-        return Err(BvhError::Malformed(format!("triangle {} of no mesh", length - 1)));
-    }
-    Ok(length)
-}
-
-/// Where each of so many triangles is; one of the places if it is in several blocks.
-fn places(blocks: &[TriangleBlock], triangles: usize) -> Result<Vec<u32>, OutOfMemory> {
-    let mut places = Vec::new();
-    huge_pages::try_reserve(&mut places, triangles, "places of triangles")?;
-    places.resize_with(triangles, AtomicU32::default);
-    blocks.par_iter().enumerate().for_each(|(index, block)| {
-        let lanes = block.prims.iter().enumerate().filter(|(_, prim)| **prim != u32::MAX);
-        for (lane, &prim) in lanes {
-            places[prim as usize].store((4 * index + lane) as u32, Relaxed);
-        }
-    });
-    Ok(places.into_iter().map(AtomicU32::into_inner).collect())
 }

@@ -32,6 +32,9 @@ pub enum BvhError {
     /// No builder has the name.
     #[error("no builder is called {0}; there are {list}", list = NAMES.join(", "))]
     NoSuchBuilder(String),
+    /// A tree that is to be rebuilt does not tell by whom.
+    #[error("nobody has told the builder of this tree; make it by Bvh::build, or build another")]
+    NoBuilder,
     /// A builder is to be changed in a way that cannot be.
     #[error("{0}")]
     Changes(String),

@@ -22,11 +22,14 @@
 //! * **Threads**: a [`Bvh`] is `Send` and `Sync`. A query runs on the thread that calls it and allocates nothing
 //!   per ray; a batch takes some 100 KiB of its stack.
 
+mod built;
 mod bvh;
 mod config;
 mod hit;
 mod instances;
+mod moving;
 mod placed;
+mod places;
 mod primitives;
 
 pub use bvh::Bvh;

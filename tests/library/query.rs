@@ -2,6 +2,7 @@
 
 use crate::trace_support::*;
 use glam::Vec3;
+use phr::builders::RefitError;
 use phr::bvh::saved::{SavedError, header_of};
 use phr::bvh::{Bvh4, Link};
 use phr::geometry::{Mesh, Ray};
@@ -11,6 +12,7 @@ use phr::trace::verify::compare_closest;
 use phr::trace::{BruteForce, BvhTracer};
 use phr::{Bvh, BvhConfig, geometry};
 use std::f32::consts::SQRT_2;
+use std::panic::{RefUnwindSafe, UnwindSafe};
 
 /// Trees of both widths over `mesh`.
 fn both(mesh: &Mesh) -> [Bvh; 2] {
@@ -32,7 +34,7 @@ const DOWN: Ray =
 
 #[test]
 fn a_bvh_is_shared_among_threads() {
-    const fn shared<T: Send + Sync>() {}
+    const fn shared<T: Send + Sync + UnwindSafe + RefUnwindSafe + 'static>() {}
     const { shared::<Bvh>() }
 }
 
@@ -41,9 +43,76 @@ fn the_tree_is_given_back() {
     let [four, eight] = triangles();
     let trees = (four.as_bvh4().cloned(), eight.as_bvh8().cloned());
     assert!(trees.0.is_some() && trees.1.is_some());
-    assert_eq!((four.into_bvh4(), eight.into_bvh8()), trees);
+    assert_eq!((four.into_bvh4().ok(), eight.into_bvh8().ok()), trees);
     let [four, eight] = triangles();
-    assert_eq!((four.into_bvh8(), eight.into_bvh4()), (None, None));
+    let (four, eight) = (four.into_bvh8().unwrap_err(), eight.into_bvh4().unwrap_err());
+    assert_eq!((four.as_bvh4().cloned(), eight.as_bvh8().cloned()), trees);
+    assert!(four.occluded(&DOWN) && eight.occluded(&DOWN));
+}
+
+#[test]
+fn a_tree_is_rebuilt_in_its_memory() {
+    let (folder, rays) = (tempfile::tempdir().unwrap(), rays(&soup(900, 1), 500, 2));
+    let path = folder.path().join("x.phrtree");
+    for (builder, width) in [("phr-turbo", 8), ("phr-best", 4), ("lbvh", 8)] {
+        let config = BvhConfig::new(builder, width);
+        let first = soup(500, 3);
+        let built = Bvh::build(&first, &config).unwrap();
+        built.save(&first, &path).unwrap();
+        for mut bvh in [built, Bvh::load(&first, &path).unwrap()] {
+            for triangles in [900, 0, 500, 501] {
+                let mesh = soup(triangles, triangles as u64);
+                bvh.rebuild(&mesh).unwrap();
+                let fresh = Bvh::build(&mesh, &config).unwrap();
+                assert_eq!((bvh.as_bvh4(), bvh.as_bvh8()), (fresh.as_bvh4(), fresh.as_bvh8()));
+                assert_eq!(
+                    (bvh.len(), bvh.bytes(), bvh.builder()),
+                    (triangles, fresh.bytes(), Some(builder))
+                );
+                assert!(rays.iter().all(|ray| bvh.intersect(ray) == fresh.intersect(ray)));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_tree_of_an_unknown_builder_is_not_rebuilt() {
+    let (folder, mesh) = (tempfile::tempdir().unwrap(), soup(500, 3));
+    let path = folder.path().join("x.phrtree");
+    median_tree::<4>(&mesh, 4).save(&mesh, "median", &path).unwrap();
+    let of_median = Bvh::load(&mesh, &path).unwrap();
+    let [of_nobody, _] = both(&mesh);
+    let told = [(of_median, "no builder is called median; "), (of_nobody, "nobody has told the builder ")];
+    for (mut bvh, words) in told {
+        let before = bvh.as_bvh4().cloned();
+        let error = bvh.rebuild(&soup(300, 4)).unwrap_err().to_string();
+        assert!(error.starts_with(words) && !error.contains('\n'), "{error}");
+        assert_eq!((bvh.as_bvh4().cloned(), bvh.len()), (before, 500));
+    }
+}
+
+#[test]
+fn a_tree_is_fitted_to_a_mesh_that_has_moved() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.phrtree");
+    let still = soup(700, 5);
+    let mut moved = still.clone();
+    let shift = |&[x, y, z]: &[f32; 3]| [2.0 * x + 0.3 * y * z, y - 1.0, z + 0.1 * x];
+    moved.move_vertices(&still.vertices().iter().map(shift).collect::<Vec<_>>()).unwrap();
+    let rays = rays(&moved, 2000, 6);
+    let reference = closest(&BruteForce(&moved), &rays);
+    for mut bvh in both(&still) {
+        bvh.refit(&moved).unwrap();
+        let hits = plain(&check_batch(&bvh, &rays));
+        let verdict = compare_closest(&moved, &rays, &reference, &hits);
+        assert!(verdict.is_ok(), "{verdict}");
+        assert_eq!(bvh.bounds(), moved.bounds());
+        assert!(bvh.save(&still, &path).is_err());
+        bvh.save(&moved, &path).unwrap();
+        let before = (bvh.as_bvh4().cloned(), bvh.as_bvh8().cloned());
+        assert_eq!(bvh.refit(&soup(701, 5)), Err(RefitError::Triangles { tree: 700, mesh: 701 }));
+        assert_eq!((bvh.as_bvh4().cloned(), bvh.as_bvh8().cloned()), before);
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 #![allow(unsafe_code)]
 
+use crate::builders::RefitError;
 use crate::bvh::limits::{MAX_BLOCKS, check_width};
 use crate::bvh::saved::{SavedError, SavedTree};
 use crate::bvh::{Child, Link, MAX_DEPTH, MAX_LEAF_BLOCKS, TriangleBlock, WideBvh, WideNode};
@@ -164,6 +165,15 @@ impl<const N: usize, B> ProvenTree<N, B> {
 }
 
 impl<const N: usize> ProvenTree<N> {
+    /// Fits the tree to a mesh that has moved. It stays proven, after an error too: boxes and corners are written anew,
+    /// links stay what they are.
+    ///
+    /// # Errors
+    /// As of [`WideBvh::refit`]; the tree is as before then.
+    pub fn refit(&mut self, mesh: &Mesh) -> Result<(), RefitError> {
+        self.0.refit(mesh)
+    }
+
     /// The tree saved at `path` for `mesh`: what [`WideBvh::load`] finds of its links is all that kernels need.
     ///
     /// # Errors
