@@ -220,6 +220,21 @@ impl Bvh {
     }
 }
 
+impl Tracer for Bvh {
+    /// As [`Bvh::intersect_batch`], without normals.
+    fn closest(&self, rays: &[Ray], hits: &mut [geometry::Hit]) {
+        match &self.tree {
+            Tree::Four(built) => built.tree.batch_tracer().closest(rays, hits),
+            Tree::Eight(built) => built.tree.batch_tracer().closest(rays, hits),
+        }
+    }
+
+    /// As [`Bvh::occluded_batch`].
+    fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
+        self.occluded_batch(rays, occluded);
+    }
+}
+
 /// The tree of the builder called `name`, and how it calls itself.
 fn tree<const N: usize>(mesh: &Mesh, name: &str) -> Result<(WideBvh<N>, String), BvhError> {
     let mut builder = builders::by_name(name).ok_or_else(|| BvhError::of_name(name))?;

@@ -5,11 +5,13 @@ use glam::Vec3;
 use phr::builders::RefitError;
 use phr::bvh::saved::{SavedError, header_of};
 use phr::bvh::{Bvh4, Link};
-use phr::geometry::{Mesh, Ray};
+use phr::geometry::{Mesh, Ray, Tracer};
 use phr::query::{BvhError, Hit};
 use phr::random::SplitMix64;
 use phr::trace::verify::compare_closest;
-use phr::trace::{BruteForce, BvhTracer};
+use phr::trace::{
+    BatchTracer, BruteForce, BvhTracer, PathSettings, any_in_parallel, closest_in_parallel, record,
+};
 use phr::{Bvh, BvhConfig, geometry};
 use std::f32::consts::SQRT_2;
 use std::panic::{RefUnwindSafe, UnwindSafe};
@@ -367,6 +369,29 @@ fn check_batch(bvh: &Bvh, rays: &[Ray]) -> Vec<Option<Hit>> {
 /// Hits as tracers tell them.
 fn plain(hits: &[Option<Hit>]) -> Vec<geometry::Hit> {
     hits.iter().map(|hit| hit.map_or(geometry::Hit::MISS, geometry::Hit::from)).collect()
+}
+
+#[test]
+fn a_bvh_is_a_tracer() {
+    let scene = phr::scene::scalable(3000, 1);
+    let rays = rays(&scene.mesh, 3000, 2);
+    let settings = PathSettings { width: 16, height: 16, max_depth: 3, seed: 3 };
+    let record = |tracer: &dyn Tracer| record(tracer, &scene.mesh, &scene.views[0], &settings).batches;
+    for width in [4, 8] {
+        let bvh = Bvh::build(&scene.mesh, &BvhConfig::new("phr-speed", width)).unwrap();
+        let (mut hits, mut occluded) = (vec![geometry::Hit::MISS; rays.len()], vec![false; rays.len()]);
+        closest_in_parallel(&bvh, &rays, &mut hits);
+        any_in_parallel(&bvh, &rays, &mut occluded);
+        assert!(hits.iter().zip(&occluded).all(|(hit, occluded)| hit.is_hit() == *occluded));
+        let reference = closest(&BruteForce(&scene.mesh), &rays);
+        assert!(compare_closest(&scene.mesh, &rays, &reference, &hits).is_ok());
+        let recorded = record(&bvh);
+        let expected = match width {
+            4 => record(&BatchTracer::new(bvh.as_bvh4().unwrap())),
+            _ => record(&BatchTracer::new(bvh.as_bvh8().unwrap())),
+        };
+        assert!(recorded == expected && recorded.primary.len() == 16 * 16);
+    }
 }
 
 #[test]
