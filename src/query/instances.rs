@@ -61,6 +61,8 @@ pub struct InstanceHit {
 #[derive(Debug)]
 pub struct InstanceBvh<B> {
     placed: Vec<Placed<B>>,
+    /// Of each instance, apart from what rays read.
+    transforms: Vec<Affine3A>,
     top: PrimitiveBvh,
     bounds: Aabb,
 }
@@ -70,25 +72,52 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
     ///
     /// # Errors
     /// [`BvhError::Transform`]: one that cannot be inverted, or takes its object too far away; those of
-    /// [`PrimitiveBvh::build`].
+    /// [`PrimitiveBvh::build`], of [`BvhError::Boxes`] only that there are too many.
     pub fn build(instances: Vec<Instance<B>>, config: &BvhConfig<'_>) -> Result<Self, BvhError> {
-        let placed = placed(instances)?;
+        let Ready { placed, transforms, .. } = Ready::strictly(instances)?;
         let top = PrimitiveBvh::build(&placed, config)?;
-        Ok(Self { bounds: around(&placed), placed, top })
+        Ok(Self { bounds: around(&placed), placed, transforms, top })
     }
 
     /// Builds the tree anew over other `instances`, or the same ones that moved, in the memory of this one; what it
-    /// keeps of each instance, some 160 bytes, is written to a new list. Objects stay as they are.
+    /// keeps of each instance, some 220 bytes, is written to new lists. Objects stay as they are. Those of the old list
+    /// are dropped when the new tree is there: to change one that is in an `Arc` or behind a reference, rebuild over an
+    /// empty list first.
     ///
     /// # Errors
-    /// [`BvhError::Transform`]; the tree is then as before. [`BvhError::OutOfMemory`]; it is then empty or as before,
-    /// and may be rebuilt.
+    /// [`BvhError::Transform`] and, of too many instances, [`BvhError::Boxes`]; the tree is then as before.
+    /// [`BvhError::OutOfMemory`]; it is then empty or as before, and may be rebuilt.
     pub fn rebuild(&mut self, instances: Vec<Instance<B>>) -> Result<(), BvhError> {
-        let placed = placed(instances)?;
-        self.top.rebuild(&placed)?;
-        self.bounds = around(&placed);
-        self.placed = placed;
-        Ok(())
+        self.rebuild_over(Ready::strictly(instances)?).map(drop)
+    }
+
+    /// The same without those whose transform is of no use, as [`Instance::check`] finds. Returns where in the list
+    /// these were, in its order. The others move up: a hit's instance is its place among them.
+    ///
+    /// ```
+    /// use phr::glam::{Affine3A, Vec3};
+    /// use phr::{Bvh, BvhConfig, Instance, InstanceBvh};
+    ///
+    /// let object = Bvh::build(&phr::scene::scalable(1_000, 1).mesh, &BvhConfig::default())?;
+    /// let scaled = |scale: f32| Instance { bvh: &object, transform: Affine3A::from_scale(Vec3::splat(scale)) };
+    /// let mut world = InstanceBvh::build(vec![], &BvhConfig::default())?;
+    /// let hidden = world.rebuild_skipping(vec![scaled(1.0), scaled(0.0), scaled(2.0)])?;
+    /// assert_eq!((hidden, world.len()), (vec![1], 2));
+    /// assert_eq!(world.transform(1), Some(scaled(2.0).transform));
+    /// # Ok::<(), phr::query::BvhError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As of [`InstanceBvh::rebuild`], but for [`BvhError::Transform`].
+    pub fn rebuild_skipping(&mut self, instances: Vec<Instance<B>>) -> Result<Vec<usize>, BvhError> {
+        self.rebuild_over(Ready::of(instances, |_, _| Ok(()))?)
+    }
+
+    fn rebuild_over(&mut self, ready: Ready<B>) -> Result<Vec<usize>, BvhError> {
+        self.top.rebuild(&ready.placed)?;
+        self.bounds = around(&ready.placed);
+        (self.placed, self.transforms) = (ready.placed, ready.transforms);
+        Ok(ready.left_out)
     }
 
     /// The closest hit of `ray`; the [`query`](crate::query) module says what is promised.
@@ -135,6 +164,16 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
         &self.top
     }
 
+    /// The object of an instance; `None` beyond the last.
+    pub fn object(&self, instance: u32) -> Option<&B> {
+        Some(&self.placed.get(instance as usize)?.bvh)
+    }
+
+    /// From the space of an instance's object to the world, as it was given; `None` beyond the last.
+    pub fn transform(&self, instance: u32) -> Option<Affine3A> {
+        self.transforms.get(instance as usize).copied()
+    }
+
     /// From the world to the space of an instance's object; `None` beyond the last.
     pub fn to_object(&self, instance: u32) -> Option<Affine3A> {
         Some(self.placed.get(instance as usize)?.to_object)
@@ -163,13 +202,40 @@ fn around<B: Borrow<Bvh>>(placed: &[Placed<B>]) -> Aabb {
     solid.fold(Aabb::EMPTY, |bounds, placed| bounds.union(placed.bounds))
 }
 
-/// The instances, ready for rays.
-fn placed<B: Borrow<Bvh>>(instances: Vec<Instance<B>>) -> Result<Vec<Placed<B>>, BvhError> {
-    let mut placed = Vec::new();
-    huge_pages::try_reserve(&mut placed, instances.len(), "instances")?;
-    for (instance, Instance { bvh, transform }) in instances.into_iter().enumerate() {
-        let place = Placed::new(bvh, transform);
-        placed.push(place.map_err(|reason| BvhError::Transform { instance, reason })?);
+/// Instances, ready for rays.
+struct Ready<B> {
+    placed: Vec<Placed<B>>,
+    transforms: Vec<Affine3A>,
+    /// Indices of those whose transform is of no use.
+    left_out: Vec<usize>,
+}
+
+impl<B: Borrow<Bvh>> Ready<B> {
+    /// All, or the error of the first whose transform is of no use.
+    fn strictly(instances: Vec<Instance<B>>) -> Result<Self, BvhError> {
+        Self::of(instances, |instance, reason| Err(BvhError::Transform { instance, reason }))
     }
-    Ok(placed)
+
+    /// Those that can be placed; what is wrong with the others is told to `refuse`.
+    fn of(
+        instances: Vec<Instance<B>>,
+        refuse: impl Fn(usize, &'static str) -> Result<(), BvhError>,
+    ) -> Result<Self, BvhError> {
+        let mut ready = Self { placed: Vec::new(), transforms: Vec::new(), left_out: Vec::new() };
+        huge_pages::try_reserve(&mut ready.placed, instances.len(), "instances")?;
+        huge_pages::try_reserve(&mut ready.transforms, instances.len(), "transforms of instances")?;
+        for (index, Instance { bvh, transform }) in instances.into_iter().enumerate() {
+            match Placed::new(bvh, transform) {
+                Ok(placed) => {
+                    ready.placed.push(placed);
+                    ready.transforms.push(transform);
+                }
+                Err(reason) => {
+                    refuse(index, reason)?;
+                    ready.left_out.push(index);
+                }
+            }
+        }
+        Ok(ready)
+    }
 }

@@ -248,6 +248,45 @@ fn transforms_that_are_of_no_use_are_refused_in_one_line() {
 }
 
 #[test]
+fn what_cannot_be_placed_is_left_out() {
+    let bvhs: Vec<Arc<Bvh>> =
+        objects().iter().map(|mesh| Bvh::build(mesh, &BvhConfig::default()).unwrap().into()).collect();
+    let (bad, mut transforms) = ([0, 7, 8, COUNT - 1], transforms());
+    for (i, index) in bad.into_iter().enumerate() {
+        let far = Affine3A::from_translation(Vec3::splat(3e18));
+        transforms[index] = [Affine3A::ZERO, far][i % 2];
+    }
+    let all = instances(&bvhs, &transforms);
+    let good: Vec<_> = all.iter().filter(|instance| instance.check().is_ok()).cloned().collect();
+    let mut world = InstanceBvh::build(vec![], &BvhConfig::default()).unwrap();
+    assert_eq!(world.rebuild_skipping(all), Ok(bad.to_vec()));
+    let expected = InstanceBvh::build(good.clone(), &BvhConfig::default()).unwrap();
+    assert!(rays(500).iter().all(|ray| world.intersect(ray) == expected.intersect(ray)));
+    assert_eq!((world.len(), world.rebuild_skipping(good.clone())), (COUNT - bad.len(), Ok(vec![])));
+
+    for (i, Instance { bvh, transform }) in (0..).zip(&good) {
+        assert!(world.object(i).is_some_and(|object| Arc::ptr_eq(object, bvh)));
+        assert_eq!(world.transform(i), Some(*transform));
+    }
+    let beyond = good.len() as u32;
+    assert!(world.object(beyond).is_none() && world.transform(beyond).is_none());
+}
+
+/// An object that deforms is taken out of the world while it is rebuilt.
+#[test]
+fn an_empty_list_gives_the_objects_back() {
+    let [mesh, _, other] = &objects()[..] else { panic!("three objects") };
+    let mut object = Arc::new(Bvh::build(mesh, &BvhConfig::default()).unwrap());
+    let place = |object: &Arc<Bvh>| vec![Instance { bvh: object.clone(), transform: Affine3A::IDENTITY }];
+    let mut world = InstanceBvh::build(place(&object), &BvhConfig::default()).unwrap();
+    assert!(Arc::get_mut(&mut object).is_none());
+    world.rebuild(vec![]).unwrap();
+    Arc::get_mut(&mut object).unwrap().rebuild(other).unwrap();
+    world.rebuild(place(&object)).unwrap();
+    assert!(world.bounds().contains(other.bounds()));
+}
+
+#[test]
 fn nothing_is_hit_where_nothing_is() {
     let empty = Bvh::build(&Mesh::new(vec![], vec![]).unwrap().0, &BvhConfig::default()).unwrap();
     let some = Bvh::build(&objects()[0], &BvhConfig::default()).unwrap();
