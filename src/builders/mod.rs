@@ -49,9 +49,10 @@ pub use phr::extensions::{
     merged::MergedPhr,
 };
 pub use phr::pipeline::Phr;
-pub use prims::boxes::{Boxes, BoxesError, Primitives};
+pub use prims::boxes::{Boxes, BoxesError};
 pub use prims::geometry::Geometry;
 pub use prims::presplit::PresplitConfig;
+pub use prims::primitives::Primitives;
 pub use registry::by_name::{by_name, over_boxes};
 #[cfg(feature = "serde")]
 pub use registry::recipe::{Recipe, error::RecipeError};

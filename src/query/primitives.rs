@@ -66,9 +66,10 @@ impl PrimitiveBvh {
     /// by builders of spatial splits.
     ///
     /// # Errors
-    /// [`BvhError::Boxes`], [`BvhError::NoSuchBuilder`], [`BvhError::NoSuchWidth`], [`BvhError::OutOfMemory`].
-    pub fn build<P: Primitives>(primitives: &P, config: &BvhConfig<'_>) -> Result<Self, BvhError> {
-        let boxes = Boxes::of(primitives)?;
+    /// [`BvhError::Boxes`], [`BvhError::NoSuchBuilder`], [`BvhError::Changes`], [`BvhError::NoSuchWidth`],
+    /// [`BvhError::OutOfMemory`].
+    pub fn build<P: Primitives + ?Sized>(primitives: &P, config: &BvhConfig<'_>) -> Result<Self, BvhError> {
+        let boxes = Boxes::of(&primitives)?;
         match config.width {
             4 => Ok(Self(Tree::Four(Built::new(&boxes, config.builder)?))),
             8 => Ok(Self(Tree::Eight(Built::new(&boxes, config.builder)?))),
@@ -83,8 +84,8 @@ impl PrimitiveBvh {
     /// # Errors
     /// [`BvhError::Boxes`]; the tree is then as before. [`BvhError::OutOfMemory`]; it is then empty or as before, and
     /// may be rebuilt.
-    pub fn rebuild<P: Primitives>(&mut self, primitives: &P) -> Result<(), BvhError> {
-        let boxes = Boxes::of(primitives)?;
+    pub fn rebuild<P: Primitives + ?Sized>(&mut self, primitives: &P) -> Result<(), BvhError> {
+        let boxes = Boxes::of(&primitives)?;
         match &mut self.0 {
             Tree::Four(built) => built.rebuild(&boxes),
             Tree::Eight(built) => built.rebuild(&boxes),

@@ -9,6 +9,7 @@ use phr::random::SplitMix64;
 use phr::trace::{Isa, ProvenTree};
 use phr::{BvhConfig, PrimitiveBvh, Primitives};
 use std::panic::{RefUnwindSafe, UnwindSafe};
+use std::sync::Arc;
 
 /// Spheres: centre and radius. Boxes are a little larger, as the test is rounded.
 struct Spheres(Vec<(Vec3, f32)>);
@@ -284,6 +285,31 @@ fn distances_out_of_the_interval_are_no_hits() {
             assert!(!bvh.occluded_with(&bad, |_, _| true));
         }
     }
+}
+
+#[test]
+fn references_to_primitives_are_primitives() {
+    let spheres = Spheres::random(500, 9);
+    let boxes: Vec<Aabb> = (0..500).map(|id| spheres.bounds(id)).collect();
+    let blades = || Blades(vec![[DVec3::ZERO, DVec3::ONE, DVec3::new(0.5, 0.4, 0.3)]; 20]);
+    fn tree(primitives: &(impl Primitives + ?Sized)) -> Option<WideBvh<8, IdBlock>> {
+        let mut bvh = PrimitiveBvh::build(primitives, &BvhConfig::new("phr-quality", 8)).unwrap();
+        let built = bvh.as_bvh8().cloned();
+        bvh.rebuild(primitives).unwrap();
+        assert_eq!(bvh.as_bvh8().cloned(), built);
+        built
+    }
+    let expected = tree(&spheres);
+    assert_eq!(
+        (tree(&boxes), tree(&boxes[..]), tree(&&boxes[..])),
+        (expected.clone(), expected.clone(), expected)
+    );
+
+    let (boxed, shared): (Box<dyn Primitives>, Arc<dyn Primitives + Send>) =
+        (Box::new(blades()), Arc::new(blades()));
+    assert!(boxed.splits() && shared.splits() && !boxed.is_empty());
+    let expected = tree(&blades());
+    assert_eq!((tree(&boxed), tree(&*boxed), tree(&shared)), (expected.clone(), expected.clone(), expected));
 }
 
 #[test]
