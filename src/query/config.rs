@@ -1,5 +1,7 @@
 //! What tree to build, and why it could not be built.
 
+#[cfg(not(feature = "serde"))]
+use crate::builders::on_request;
 use crate::builders::{BoxesError, NAMES, OutOfMemory};
 
 /// What tree to build: `BvhConfig::new("phr-quality", 8)`, or `BvhConfig { width: 4, ..BvhConfig::default() }`.
@@ -35,7 +37,7 @@ pub enum BvhError {
     /// A tree that is to be rebuilt does not tell by whom.
     #[error("nobody has told the builder of this tree; make it by Bvh::build, or build another")]
     NoBuilder,
-    /// A builder is to be changed in a way that cannot be.
+    /// A builder is to be changed in a way that cannot be, or at all where the feature `serde` is off.
     #[error("{0}")]
     Changes(String),
     /// No builder makes nodes of so many children.
@@ -66,6 +68,15 @@ impl BvhError {
         #[cfg(feature = "serde")]
         if let (true, Err(error)) = (name.contains('['), crate::builders::Recipe::parse(name)) {
             return Self::Changes(error.to_string());
+        }
+        #[cfg(not(feature = "serde"))]
+        if let Some((base, _)) = name.split_once('[')
+            && NAMES.iter().copied().chain(on_request()).any(|known| known == base)
+        {
+            return Self::Changes(format!(
+                "{name}: builders are changed by name where phr is compiled with its feature `serde`; ask for it, or \
+                 make the builder of a configuration"
+            ));
         }
         Self::NoSuchBuilder(name.to_owned())
     }
