@@ -96,16 +96,18 @@
 //! processor is in `INTEGRATION.md`, beside the README.
 //!
 //! **A mesh that moves** keeps its triangles, and its tree may keep its nodes: boxes are fitted to where the
-//! vertices are now. When they have moved far, a tree built again traces faster; [`builders::Phr::refit`] is in
-//! between, and [`builders::MergedPhr`] for scenes of which a part stands still.
+//! vertices are now ([`Bvh::refit`]). When they have moved far, a tree built again traces faster ([`Bvh::rebuild`]);
+//! [`builders::Phr::refit`] is in between, and [`builders::MergedPhr`] for scenes of which a part stands still.
 //!
 //! ```
 //! let animation = phr::scene::animated_by_name("wrung").expect("a name of the list").generate(5000);
 //! let mut mesh = animation.scene.mesh.clone();
-//! let mut tree = phr::builders::by_name::<4>("phr-speed").expect("a name of the list").build(&mesh).tree;
-//! mesh.move_vertices(&animation.vertices(0.5))?;
-//! tree.refit(&mesh)?;
-//! assert_eq!(tree.validate(&mesh), Ok(()));
+//! let mut bvh = phr::Bvh::build(&mesh, &phr::BvhConfig::default())?;
+//! mesh.move_vertices(&animation.vertices(0.1))?;
+//! bvh.refit(&mesh)?;
+//! mesh.move_vertices(&animation.vertices(1.0))?;
+//! bvh.rebuild(&mesh)?;
+//! assert_eq!(bvh.len(), mesh.len());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
