@@ -9,16 +9,6 @@ use glam::{Vec3A, Vec4};
 /// Why a mesh could not be made.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 pub enum MeshError {
-    /// No triangle is left, or none was given.
-    #[error(
-        "no usable triangle among the {given} given ({dropped}); check that the file holds faces with finite vertices"
-    )]
-    Empty {
-        /// Triangles given.
-        given: usize,
-        /// Triangles dropped, by reason.
-        dropped: Dropped,
-    },
     /// More triangles than every builder is sure to hold.
     #[error("{0} triangles are more than the 2^26 that any tree is sure to hold; split the mesh")]
     TooLarge(usize),

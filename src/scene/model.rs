@@ -27,7 +27,7 @@ pub struct Contents {
 
 impl Contents {
     /// One line for each thing left out.
-    fn told(&self) -> impl Iterator<Item = String> + '_ {
+    pub(super) fn told(&self) -> impl Iterator<Item = String> + '_ {
         let Self { points, lines, empty, .. } = self;
         let left_out = (points + lines + empty > 0).then(|| {
             format!(

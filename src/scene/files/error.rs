@@ -1,6 +1,6 @@
 //! Errors of scene files.
 
-use crate::geometry::MeshError;
+use crate::geometry::{Dropped, MeshError};
 use std::path::PathBuf;
 
 /// Why a scene could not be loaded: one line that names the file, the place in it and the remedy.
@@ -38,6 +38,25 @@ pub enum SceneError {
         /// The remedy.
         remedy: &'static str,
     },
+    /// The file could be read but has no triangle that can be built over.
+    #[error(
+        "{}: no usable triangle among the {given} given{}; check that the file holds faces with finite vertices",
+        path.display(),
+        why_empty(dropped, first_dropped.as_deref(), remarks)
+    )]
+    Empty {
+        /// The file.
+        path: PathBuf,
+        /// Triangles given.
+        given: usize,
+        /// Triangles dropped, by reason.
+        dropped: Dropped,
+        /// Where the file has the first of these, as in
+        /// [`Contents::first_dropped`](crate::scene::Contents::first_dropped).
+        first_dropped: Option<String>,
+        /// What is no triangle, and what of the file was not applied, in words.
+        remarks: Vec<String>,
+    },
     /// The file could be read but holds no mesh that can be built.
     #[error("{}: {source}", path.display())]
     Unusable {
@@ -46,6 +65,16 @@ pub enum SceneError {
         /// The fault of the mesh.
         source: MeshError,
     },
+}
+
+/// Why no triangle is left, in parentheses; nothing where nothing is known.
+fn why_empty(dropped: &Dropped, first: Option<&str>, remarks: &[String]) -> String {
+    let of_dropped = (dropped.total() > 0).then(|| {
+        let first = first.map_or_else(String::new, |place| format!(", first: {place}"));
+        format!("{dropped}{first}")
+    });
+    let all: Vec<String> = of_dropped.into_iter().chain(remarks.iter().cloned()).collect();
+    if all.is_empty() { String::new() } else { format!(" ({})", all.join("; ")) }
 }
 
 /// A fault found by the reader of one format; the caller adds the file's name.

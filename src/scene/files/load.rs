@@ -4,7 +4,7 @@ use super::error::{Fault, SceneError};
 use super::guard::{Guard, Limits};
 use super::source::{Compression, reader};
 use super::{gltf, obj, ply, stl};
-use crate::geometry::{Mesh, MeshError};
+use crate::geometry::Mesh;
 use crate::scene::model::{Contents, Scene};
 use crate::scene::views;
 use std::path::Path;
@@ -71,12 +71,19 @@ pub fn load_within(path: &Path, limits: &Limits) -> Result<Scene, SceneError> {
     let given = raw.triangles.len() + raw.out_of_range;
     let (mesh, mut dropped, first) = Mesh::sifted(raw.vertices, raw.triangles).map_err(unusable)?;
     dropped.out_of_range += raw.out_of_range;
-    if mesh.is_empty() {
-        return Err(unusable(MeshError::Empty { given, dropped }));
-    }
     // What a reader has seen says more than a number.
     let first = raw.first_out_of_range.or_else(|| first.map(|triangle| format!("triangle {triangle}")));
     let mut contents = Contents { first_dropped: first, ..raw.contents };
+    if mesh.is_empty() {
+        let (path, remarks) = (path.to_owned(), contents.told().collect());
+        return Err(SceneError::Empty {
+            path,
+            given,
+            dropped,
+            first_dropped: contents.first_dropped,
+            remarks,
+        });
+    }
     let mut cameras = views::beside(path, &name, &mut contents.remarks)?;
     if cameras.is_empty() {
         cameras = views::around(&mesh, raw.up);

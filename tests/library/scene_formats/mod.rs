@@ -152,6 +152,32 @@ fn what_is_not_read_is_told() {
     }
 }
 
+/// A file without a usable triangle tells why.
+#[test]
+fn why_a_file_is_empty_is_told() {
+    let elsewhere = changed(|d| {
+        d["nodes"] = json!([{}, {"mesh": 0}, {"mesh": 0}]);
+        d["scenes"] = json!([{"nodes": [0]}]);
+    });
+    let points = changed(|d| d["meshes"][0]["primitives"][0]["mode"] = 0.into());
+    let out_of_range = changed(|d| d["accessors"][0]["count"] = 1.into());
+    for (content, told) in [
+        (elsewhere, "among the 0 given (2 nodes with a mesh stand in other scenes"),
+        (
+            points,
+            "among the 0 given (left out as no triangles: 1 points, 0 lines, 0 without a whole triangle)",
+        ),
+        (
+            out_of_range,
+            "among the 2 given (2 triangles dropped: 2 with indices out of range, first: mesh 0, primitive 0, \
+             triangle 0)",
+        ),
+    ] {
+        let message = message("x.glb", content);
+        assert!(message.contains(told), "{message}");
+    }
+}
+
 /// Whatever the bytes, loading ends with a scene or a message.
 #[test]
 fn damaged_files_never_panic() {
