@@ -82,36 +82,75 @@ impl Mesh {
     /// Takes vertices (x, y, z in scene units) and triangles (three vertex indices); drops and counts the
     /// triangles that no builder can hold. A mesh without triangles is allowed here: builders are total.
     ///
+    /// Where triangles are dropped, those after them move up: a hit's `prim` is an index into
+    /// [`Mesh::triangles`] and no longer one into the list that was given. [`Mesh::with_kept`] tells which are kept.
+    ///
     /// # Errors
     /// [`MeshError::TooLarge`] beyond [`Mesh::MAX_TRIANGLES`], [`MeshError::OutOfMemory`].
     pub fn new(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<(Self, Dropped), MeshError> {
-        Self::sifted(vertices, triangles).map(|(mesh, dropped, _)| (mesh, dropped))
+        Self::sifted(vertices, triangles, None).map(|(mesh, dropped, _)| (mesh, dropped))
     }
 
-    /// As [`Mesh::new`], with the first triangle dropped: its place among those given.
+    /// As [`Mesh::new`], with the index among the `triangles` given of each that is kept, by its index in the mesh,
+    /// so that attributes by triangle are found from a hit's `prim`. `None` where no triangle was dropped: these are
+    /// the same then.
+    ///
+    /// ```
+    /// # use phr::geometry::Mesh;
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let (mesh, dropped, kept) = Mesh::with_kept(corners, vec![[0, 1, 2], [0, 1, 9], [2, 1, 0]])?;
+    /// assert_eq!((mesh.len(), dropped.total(), kept), (2, 1, Some(vec![0, 2])));
+    /// # Ok::<(), phr::geometry::MeshError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Mesh::new`].
+    pub fn with_kept(
+        vertices: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+    ) -> Result<(Self, Dropped, Option<Vec<u32>>), MeshError> {
+        let mut kept = Vec::new();
+        let (mesh, dropped, first) = Self::sifted(vertices, triangles, Some(&mut kept))?;
+        Ok((mesh, dropped, first.map(|_| kept)))
+    }
+
+    /// As [`Mesh::new`], with the first triangle dropped: its place among those given. Where there is one, `kept` gets
+    /// the places of all that are not.
     pub(crate) fn sifted(
         vertices: Vec<[f32; 3]>,
         triangles: Vec<[u32; 3]>,
+        mut kept: Option<&mut Vec<u32>>,
     ) -> Result<(Self, Dropped, Option<usize>), MeshError> {
         if triangles.len() > Self::MAX_TRIANGLES {
             return Err(MeshError::TooLarge(triangles.len()));
         }
         let mut dropped = Dropped::default();
-        let (mut place, mut first) = (0, None);
         let mut finite: Vec<bool> = Vec::new();
         huge_pages::try_reserve(&mut finite, vertices.len(), "a check of vertices")?;
         finite.extend(vertices.iter().map(|v| v.iter().all(|x| x.abs() < Ray::LARGEST)));
+        let corners = |t: &[u32; 3]| t.map(|i| finite.get(i as usize).copied());
+        let first = triangles.iter().position(|t| corners(t) != [Some(true); 3]);
         let mut triangles = triangles;
-        triangles.retain(|t| {
-            place += 1;
-            match t.map(|i| finite.get(i as usize)) {
-                [Some(a), Some(b), Some(c)] if *a && *b && *c => return true,
-                [Some(_), Some(_), Some(_)] => dropped.non_finite += 1,
-                _ => dropped.out_of_range += 1,
+        if first.is_some() {
+            if let Some(kept) = kept.as_deref_mut() {
+                huge_pages::try_reserve(kept, triangles.len() - 1, "places of triangles")?;
             }
-            first = first.or(Some(place - 1));
-            false
-        });
+            // Not more than 2^26.
+            let mut place = 0;
+            triangles.retain(|t| {
+                let corners = corners(t);
+                let is_kept = corners == [Some(true); 3];
+                if is_kept {
+                    kept.iter_mut().for_each(|kept| kept.push(place));
+                } else if corners.contains(&None) {
+                    dropped.out_of_range += 1;
+                } else {
+                    dropped.non_finite += 1;
+                }
+                place += 1;
+                is_kept
+            });
+        }
         let mut padded_vertices = vertices;
         // No more: `push` might double what millions of vertices take.
         let all = padded_vertices.len() + 1;
@@ -238,8 +277,25 @@ mod tests {
         assert_eq!(dropped.to_string(), told);
         let one = Dropped { non_finite: 0, out_of_range: 1 };
         assert_eq!(one.to_string(), "1 triangle dropped: 1 with indices out of range");
-        let (_, _, first) = Mesh::sifted(vec![[0.0; 3]; 3], vec![[0, 1, 2], [0, 1, 3], [3, 3, 3]]).unwrap();
+        let (_, _, first) =
+            Mesh::sifted(vec![[0.0; 3]; 3], vec![[0, 1, 2], [0, 1, 3], [3, 3, 3]], None).unwrap();
         assert_eq!(first, Some(1));
+    }
+
+    #[test]
+    fn kept_triangles_are_found_among_those_given() {
+        let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [f32::NAN, 0.0, 0.0]];
+        let given = vec![[3, 1, 2], [0, 1, 2], [0, 1, 4], [1, 2, 0], [2, 3, 0], [2, 0, 1]];
+        let (mesh, dropped, kept) = Mesh::with_kept(vertices.clone(), given.clone()).unwrap();
+        assert_eq!(dropped, Dropped { non_finite: 2, out_of_range: 1 });
+        let kept = kept.unwrap();
+        assert_eq!(kept, [1, 3, 5]);
+        let found: Vec<_> = kept.iter().map(|&place| given[place as usize]).collect();
+        assert_eq!(mesh.triangles(), found);
+        let (_, _, kept) = Mesh::with_kept(vertices.clone(), vec![[0, 1, 2]]).unwrap();
+        assert_eq!(kept, None, "all are");
+        let (_, _, kept) = Mesh::with_kept(vertices, vec![[0, 1, 3]]).unwrap();
+        assert_eq!(kept, Some(vec![]), "none is");
     }
 
     #[test]

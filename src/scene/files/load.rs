@@ -69,7 +69,7 @@ pub fn load_within(path: &Path, limits: &Limits) -> Result<Scene, SceneError> {
 
     let unusable = |source| SceneError::Unusable { path: path.to_owned(), source };
     let given = raw.triangles.len() + raw.out_of_range;
-    let (mesh, mut dropped, first) = Mesh::sifted(raw.vertices, raw.triangles).map_err(unusable)?;
+    let (mesh, mut dropped, first) = Mesh::sifted(raw.vertices, raw.triangles, None).map_err(unusable)?;
     dropped.out_of_range += raw.out_of_range;
     // What a reader has seen says more than a number.
     let first = raw.first_out_of_range.or_else(|| first.map(|triangle| format!("triangle {triangle}")));
