@@ -123,6 +123,41 @@ fn pipes_and_devices_are_no_files() {
     assert!(refusal(&scene, u64::MAX).contains("views.json: not a regular file"));
 }
 
+/// Vertices and indices without data, of which a few are replaced: they are refused whatever memory there is.
+#[test]
+fn zeros_from_nowhere_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = "data:;base64,AAECAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAA==";
+    // A sparse accessor of `count` positions, the first three of which are a triangle, in `places`.
+    let file = |count: u64, places: usize, primitive: &str| {
+        let nodes = vec![r#"{"mesh": 0}"#; places].join(",");
+        format!(
+            r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"uri": "{data}", "byteLength": 40}}],
+            "bufferViews": [{{"buffer": 0, "byteLength": 3}}, {{"buffer": 0, "byteOffset": 4, "byteLength": 36}}],
+            "accessors": [{{"componentType": 5126, "type": "VEC3", "count": {count}, "sparse": {{"count": 3,
+                "indices": {{"bufferView": 0, "componentType": 5121}}, "values": {{"bufferView": 1}}}}}},
+                {{"bufferView": 0, "componentType": 5121, "type": "SCALAR", "count": 3}}],
+            "nodes": [{nodes}], "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}{primitive}}}]}}]}}"#
+        )
+    };
+    let indexed = r#", "indices": 1"#;
+    let path = folder.path().join("x.gltf");
+    std::fs::write(&path, file(1000, 2, indexed)).unwrap();
+    let mesh = load(&path).unwrap().mesh;
+    assert_eq!((mesh.len(), mesh.vertices().len()), (2, 1000), "in one place");
+    assert_eq!(mesh.corners(1).map(|p| p.to_array()), [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    for (count, primitive, expected) in [
+        (5_000_000_000, indexed, "5000000000 vertices, of at most 2^32; split"),
+        (4_000_000_000, indexed, "45777 MiB of zeros from 1 KiB; export it with the data"),
+        (30_000_000, indexed, "344 MiB of zeros"),
+        (20_000_000, "", "306 MiB of zeros"),
+    ] {
+        std::fs::write(&path, file(count, 1, primitive)).unwrap();
+        let message = refusal(&path, u64::MAX);
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
 /// Small text that is parsed into much: objects without a member, and one child a thousand times.
 #[test]
 fn what_json_is_parsed_into_counts() {

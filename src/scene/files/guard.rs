@@ -16,9 +16,12 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// What may be taken where the system does not tell: more than any mesh has, less than what many machines have.
+    const UNTOLD: u64 = 8 << 30;
+
     /// What this process may have now: memory of the machine that is free or can be freed, what its control groups
-    /// leave, and what is left of its address space (`ulimit -v`). Without limit where the system does not tell (it
-    /// does on Linux).
+    /// leave, and what is left of its address space (`ulimit -v`). 8 GiB where the system does not tell (it does on
+    /// Linux).
     pub fn of_machine() -> Self {
         let kibibytes = |file: &str, key: &str| {
             let text = text(Path::new(file));
@@ -29,8 +32,12 @@ impl Limits {
         let taken = kibibytes("/proc/self/status", "VmSize:").unwrap_or(0);
         let addresses = of_addresses(&text(Path::new("/proc/self/limits")), taken);
         let groups = of_groups(Path::new("/sys/fs/cgroup"), &text(Path::new("/proc/self/cgroup")));
-        let least = machine.into_iter().chain(addresses).chain(groups).min();
-        Self { memory: least.unwrap_or(u64::MAX) }
+        Self::least(machine.into_iter().chain(addresses).chain(groups))
+    }
+
+    /// The least of what the system tells.
+    fn least(told: impl Iterator<Item = u64>) -> Self {
+        Self { memory: told.min().unwrap_or(Self::UNTOLD) }
     }
 }
 
@@ -107,6 +114,16 @@ impl Names {
     }
 }
 
+/// A file may stand for so many bytes for each of its own; compressed meshes do for 2 to 30.
+pub(super) const MOST_EXPANSION: u64 = 200;
+/// For so many bytes it may stand in any case.
+const EXPANDED_AT_LEAST: u64 = 1 << 28;
+
+/// The bytes for which a file of `length` may stand.
+pub(super) fn most_expanded(length: u64) -> u64 {
+    length.saturating_mul(MOST_EXPANSION).max(EXPANDED_AT_LEAST)
+}
+
 /// Keeps a reader within [`Limits`], and why it stopped.
 #[derive(Debug)]
 pub(super) struct Guard {
@@ -147,6 +164,15 @@ impl Guard {
         }
         let problem = format!("{triangles} triangles or more, of at most {}", Mesh::MAX_TRIANGLES);
         Err(self.refuse("its size", &problem, "split the scene"))
+    }
+
+    /// Refuses `bytes` that stand nowhere in a file of `length` bytes, where it may not stand for so many.
+    pub fn allow_unwritten(&self, bytes: u64, length: u64) -> Result<(), Refused> {
+        if bytes <= most_expanded(length) {
+            return Ok(());
+        }
+        let problem = format!("{} of zeros from {}", mebibytes(bytes), mebibytes(length));
+        Err(self.refuse("its size", &problem, "export it with the data of its accessors"))
     }
 
     /// Bytes that may be held at a time.
@@ -248,6 +274,12 @@ mod tests {
         assert_eq!(of_addresses(&limits("5000"), 9000), Some(0));
         assert_eq!(of_addresses(&limits("unlimited"), 2000), None);
         assert_eq!(of_addresses("", 0), None);
+    }
+
+    #[test]
+    fn there_is_a_limit_where_the_system_tells_none() {
+        assert_eq!(Limits::least([].into_iter()).memory, Limits::UNTOLD);
+        assert_eq!(Limits::least([9, 5, 7].into_iter()).memory, 5);
     }
 
     #[test]

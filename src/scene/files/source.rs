@@ -1,7 +1,7 @@
 //! Opens scene files: regular ones only, decompressed, and no more of them than their size promises.
 
 use super::error::SceneError;
-use super::guard::Guard;
+use super::guard::{Guard, MOST_EXPANSION, most_expanded};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
@@ -18,10 +18,6 @@ pub(super) enum Compression {
 const BUFFER: u64 = 1 << 20;
 /// Windows up to 2^27 bytes (`zstd --long`) are accepted.
 const ZSTD_WINDOW_LOG: u32 = 27;
-/// A compressed file may give so many bytes for each of its own; meshes give 2 to 30.
-const MOST_EXPANSION: u64 = 200;
-/// So many bytes it may give in any case.
-const EXPANDED_AT_LEAST: u64 = 1 << 28;
 
 /// Opens a regular file. Others may block for ever or have no end.
 pub(super) fn open(path: &Path) -> Result<(File, u64), SceneError> {
@@ -43,7 +39,7 @@ pub(super) fn reader<'a>(
     guard: &'a Guard,
 ) -> Result<Box<dyn BufRead + 'a>, SceneError> {
     let (file, length) = open(path)?;
-    let left = length.saturating_mul(MOST_EXPANSION).max(EXPANDED_AT_LEAST);
+    let left = most_expanded(length);
     let buffer = |most: u64| most.clamp(1 << 10, BUFFER) as usize;
     let own = buffer(length);
     let plain = |inner: Box<dyn Read>| {

@@ -59,13 +59,22 @@ fn read<'a>(container: Container, path: &Path, guard: &'a Guard) -> Result<RawMe
     let mut raw = RawMesh::new(guard);
     raw.up = Some(glam::Vec3::Y);
     extensions::check(&root, &mut raw.contents)?;
+    let length = json.len() as u64;
     drop(json);
 
     let placed = nodes::placed_meshes(&root, &mut raw.contents)?;
     let plan = primitives::plan(&root, &placed, &mut raw.contents)?;
     raw.announce(plan.vertices, plan.triangles)?;
+    if plan.vertices > u64::from(u32::MAX) {
+        return Err(Fault::new(
+            "its size",
+            &format!("{} vertices, of at most 2^32", plan.vertices),
+            "split the scene",
+        ));
+    }
     let buffers = buffers::Buffers::load(&root, &plan.accessors, binary, path, guard)?;
     raw.held = buffers.bytes();
+    guard.allow_unwritten(plan.unwritten, length.saturating_add(buffers.bytes()))?;
     raw.announce(plan.vertices, plan.triangles)?;
     primitives::append(&root, &placed, &plan, &buffers, &mut raw)?;
     Ok(raw)

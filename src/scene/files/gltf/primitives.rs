@@ -19,11 +19,17 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 pub(super) struct Plan {
     pub vertices: u64,
     pub triangles: u64,
+    /// Bytes of those of them that are zeros for want of data: accessors without a view, of which some elements are
+    /// replaced.
+    pub unwritten: u64,
     /// The accessors in use.
     pub accessors: BTreeSet<usize>,
     /// The primitives with triangles of each mesh that is placed. A mesh may stand in many places.
     meshes: BTreeMap<usize, MeshPlan>,
 }
+
+/// Bytes of a vertex, and of a triangle.
+const BYTES: u64 = size_of::<[f32; 3]>() as u64;
 
 /// What a mesh adds in each of its places.
 #[derive(Default)]
@@ -32,6 +38,8 @@ struct MeshPlan {
     /// Vertices by accessor.
     vertices: BTreeMap<usize, u64>,
     triangles: u64,
+    /// Those of accessors without a view.
+    unwritten_triangles: u64,
     contents: Contents,
     morphed: usize,
     /// The primitives that say nothing of where their vertices are.
@@ -58,9 +66,13 @@ pub(super) fn plan(root: &Root, placed: &[PlacedMesh], contents: &mut Contents) 
         for (&accessor, &count) in &mesh.vertices {
             if known.insert(accessor, ()).is_none() {
                 plan.vertices = plan.vertices.saturating_add(count);
+                if is_unwritten(root, accessor) {
+                    plan.unwritten = plan.unwritten.saturating_add(count.saturating_mul(BYTES));
+                }
             }
         }
         plan.triangles = plan.triangles.saturating_add(mesh.triangles);
+        plan.unwritten = plan.unwritten.saturating_add(mesh.unwritten_triangles.saturating_mul(BYTES));
         // Refused by their number, before more time goes into counting.
         if plan.triangles > Mesh::MAX_TRIANGLES as u64 {
             break;
@@ -132,6 +144,9 @@ impl MeshPlan {
                 usize::from(primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()));
             mesh.vertices.insert(faces.positions, accessor(root, faces.positions)?.0.count.0);
             mesh.triangles = mesh.triangles.saturating_add(faces.triangles());
+            if is_unwritten(root, faces.indices.unwrap_or(faces.positions)) {
+                mesh.unwritten_triangles = mesh.unwritten_triangles.saturating_add(faces.triangles());
+            }
             mesh.faces.push(faces);
         }
         Ok(mesh)
@@ -220,6 +235,11 @@ fn append_vertices(
 fn primitives<'a>(root: &'a Root, placed: &PlacedMesh) -> Result<&'a [Primitive], Fault> {
     let fault = || Fault::new(format!("mesh {}", placed.mesh), "there is no such mesh", Fault::DAMAGED);
     root.meshes.get(placed.mesh).map(|mesh| &mesh.primitives[..]).ok_or_else(fault)
+}
+
+/// Whether the elements of an accessor are zeros but for those replaced.
+fn is_unwritten(root: &Root, accessor: usize) -> bool {
+    root.accessors.get(accessor).is_some_and(|accessor| accessor.buffer_view.is_none())
 }
 
 /// The accessor of a primitive's positions.
