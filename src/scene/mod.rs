@@ -9,6 +9,7 @@ mod files;
 mod fingerprint;
 mod generate;
 mod model;
+mod one_line;
 mod views;
 
 pub use catalog::{PaperScene, paper, paper_scene_in};

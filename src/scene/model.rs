@@ -1,6 +1,7 @@
 //! A scene: a mesh, its cameras and its origin.
 
 use super::fingerprint;
+use super::one_line::{LONG, one_line};
 use super::views::{View, views_around};
 use crate::geometry::{Dropped, Mesh};
 use std::path::Path;
@@ -21,7 +22,8 @@ pub struct Contents {
     /// Where the file has the first triangle that was dropped, in words: a line, a triangle from 0, or one of a
     /// primitive.
     pub first_dropped: Option<String>,
-    /// What of the file was not applied, in words.
+    /// What of the file was not applied, in words: of a file's reader without control characters, 160 characters each
+    /// at most.
     pub remarks: Vec<String>,
 }
 
@@ -73,8 +75,9 @@ impl Scene {
             format!("{}{first}; export the file again", self.dropped)
         });
         // A name may hold a line's end.
-        let called = self.called().replace(char::is_control, "_");
-        dropped.into_iter().chain(self.contents.told()).map(|line| format!("{called}: {line}")).collect()
+        let called = self.called();
+        let told = dropped.into_iter().chain(self.contents.told());
+        told.map(|line| one_line(&format!("{called}: {line}"), LONG)).collect()
     }
 
     /// The name of the scene's file, with its ending and without its folder; of other scenes their own.

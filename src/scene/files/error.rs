@@ -1,13 +1,14 @@
 //! Errors of scene files.
 
 use crate::geometry::{Dropped, MeshError};
-use std::path::PathBuf;
+use crate::scene::one_line::{LONG, SHORT, one_line};
+use std::path::{Path, PathBuf};
 
 /// Why a scene could not be loaded: one line that names the file, the place in it and the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The file is missing or cannot be opened.
-    #[error("{}: {source}; check the path and its permissions", path.display())]
+    #[error("{}: {source}; check the path and its permissions", shown(path))]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -15,19 +16,19 @@ pub enum SceneError {
         source: std::io::Error,
     },
     /// The path names a directory.
-    #[error("{}: a directory; name a scene file in it (.ply, .obj, .stl, .gltf or .glb)", .0.display())]
+    #[error("{}: a directory; name a scene file in it (.ply, .obj, .stl, .gltf or .glb)", shown(.0))]
     Directory(PathBuf),
     /// A pipe, a device or a socket.
-    #[error("{}: not a regular file; copy what it gives to one and name that", .0.display())]
+    #[error("{}: not a regular file; copy what it gives to one and name that", shown(.0))]
     NotAFile(PathBuf),
     /// No format by its name.
     #[error(
         "{}: not a scene file by its name; give a .ply, .obj, .stl, .gltf or .glb, plain or with .gz or .zst",
-        .0.display()
+        shown(.0)
     )]
     UnknownFormat(PathBuf),
     /// The content violates the format.
-    #[error("{}: {place}: {problem}; {remedy}", path.display())]
+    #[error("{}: {place}: {problem}; {remedy}", shown(path))]
     Malformed {
         /// The file.
         path: PathBuf,
@@ -41,7 +42,7 @@ pub enum SceneError {
     /// The file could be read but has no triangle that can be built over.
     #[error(
         "{}: no usable triangle among the {given} given{}; check that the file holds faces with finite vertices",
-        path.display(),
+        shown(path),
         why_empty(dropped, first_dropped.as_deref(), remarks)
     )]
     Empty {
@@ -58,13 +59,18 @@ pub enum SceneError {
         remarks: Vec<String>,
     },
     /// The file could be read but holds no mesh that can be built.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", shown(path))]
     Unusable {
         /// The file.
         path: PathBuf,
         /// The fault of the mesh.
         source: MeshError,
     },
+}
+
+/// A path in a message: a file's name may hold the end of a line.
+fn shown(path: &Path) -> String {
+    one_line(&path.display().to_string(), LONG)
 }
 
 /// Why no triangle is left, in parentheses; nothing where nothing is known.
@@ -74,7 +80,7 @@ fn why_empty(dropped: &Dropped, first: Option<&str>, remarks: &[String]) -> Stri
         format!("{dropped}{first}")
     });
     let all: Vec<String> = of_dropped.into_iter().chain(remarks.iter().cloned()).collect();
-    if all.is_empty() { String::new() } else { format!(" ({})", all.join("; ")) }
+    if all.is_empty() { String::new() } else { format!(" ({})", one_line(&all.join("; "), LONG)) }
 }
 
 /// A fault found by the reader of one format; the caller adds the file's name.
@@ -92,14 +98,13 @@ impl Fault {
     /// The remedy for missing or damaged bytes.
     pub const DAMAGED: &'static str = "the file is truncated or damaged, fetch or export it again";
 
-    /// `problem` may quote the file: control characters are replaced and the length is limited.
-    pub fn new(place: impl Into<String>, problem: &str, remedy: &'static str) -> Self {
-        let problem = problem.chars().take(160).map(|c| if c.is_control() { '?' } else { c }).collect();
-        Self { place: place.into(), problem, remedy }
+    /// `place` and `problem` may quote the file: control characters are replaced and the length is limited.
+    pub fn new(place: impl AsRef<str>, problem: &str, remedy: &'static str) -> Self {
+        Self { place: one_line(place.as_ref(), SHORT), problem: one_line(problem, SHORT), remedy }
     }
 
     /// The same, with the file's name.
-    pub fn in_file(self, path: &std::path::Path) -> SceneError {
+    pub fn in_file(self, path: &Path) -> SceneError {
         let Self { place, problem, remedy } = self;
         SceneError::Malformed { path: path.to_owned(), place, problem, remedy }
     }

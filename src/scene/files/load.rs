@@ -6,6 +6,7 @@ use super::source::{Compression, reader};
 use super::{gltf, obj, ply, stl};
 use crate::geometry::Mesh;
 use crate::scene::model::{Contents, Scene};
+use crate::scene::one_line::{SHORT, one_line};
 use crate::scene::views;
 use std::path::Path;
 
@@ -73,7 +74,9 @@ pub fn load_within(path: &Path, limits: &Limits) -> Result<Scene, SceneError> {
     dropped.out_of_range += raw.out_of_range;
     // What a reader has seen says more than a number.
     let first = raw.first_out_of_range.or_else(|| first.map(|triangle| format!("triangle {triangle}")));
-    let mut contents = Contents { first_dropped: first, ..raw.contents };
+    // A remark may quote the file.
+    let remarks = raw.contents.remarks.iter().map(|remark| one_line(remark, SHORT)).collect();
+    let mut contents = Contents { first_dropped: first, remarks, ..raw.contents };
     if mesh.is_empty() {
         let (path, remarks) = (path.to_owned(), contents.told().collect());
         return Err(SceneError::Empty {

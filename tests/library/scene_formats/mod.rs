@@ -178,6 +178,36 @@ fn why_a_file_is_empty_is_told() {
     }
 }
 
+/// What messages quote of a file, and its own name, is in one line without control characters, and no longer than a line
+/// is read.
+#[test]
+fn messages_are_one_line_whatever_they_quote() {
+    let header = |element: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             element face 1\nproperty list uchar int vertex_indices\nelement {element}\nend_header\n0 0 0\n1 0 0\n\
+             0 1 0\n3 0 1 2\n"
+        )
+    };
+    let long = "e".repeat(60_000);
+    for quoted in ["a\x1b[31m\x07", &long] {
+        let scene = read("x.ply", header(&format!("{quoted} 1\nproperty int i")) + "7\n");
+        let remarks = scene.remarks();
+        assert!(remarks.len() == 1 && remarks[0].contains("1 entries of the element"), "{remarks:?}");
+        let faults =
+            [header(&format!("{quoted} 1")), header(&format!("{quoted} 1\nproperty int i")) + "none\n"];
+        for line in remarks.into_iter().chain(faults.map(|file| message("x.ply", file))) {
+            assert!(!line.contains(char::is_control) && line.len() < 1000, "{line}");
+        }
+    }
+    if cfg!(unix) {
+        let error = read_in(folder().path(), "a\nb\x1b.obj", "").unwrap_err().to_string();
+        assert!(error.contains("a?b?.obj: no usable triangle"), "{error}");
+        let scene = read("a\nb\x1b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\np 1\n");
+        assert!(scene.remarks()[0].starts_with("a?b?.obj: left out"), "{:?}", scene.remarks());
+    }
+}
+
 /// Whatever the bytes, loading ends with a scene or a message.
 #[test]
 fn damaged_files_never_panic() {
@@ -202,7 +232,7 @@ fn damaged_files_never_panic() {
             std::fs::write(&path, bytes).unwrap();
             match load_within(&path, &limits) {
                 Ok(scene) => accepted += usize::from(!scene.mesh.is_empty()),
-                Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
+                Err(error) => assert!(!error.to_string().contains(char::is_control), "{error}"),
             }
             // Some file systems wait for the disk when a file is replaced, not when it is gone before.
             std::fs::remove_file(&path).unwrap();
