@@ -1,7 +1,5 @@
 //! Text of files and names of files, as they stand in messages.
 
-/// Most characters of a place, a problem or a remark.
-pub(super) const SHORT: usize = 160;
 /// Most characters of a path, and of a whole line.
 pub(super) const LONG: usize = 4096;
 
@@ -25,8 +23,8 @@ mod tests {
 
     #[test]
     fn control_characters_are_replaced_and_long_text_is_cut() {
-        assert_eq!(one_line("a place, ä", SHORT), "a place, ä");
-        assert_eq!(one_line("\x1b[31m\r\na\tb\u{85}\u{2028}\0", SHORT), "?[31m??a?b???");
+        assert_eq!(one_line("a place, ä", LONG), "a place, ä");
+        assert_eq!(one_line("\x1b[31m\r\na\tb\u{85}\u{2028}\0", LONG), "?[31m??a?b???");
         assert_eq!(one_line("äbcdef", 6), "äbcdef");
         assert_eq!(one_line("äbcdefg", 6), "äbc...");
         assert_eq!(one_line("", 0), "");

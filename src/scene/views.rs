@@ -120,51 +120,6 @@ pub(super) fn around(mesh: &Mesh, up: Option<Vec3>) -> Vec<View> {
     AROUND.map(view).to_vec()
 }
 
-/// The cameras that `views.json` beside the scene file gives under `name`; none where there is no such file
-/// or entry; a file of JSON that holds something else is told in `remarks`.
-#[cfg(feature = "files")]
-pub(super) fn beside(
-    scene: &std::path::Path,
-    name: &str,
-    remarks: &mut Vec<String>,
-) -> Result<Vec<View>, super::SceneError> {
-    use super::files::{Fault, read_small};
-    const REMEDY: &str =
-        r#"write {"SCENE": [{"eye": [x, y, z], "target": [x, y, z], "up": [x, y, z], "fov_y_deg": a}]}"#;
-    const MOST_BYTES: u64 = 64 << 20;
-    let path = scene.with_file_name("views.json");
-    let text = match read_small(&path, MOST_BYTES) {
-        Ok(text) => text,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(source) => return Err(super::SceneError::Unreadable { path, source }),
-    };
-    let scenes: std::collections::HashMap<String, Vec<View>> = match serde_json::from_slice(&text) {
-        Ok(scenes) => scenes,
-        // Another program's file of the same name, perhaps.
-        Err(_)
-            if serde_json::from_slice(&text)
-                .is_ok_and(|json: serde_json::Value| json.get(name).is_none()) =>
-        {
-            remarks.push(format!("views.json has no cameras of {name} ({REMEDY})"));
-            return Ok(Vec::new());
-        }
-        Err(e) => {
-            let place = format!("line {} column {}", e.line(), e.column());
-            let problem = e.to_string();
-            let problem = problem.strip_suffix(&format!(" at {place}")).unwrap_or(&problem);
-            return Err(Fault::new(place, problem, REMEDY).in_file(&path));
-        }
-    };
-    let views = scenes.get(name).cloned().unwrap_or_default();
-    for (i, view) in views.iter().enumerate() {
-        view.check().map_err(|e| {
-            let place = format!("view {i} of {name}");
-            Fault::new(place, &e.to_string(), "give three finite vectors and an angle").in_file(&path)
-        })?;
-    }
-    Ok(views)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,13 +14,23 @@ fn cameras_come_from_views_json() {
     let scene = load(&path).unwrap();
     assert_eq!(scene.views.len(), 2);
     assert_eq!((scene.views[1].eye.to_array(), scene.views[1].fov_y_deg), ([1.0, 2.0, 3.0], 50.0));
-    assert_eq!(load(&other).unwrap().views.len(), 3, "placed around the geometry");
+    let scene = load(&other).unwrap();
+    assert_eq!((scene.views.len(), scene.remarks()), (3, vec![]), "placed around the geometry");
     for of_another_program in ["[1, 2]", r#"{"cameras": [{"fov": 50}]}"#] {
         write(&dir, "views.json", of_another_program);
         let scene = load(&path).unwrap();
         assert_eq!(scene.views.len(), 3, "{of_another_program}");
         assert!(scene.remarks().iter().any(|remark| remark.contains("views.json has no cameras of small")));
     }
+
+    // Whatever has that name, the scene is read.
+    write(&dir, "views.json", format!(r#"{{"others": [{}]}}"#, " ".repeat(1 << 20)));
+    let remarks = load(&path).unwrap().remarks();
+    assert_eq!(remarks, ["small.ply.zst: views.json is not read: larger than 1048576 bytes"]);
+    std::fs::remove_file(dir.path().join("views.json")).unwrap();
+    std::fs::create_dir(dir.path().join("views.json")).unwrap();
+    assert_eq!(load(&path).unwrap().remarks(), ["small.ply.zst: views.json is not read: not a regular file"]);
+    std::fs::remove_dir(dir.path().join("views.json")).unwrap();
 
     for (json, expected) in [
         ("{", "line 1 column 1"),

@@ -1,8 +1,11 @@
 //! Errors of scene files.
 
 use crate::geometry::{Dropped, MeshError};
-use crate::scene::one_line::{LONG, SHORT, one_line};
+use crate::scene::one_line::{LONG, one_line};
 use std::path::{Path, PathBuf};
+
+/// Most characters of a place, a problem or a remark.
+pub(super) const SHORT: usize = 160;
 
 /// Why a scene could not be loaded: one line that names the file, the place in it and the remedy.
 #[derive(Debug, thiserror::Error)]

@@ -1,12 +1,12 @@
 //! Scenes from files: the format by the name, the mesh checked, cameras beside it.
 
-use super::error::{Fault, SceneError};
+use super::error::{Fault, SHORT, SceneError};
 use super::guard::{Guard, Limits};
 use super::source::{Compression, reader};
-use super::{gltf, obj, ply, stl};
+use super::{cameras, gltf, obj, ply, stl};
 use crate::geometry::Mesh;
 use crate::scene::model::{Contents, Scene};
-use crate::scene::one_line::{SHORT, one_line};
+use crate::scene::one_line::one_line;
 use crate::scene::views;
 use std::path::Path;
 
@@ -87,11 +87,11 @@ pub fn load_within(path: &Path, limits: &Limits) -> Result<Scene, SceneError> {
             remarks,
         });
     }
-    let mut cameras = views::beside(path, &name, &mut contents.remarks)?;
-    if cameras.is_empty() {
-        cameras = views::around(&mesh, raw.up);
+    let mut views = cameras::beside(path, &name, &mut contents.remarks)?;
+    if views.is_empty() {
+        views = views::around(&mesh, raw.up);
     }
-    let scene = Scene::new(name, mesh, dropped, cameras, format!("file {}", path.display()));
+    let scene = Scene::new(name, mesh, dropped, views, format!("file {}", path.display()));
     Ok(Scene { contents, ..scene })
 }
 

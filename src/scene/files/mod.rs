@@ -6,6 +6,7 @@
 #![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
+mod cameras;
 mod error;
 mod gltf;
 mod guard;
@@ -19,8 +20,6 @@ mod raw_mesh;
 mod source;
 mod stl;
 
-pub(super) use error::Fault;
 pub use error::SceneError;
 pub use guard::Limits;
 pub use load::{load, load_within, stem};
-pub(super) use source::read_small;

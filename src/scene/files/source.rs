@@ -87,7 +87,7 @@ impl Read for Expanded<'_> {
 }
 
 /// The content of a regular file of at most `most` bytes.
-pub(crate) fn read_small(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+pub(super) fn read_small(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let metadata = std::fs::metadata(path)?;
     if !metadata.is_file() {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
