@@ -3,6 +3,7 @@
 
 use crate::scene_files::{OBJ, binary_ply, write, zstd};
 use phr::scene::load;
+use serde_json::json;
 
 #[test]
 fn cameras_come_from_views_json() {
@@ -52,4 +53,28 @@ fn cameras_come_from_views_json() {
         );
         assert!(!message.contains('\n'), "{message}");
     }
+}
+
+/// Cameras are placed around a glTF scene though its file has some: that is told, unless `views.json` has them.
+#[test]
+fn cameras_of_gltf_are_remarked() {
+    let dir = tempfile::tempdir().unwrap();
+    let camera = json!({"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}});
+    let file = json!({
+        "asset": {"version": "2.0"},
+        "buffers": [{"uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA", "byteLength": 36}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "cameras": [camera, camera],
+        "nodes": [{"mesh": 0}, {"camera": 1}, {"camera": 0}],
+    });
+    let path = write(&dir, "x.gltf", file.to_string());
+    let scene = load(&path).unwrap();
+    assert_eq!(scene.remarks(), ["x.gltf: 2 cameras of the file are not applied, give theirs in views.json"]);
+    assert_eq!((scene.mesh.len(), scene.views.len()), (1, 3));
+    let view = json!({"eye": [1, 2, 3], "target": [0, 0, 0], "up": [0, 0, 1], "fov_y_deg": 50});
+    write(&dir, "views.json", json!({"x": [view]}).to_string());
+    let scene = load(&path).unwrap();
+    assert_eq!((scene.remarks(), scene.views.len()), (vec![], 1));
 }

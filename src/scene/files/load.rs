@@ -40,7 +40,8 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// instances of a glTF scene copies in the places of their nodes.
 /// Faces of OBJ name vertices given before them; later ones are out of range. Triangles that no builder accepts are
 /// dropped and counted in [`Scene::dropped`], what is no triangle in [`Scene::contents`]. Cameras come from
-/// `views.json` beside the file, or are placed around the geometry where it has none for this scene.
+/// `views.json` beside the file, or are placed around the geometry where it has none for this scene; those of glTF are not
+/// applied, which is remarked.
 ///
 /// # Errors
 /// [`SceneError`], one line each. A file whose mesh would exceed `limits` is refused, before its memory is taken where
@@ -89,6 +90,11 @@ pub fn load_within(path: &Path, limits: &Limits) -> Result<Scene, SceneError> {
     }
     let mut views = cameras::beside(path, &name, &mut contents.remarks)?;
     if views.is_empty() {
+        if raw.cameras > 0 {
+            let remark =
+                format!("{} cameras of the file are not applied, give theirs in views.json", raw.cameras);
+            contents.remarks.push(remark);
+        }
         views = views::around(&mesh, raw.up);
     }
     let scene = Scene::new(name, mesh, dropped, views, format!("file {}", path.display()));

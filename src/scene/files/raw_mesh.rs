@@ -19,6 +19,8 @@ pub(super) struct RawMesh<'a> {
     pub first_out_of_range: Option<String>,
     /// What the file had besides.
     pub contents: Contents,
+    /// Cameras of the file itself, which are not applied.
+    pub cameras: usize,
     /// The axis that the format calls up, if it does.
     pub up: Option<Vec3>,
 }
@@ -38,6 +40,7 @@ impl<'a> RawMesh<'a> {
             out_of_range: 0,
             first_out_of_range: None,
             contents: Contents::default(),
+            cameras: 0,
             up: None,
         }
     }

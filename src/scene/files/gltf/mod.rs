@@ -58,6 +58,7 @@ fn read<'a>(container: Container, path: &Path, guard: &'a Guard) -> Result<RawMe
     }
     let mut raw = RawMesh::new(guard);
     raw.up = Some(glam::Vec3::Y);
+    raw.cameras = root.cameras.len();
     extensions::check(&root, &mut raw.contents)?;
     let length = json.len() as u64;
     drop(json);
