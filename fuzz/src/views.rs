@@ -20,7 +20,7 @@ pub fn check(data: &[u8]) -> bool {
             folder
         });
         std::fs::write(folder.path().join("views.json"), data).unwrap();
-        match load_within(&folder.path().join("x.obj"), &LIMITS) {
+        match load_within(folder.path().join("x.obj"), &LIMITS) {
             Ok(scene) => {
                 assert!(!scene.remarks().concat().contains(char::is_control), "{:?}", scene.remarks());
                 for view in &scene.views {

@@ -122,7 +122,11 @@ impl Bvh {
     ///
     /// # Errors
     /// Another mesh, or one that was moved since; an unwritable place, or one that is no regular file.
-    pub fn save(&self, mesh: &Mesh, path: &Path) -> Result<(), SavedError> {
+    pub fn save(&self, mesh: &Mesh, path: impl AsRef<Path>) -> Result<(), SavedError> {
+        self.write(mesh, path.as_ref())
+    }
+
+    fn write(&self, mesh: &Mesh, path: &Path) -> Result<(), SavedError> {
         let is_of_mesh = self.places.len() == mesh.len();
         if !is_of_mesh || self.tree.blocks().par_iter().any(|block| !block.is_of(mesh)) {
             return Err(SavedError::NotOfMesh { path: path.to_owned() });
@@ -137,7 +141,11 @@ impl Bvh {
     ///
     /// # Errors
     /// A missing file ([`SavedError::Io`]), one that is damaged or holds the tree of another mesh, no memory.
-    pub fn load(mesh: &Mesh, path: &Path) -> Result<Self, SavedError> {
+    pub fn load(mesh: &Mesh, path: impl AsRef<Path>) -> Result<Self, SavedError> {
+        Self::read(mesh, path.as_ref())
+    }
+
+    fn read(mesh: &Mesh, path: &Path) -> Result<Self, SavedError> {
         let saved = SavedTree::open(path)?;
         let builder = saved.header.builder.clone();
         let tree = match saved.header.width {

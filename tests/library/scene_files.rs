@@ -22,7 +22,7 @@ pub fn write(dir: &TempDir, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
 /// Loads `content` as a file called `name`.
 fn read(name: &str, content: impl AsRef<[u8]>) -> Result<Scene, SceneError> {
     let dir = tempfile::tempdir().unwrap();
-    load(&write(&dir, name, content))
+    load(write(&dir, name, content))
 }
 
 fn message(name: &str, content: impl AsRef<[u8]>) -> String {

@@ -86,14 +86,14 @@ fn long_lines_take_no_memory() {
     let long = 40u64 << 20;
     let obj = b"\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let file = compressed(b"# ", b'x', long, obj);
-    assert_eq!(load(&write(folder.path(), "x.obj.zst", file)).unwrap().mesh.len(), 1);
+    assert_eq!(load(write(folder.path(), "x.obj.zst", file)).unwrap().mesh.len(), 1);
     let file = compressed(b"f 1 1 1", b'1', long, obj);
     let message = refusal(&write(folder.path(), "x.obj.zst", file), u64::MAX);
     assert!(message.contains("line 1: longer than 16 MiB; split"), "{message}");
     let text = ply("3", 3);
     let comment = [&b"ply\ncomment "[..], &b"\n"[..]];
     let file = compressed(comment[0], b'x', long, &[comment[1], &text[4..]].concat());
-    assert_eq!(load(&write(folder.path(), "x.ply.zst", file)).unwrap().mesh.len(), 1);
+    assert_eq!(load(write(folder.path(), "x.ply.zst", file)).unwrap().mesh.len(), 1);
     for (head, expected) in [
         (&b"ply\nelement "[..], "longer than 64 KiB"),
         (

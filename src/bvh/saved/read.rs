@@ -21,8 +21,8 @@ use std::path::Path;
 ///
 /// # Errors
 /// No such file, or not a saved tree.
-pub fn header_of(path: &Path) -> Result<Header, SavedError> {
-    Ok(SavedTree::open(path)?.header)
+pub fn header_of(path: impl AsRef<Path>) -> Result<Header, SavedError> {
+    Ok(SavedTree::open(path.as_ref())?.header)
 }
 
 /// A file opened after its header, which fits its length: what is loaded from it is that tree, whatever takes its
@@ -84,8 +84,8 @@ impl<const N: usize> WideBvh<N> {
     ///
     /// # Errors
     /// [`SavedError`]: a file that is damaged, of another width, of another mesh, or whose links form no tree.
-    pub fn load(mesh: &Mesh, path: &Path) -> Result<Self, SavedError> {
-        Self::read(mesh, SavedTree::open(path)?)
+    pub fn load(mesh: &Mesh, path: impl AsRef<Path>) -> Result<Self, SavedError> {
+        Self::read(mesh, SavedTree::open(path.as_ref())?)
     }
 
     /// Loads the tree of an open file, likewise.

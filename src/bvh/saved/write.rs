@@ -23,7 +23,11 @@ impl<const N: usize> WideBvh<N> {
     ///
     /// # Errors
     /// An unwritable place, or one that is no regular file; more leaf blocks than can be loaded.
-    pub fn save(&self, mesh: &Mesh, builder: &str, path: &Path) -> Result<(), SavedError> {
+    pub fn save(&self, mesh: &Mesh, builder: &str, path: impl AsRef<Path>) -> Result<(), SavedError> {
+        self.write(mesh, builder, path.as_ref())
+    }
+
+    fn write(&self, mesh: &Mesh, builder: &str, path: &Path) -> Result<(), SavedError> {
         let (nodes, blocks) = (self.nodes.len() as u64, self.blocks.len() as u64);
         if !can_be_loaded(nodes, blocks, mesh.len() as u64) {
             return Err(SavedError::TooMany { path: path.to_owned(), nodes, blocks });

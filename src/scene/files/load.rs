@@ -31,8 +31,8 @@ const FORMATS: [(&str, Format); 5] = [
 ///
 /// # Errors
 /// [`SceneError`], one line each.
-pub fn load(path: &Path) -> Result<Scene, SceneError> {
-    load_within(path, &Limits::of_machine())
+pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
+    read(path.as_ref(), &Limits::of_machine())
 }
 
 /// Loads `path`: PLY (binary or ASCII), OBJ, STL (binary or ASCII), glTF 2 or GLB, each with `.gz` or `.zst` after it.
@@ -46,7 +46,11 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// # Errors
 /// [`SceneError`], one line each. A file whose mesh would exceed `limits` is refused, before its memory is taken where
 /// the file declares its size.
-pub fn load_within(path: &Path, limits: &Limits) -> Result<Scene, SceneError> {
+pub fn load_within(path: impl AsRef<Path>, limits: &Limits) -> Result<Scene, SceneError> {
+    read(path.as_ref(), limits)
+}
+
+fn read(path: &Path, limits: &Limits) -> Result<Scene, SceneError> {
     let guard = Guard::new(limits);
     let is_folder = std::fs::metadata(path).is_ok_and(|metadata| metadata.is_dir());
     let format = format_of(path).filter(|_| !is_folder);

@@ -171,8 +171,8 @@ fn single_verbs_do_their_work() {
         phr(&folder, &["build", "sheet.ply", "--builder", "phr-hq", "--width", "8", "-o", "x.phrtree"]);
     assert!(build.status.success(), "{}", text(&build.stderr));
     assert!(text(&build.stdout).contains("loaded again"), "{}", text(&build.stdout));
-    let scene = phr::scene::load(&folder.join("sheet.ply")).unwrap();
-    let saved = phr::bvh::Bvh8::load(&scene.mesh, &folder.join("x.phrtree")).unwrap();
+    let scene = phr::scene::load(folder.join("sheet.ply")).unwrap();
+    let saved = phr::bvh::Bvh8::load(&scene.mesh, folder.join("x.phrtree")).unwrap();
     assert_eq!(saved.validate(&scene.mesh), Ok(()));
     let bench = phr(&folder, &tiny("sheet.ply", &["--rounds", "1", "--tree", "x.phrtree"]));
     assert!(bench.status.success(), "{}", text(&bench.stderr));
