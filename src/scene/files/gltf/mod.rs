@@ -8,6 +8,7 @@ mod accessor;
 mod buffers;
 mod container;
 mod extensions;
+mod faces;
 mod nodes;
 mod primitives;
 

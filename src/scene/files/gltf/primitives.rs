@@ -2,6 +2,7 @@
 
 use super::accessor::{accessor, indices, positions};
 use super::buffers::Buffers;
+use super::faces::{Faces, is_unwritten, place, position_accessor};
 use super::nodes::PlacedMesh;
 use crate::geometry::Mesh;
 use crate::scene::files::error::Fault;
@@ -9,7 +10,7 @@ use crate::scene::files::raw_mesh::RawMesh;
 use crate::scene::model::Contents;
 use glam::{DMat4, DVec3};
 use gltf::json::Root;
-use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::mesh::{Mode, Primitive};
 use gltf::json::validation::Checked;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -235,70 +236,4 @@ fn append_vertices(
 fn primitives<'a>(root: &'a Root, placed: &PlacedMesh) -> Result<&'a [Primitive], Fault> {
     let fault = || Fault::new(format!("mesh {}", placed.mesh), "there is no such mesh", Fault::DAMAGED);
     root.meshes.get(placed.mesh).map(|mesh| &mesh.primitives[..]).ok_or_else(fault)
-}
-
-/// Whether the elements of an accessor are zeros but for those replaced.
-fn is_unwritten(root: &Root, accessor: usize) -> bool {
-    root.accessors.get(accessor).is_some_and(|accessor| accessor.buffer_view.is_none())
-}
-
-/// The accessor of a primitive's positions.
-fn position_accessor(primitive: &Primitive) -> Option<usize> {
-    primitive.attributes.get(&Checked::Valid(Semantic::Positions)).map(|accessor| accessor.value())
-}
-
-/// A primitive of a mesh, in words.
-fn place([mesh, primitive]: [usize; 2]) -> String {
-    format!("mesh {mesh}, primitive {primitive}")
-}
-
-/// The faces of a primitive.
-struct Faces {
-    /// The primitive's place in its mesh.
-    index: usize,
-    mode: Mode,
-    /// Accessors.
-    positions: usize,
-    indices: Option<usize>,
-    /// Indices, or vertices where there are none.
-    corners: u64,
-}
-
-impl Faces {
-    /// `None` for points, lines and what has no triangle.
-    fn of(root: &Root, primitive: &Primitive, [mesh, index]: [usize; 2]) -> Result<Option<Self>, Fault> {
-        let Checked::Valid(mode) = primitive.mode else {
-            return Err(Fault::new(place([mesh, index]), "of unknown mode", Fault::DAMAGED));
-        };
-        let Some(positions) = position_accessor(primitive).filter(|_| mode as u8 >= Mode::Triangles as u8)
-        else {
-            return Ok(None);
-        };
-        let indices = primitive.indices.map(|index| index.value());
-        let corners = accessor(root, indices.unwrap_or(positions))?.0.count.0;
-        let faces = Self { index, mode, positions, indices, corners };
-        Ok((faces.triangles() > 0).then_some(faces))
-    }
-
-    fn accessors(&self) -> impl Iterator<Item = usize> {
-        [self.positions].into_iter().chain(self.indices)
-    }
-
-    fn triangles(&self) -> u64 {
-        if self.mode == Mode::Triangles { self.corners / 3 } else { self.corners.saturating_sub(2) }
-    }
-
-    /// False if some corners at the end make no triangle.
-    fn are_whole(&self) -> bool {
-        self.mode != Mode::Triangles || self.corners.is_multiple_of(3)
-    }
-
-    /// Which corners make a triangle, as the specification orders them.
-    fn corners_of(&self, triangle: usize) -> [usize; 3] {
-        match self.mode {
-            Mode::TriangleStrip => [triangle, triangle + 1 + triangle % 2, triangle + 2 - triangle % 2],
-            Mode::TriangleFan => [triangle + 1, triangle + 2, 0],
-            _ => [3 * triangle, 3 * triangle + 1, 3 * triangle + 2],
-        }
-    }
 }
