@@ -1,6 +1,7 @@
 //! Boxes, rays, indexed triangle meshes and clipped triangles.
 
 mod aabb;
+mod fingerprint;
 mod mesh;
 mod mesh_error;
 pub(crate) mod ordered;

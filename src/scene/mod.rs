@@ -6,7 +6,6 @@
 mod catalog;
 #[cfg(feature = "files")]
 mod files;
-mod fingerprint;
 mod generate;
 mod model;
 mod one_line;
@@ -15,7 +14,6 @@ mod views;
 pub use catalog::{PaperScene, paper, paper_scene_in};
 #[cfg(feature = "files")]
 pub use files::{Limits, SceneError, load, load_within, stem};
-pub(crate) use fingerprint::value as mesh_fingerprint;
 pub use generate::{Animated, Animation, animated, animated_by_name};
 pub use generate::{Generator, builtin, generator, generators, scalable, scalable_name, scalable_triangles};
 pub use model::{Contents, Scene};

@@ -1,6 +1,5 @@
 //! A scene: a mesh, its cameras and its origin.
 
-use super::fingerprint;
 use super::one_line::{LONG, one_line};
 use super::views::{View, views_around};
 use crate::geometry::{Dropped, Mesh};
@@ -53,7 +52,7 @@ pub struct Scene {
     pub contents: Contents,
     /// At least one camera.
     pub views: Vec<View>,
-    /// 16 hex digits of a hash of the mesh (vertices and triangles), which identifies the geometry.
+    /// [`Mesh::fingerprint`] as 16 hex digits, which identifies the geometry.
     pub sha: String,
     /// "file PATH" or "generated, seed N".
     pub source: String,
@@ -63,7 +62,7 @@ impl Scene {
     /// A scene of `mesh`, with the hash computed and, if `views` is empty, cameras around the geometry.
     pub fn new(name: String, mesh: Mesh, dropped: Dropped, views: Vec<View>, source: String) -> Self {
         let views = if views.is_empty() { views_around(&mesh) } else { views };
-        let sha = fingerprint::of(&mesh);
+        let sha = format!("{:016x}", mesh.fingerprint());
         Self { name, mesh, dropped, contents: Contents::default(), views, sha, source }
     }
 

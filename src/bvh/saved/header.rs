@@ -29,7 +29,8 @@ pub struct Header {
     pub blocks: u64,
     /// Box of everything.
     pub bounds: Aabb,
-    /// Fingerprint of the mesh.
+    /// [`Mesh::fingerprint`](crate::geometry::Mesh::fingerprint) of the mesh: by it the mesh of a file can be looked
+    /// for.
     pub mesh: u64,
     /// Triangles of the mesh.
     pub triangles: u64,

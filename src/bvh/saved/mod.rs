@@ -103,7 +103,7 @@ pub enum SavedError {
         path: PathBuf,
         /// Triangles of its mesh.
         triangles: u64,
-        /// Fingerprint of its mesh.
+        /// [`Mesh::fingerprint`](crate::geometry::Mesh::fingerprint) of its mesh.
         mesh: u64,
     },
     /// A tree to be saved for a mesh that is not its own.

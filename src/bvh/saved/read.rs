@@ -10,7 +10,6 @@ use crate::bvh::{TriangleBlock, WideBvh, WideNode};
 use crate::geometry::Mesh;
 use crate::memory::huge_pages;
 use crate::memory::runs::{self, Run};
-use crate::scene::mesh_fingerprint;
 use std::fs::File;
 #[cfg(not(unix))]
 use std::io::Seek;
@@ -98,7 +97,7 @@ impl<const N: usize> WideBvh<N> {
                 asked: N as u32,
             });
         }
-        if (header.triangles, header.mesh) != (mesh.len() as u64, mesh_fingerprint(mesh)) {
+        if (header.triangles, header.mesh) != (mesh.len() as u64, mesh.fingerprint()) {
             let Header { triangles, mesh, .. } = header;
             return Err(SavedError::OtherMesh { path: path.to_owned(), triangles, mesh });
         }

@@ -33,6 +33,7 @@ fn trees_survive_the_file() {
     assert_eq!(Bvh4::load(&mesh, &path).unwrap(), tree);
     let header = header_of(path.to_str().unwrap()).unwrap();
     assert_eq!((header.width, header.triangles, header.builder.as_str()), (4, 50, "by-hand"));
+    assert_eq!((header.mesh, header.blocks), (mesh.fingerprint(), 13));
     assert_eq!(std::fs::metadata(&path).unwrap().len(), 128 + 13 * (128 + 160));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no part file is left");
     let none = Mesh::new(vec![], vec![]).unwrap().0;

@@ -7,7 +7,6 @@ use super::replace::replace;
 use crate::bvh::WideBvh;
 use crate::bvh::record::Record;
 use crate::geometry::Mesh;
-use crate::scene::mesh_fingerprint;
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
@@ -45,7 +44,7 @@ impl<const N: usize> WideBvh<N> {
                 nodes,
                 blocks,
                 bounds: self.bounds,
-                mesh: mesh_fingerprint(mesh),
+                mesh: mesh.fingerprint(),
                 triangles: mesh.len() as u64,
                 checksum: sum,
                 builder: builder.to_owned(),

@@ -1,7 +1,7 @@
 //! A name for the geometry: a 64-bit hash of vertices and triangles, the same on every platform and at
 //! any number of threads. It tells meshes apart in records; it is no defence against forgery.
 
-use crate::geometry::Mesh;
+use super::Mesh;
 use crate::random::{GOLDEN, mix};
 use rayon::prelude::*;
 
@@ -10,20 +10,21 @@ const CHUNK: usize = 1 << 16;
 /// Chunks that a task hashes side by side, for each word has to wait for the one before it in its chunk.
 const ABREAST: usize = 4;
 
-/// 16 hex digits. The vertices' bits and then the triangles, each in chunks of 2^16 triples; a chunk is
-/// hashed by rotate, xor and multiply over 64-bit words, and the chunks' hashes in turn.
-pub fn of(mesh: &Mesh) -> String {
-    format!("{:016x}", value(mesh))
-}
-
-/// The same as a number.
-pub(crate) fn value(mesh: &Mesh) -> u64 {
-    let vertices =
-        mesh.vertices().par_chunks(ABREAST * CHUNK).flat_map_iter(|v| chunks(v, |v| v.map(f32::to_bits)));
-    let triangles = mesh.triangles().par_chunks(ABREAST * CHUNK).flat_map_iter(|t| chunks(t, |t| *t));
-    let hashes: Vec<u64> = vertices.chain(triangles).collect();
-    let counts = [mesh.vertices().len() as u64, mesh.len() as u64];
-    mix(counts.into_iter().chain(hashes).fold(0, step))
+impl Mesh {
+    /// A hash of the vertices' bits, those in no triangle too, and of the triangles, in their order: the number by
+    /// which a saved tree names its mesh ([`Header::mesh`](crate::bvh::saved::Header::mesh)). Computed anew at each
+    /// call, on the current rayon pool.
+    ///
+    /// Vertices and then triangles are cut into chunks of 2^16 triples; a chunk is hashed by rotate, xor and multiply
+    /// over 64-bit words, and the chunks' hashes in turn.
+    pub fn fingerprint(&self) -> u64 {
+        let vertices =
+            self.vertices().par_chunks(ABREAST * CHUNK).flat_map_iter(|v| chunks(v, |v| v.map(f32::to_bits)));
+        let triangles = self.triangles().par_chunks(ABREAST * CHUNK).flat_map_iter(|t| chunks(t, |t| *t));
+        let hashes: Vec<u64> = vertices.chain(triangles).collect();
+        let counts = [self.vertices().len() as u64, self.len() as u64];
+        mix(counts.into_iter().chain(hashes).fold(0, step))
+    }
 }
 
 /// The hashes of [`ABREAST`] chunks, or of those that are left.
@@ -50,8 +51,8 @@ fn step(hash: u64, word: u64) -> u64 {
 mod tests {
     use super::*;
 
-    fn hash(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> String {
-        of(&Mesh::new(vertices, triangles).unwrap().0)
+    fn hash(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> u64 {
+        Mesh::new(vertices, triangles).unwrap().0.fingerprint()
     }
 
     /// Of one chunk, of some, and of more than are hashed side by side.
@@ -75,7 +76,8 @@ mod tests {
         let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let same = hash(vertices.clone(), vec![[0, 1, 2]]);
         assert_eq!(same, hash(vertices.clone(), vec![[0, 1, 2]]));
-        assert_eq!(same.len(), 16);
+        // By it trees that were saved before find their mesh.
+        assert_eq!(same, 0x084a_1a3f_45bb_4a6e);
         let mut moved = vertices.clone();
         moved[2][1] = 1.000_000_1;
         let others = [
