@@ -157,6 +157,10 @@ fn obj_reads_as_one_mesh() {
     // Faces that are points or edges.
     let scene = read("small.obj", OBJ.replace("f 1 2 3 4", "f 1 2\nf 1\nf\nf 1 2 3 4")).unwrap();
     assert_eq!((corners(&scene), scene.contents.empty), (expected.clone(), 3));
+    // Vertices are numbered in the order in which faces use them; those in none are left out.
+    let scene = read("small.obj", "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 4 2 3\nf 2 4 3\n").unwrap();
+    assert_eq!(scene.mesh.vertices(), [[0.0, 1.0, 0.0], [0.0; 3], [1.0, 0.0, 0.0]]);
+    assert_eq!(scene.mesh.triangles(), [[0, 1, 2], [1, 0, 2]]);
     // Names in other encodings than UTF-8 do not matter.
     let latin = [b"usemtl W\xe4nde\n# caf\xe9\n", OBJ.as_bytes()].concat();
     assert_eq!(corners(&read("small.obj", latin).unwrap()), expected);

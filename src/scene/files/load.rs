@@ -38,10 +38,15 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
 /// Loads `path`: PLY (binary or ASCII), OBJ, STL (binary or ASCII), glTF 2 or GLB, each with `.gz` or `.zst` after it.
 /// Polygons become fans from their first corner (of concave ones, triangles may lie outside), strips triangles, the
 /// instances of a glTF scene copies in the places of their nodes.
+///
+/// Triangles have the order of the file, and so have vertices, but for OBJ: its vertices are numbered in the order in
+/// which faces use them first, and those that no face uses are left out. Vertices of glTF stand by accessor, once for
+/// each place of a mesh; in STL every triangle has three of its own.
+///
 /// Faces of OBJ name vertices given before them; later ones are out of range. Triangles that no builder accepts are
 /// dropped and counted in [`Scene::dropped`], what is no triangle in [`Scene::contents`]. Cameras come from
-/// `views.json` beside the file, or are placed around the geometry where it has none for this scene; those of glTF are not
-/// applied, which is remarked.
+/// `views.json` beside the file, or are placed around the geometry where it has none for this scene; those of glTF
+/// are not applied, which is remarked.
 ///
 /// # Errors
 /// [`SceneError`], one line each. A file whose mesh would exceed `limits` is refused, before its memory is taken where
