@@ -1,18 +1,11 @@
-//! Provenance for the records: git revision, compiler and target features; which Embree was found, and where the loader
-//! finds one of the user's own choice.
+//! Which Embree was found, and where the loader finds one of the user's own choice; provenance for the records of the
+//! harness: git revision, compiler and target features.
 
+use std::path::Path;
 use std::process::Command;
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
-    println!("cargo:rerun-if-changed=src");
-    for file in ["HEAD", "logs/HEAD"] {
-        let path = output("git", &["rev-parse", "--git-path", file]);
-        if let Some(path) = path.filter(|path| std::path::Path::new(path).exists()) {
-            println!("cargo:rerun-if-changed={path}");
-        }
-    }
-    let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
     // The loader looks among the system's libraries, and would find the distribution's Embree there.
     let mut is_chosen = false;
     for prefix in ["EMBREE_DIR", "EMBREE3_DIR"] {
@@ -26,7 +19,23 @@ fn main() {
     if std::env::var("DEP_EMBREE_MAJOR").is_ok_and(|major| major == "4") {
         println!("cargo:rustc-cfg=embree4");
     }
-    set("PHR_GIT_REV", revision());
+    // Only the harness reads it, and a library is not to be compiled again at each commit.
+    if std::env::var_os("CARGO_FEATURE_HARNESS").is_some() {
+        provenance();
+    }
+}
+
+fn provenance() {
+    println!("cargo:rerun-if-changed=src");
+    let is_own = is_own_repository();
+    for file in ["HEAD", "logs/HEAD"].iter().filter(|_| is_own) {
+        let path = output("git", &["rev-parse", "--git-path", file]);
+        if let Some(path) = path.filter(|path| Path::new(path).exists()) {
+            println!("cargo:rerun-if-changed={path}");
+        }
+    }
+    let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
+    set("PHR_GIT_REV", is_own.then(revision).flatten());
     set("PHR_RUSTC", output(&rustc, &["--version"]));
     set("PHR_TARGET", std::env::var("TARGET").ok());
     set("PHR_PROFILE", std::env::var("PROFILE").ok());
@@ -36,6 +45,13 @@ fn main() {
         "PHR_RUSTFLAGS",
         std::env::var("CARGO_ENCODED_RUSTFLAGS").ok().map(|flags| flags.replace('\x1f', " ")),
     );
+}
+
+/// Whether git's top level is the manifest's folder: that of a copy within another repository tells nothing of it.
+fn is_own_repository() -> bool {
+    let top_level = output("git", &["rev-parse", "--show-toplevel"]).map(std::fs::canonicalize);
+    let own = std::env::var_os("CARGO_MANIFEST_DIR").map(std::fs::canonicalize);
+    matches!((top_level, own), (Some(Ok(top_level)), Some(Ok(own))) if top_level == own)
 }
 
 /// The commit, marked where tracked files differ from it.
