@@ -4,6 +4,7 @@ use embree_sys as sys;
 
 /// Why Embree or this wrapper failed.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum EmbreeError {
     /// No device could be made; Embree gives no text here.
     #[error("Embree made no device from \"{config}\": {reason}; check the device string's values")]

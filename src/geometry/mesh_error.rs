@@ -4,6 +4,7 @@ use crate::memory::OutOfMemory;
 
 /// Why a mesh could not be made.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MeshError {
     /// More triangles than every builder is sure to hold.
     #[error("{0} triangles are more than the 2^26 that any tree is sure to hold; split the mesh")]
@@ -15,6 +16,7 @@ pub enum MeshError {
 
 /// Why vertices could not be moved.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MoveError {
     /// Not as many vertices as the mesh has.
     #[error("{given} vertices for a mesh of {vertices}; give one for each, in their order")]

@@ -30,6 +30,7 @@ impl Default for BvhConfig<'_> {
 
 /// Why a [`Bvh`](super::Bvh) could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BvhError {
     /// No builder has the name.
     #[error("no builder is called {0}; there are {list}", list = NAMES.join(", "))]

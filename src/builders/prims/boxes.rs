@@ -13,6 +13,7 @@ use std::ops::Range;
 
 /// Why boxes cannot be built over.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BoxesError {
     /// A box that no ray can be tested against.
     #[error(

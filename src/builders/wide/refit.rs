@@ -19,6 +19,7 @@ const PARALLEL_DEPTH: usize = 5;
 
 /// Why a tree cannot be fitted to a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RefitError {
     /// It was built over a mesh of another number of triangles.
     #[error("the tree is of {tree} triangles, the mesh of {mesh}; build a new tree")]

@@ -43,6 +43,7 @@ const CHUNK: usize = 1 << 11;
 
 /// Why a tree could not be saved or loaded: one line that names the file and the remedy.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SavedError {
     /// The file cannot be opened, read or written.
     #[error("{}: {source}; check the path and its permissions", path.display())]

@@ -9,6 +9,7 @@ pub(super) const SHORT: usize = 160;
 
 /// Why a scene could not be loaded: one line that names the file, the place in it and the remedy.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SceneError {
     /// The file is missing or cannot be opened.
     #[error("{}: {source}; check the path and its permissions", shown(path))]

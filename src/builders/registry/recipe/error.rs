@@ -4,6 +4,7 @@ use crate::builders::registry::NAMES;
 
 /// Why a builder cannot be changed so.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RecipeError {
     /// Not one of ours.
     #[error("no builder of ours is called {}; there are {known}", .0.escape_debug(), known = known())]
