@@ -38,15 +38,39 @@ impl Link {
     pub const EMPTY: Self = Self(u32::MAX);
 
     /// Refers to inner node `index`.
+    ///
+    /// # Panics
+    /// If `index` is 2^30 or more: no tree has as many nodes.
     #[inline]
     pub fn inner(index: usize) -> Self {
-        debug_assert!(index < Self::LEAF_BIT as usize);
-        Self(index as u32)
+        assert!(index < Self::PLACED as usize, "node {index} of a tree of less than 2^30");
+        Self::of_node(index)
     }
 
     /// Refers to `count` blocks from `first`.
+    ///
+    /// # Panics
+    /// If `count` is not 1 to [`MAX_LEAF_BLOCKS`], or `first` is 2^28 or more: no tree has as many blocks.
     #[inline]
     pub fn leaf(first: usize, count: usize) -> Self {
+        assert!(
+            (1..=MAX_LEAF_BLOCKS).contains(&count),
+            "a leaf of {count} blocks, not 1 to {MAX_LEAF_BLOCKS}"
+        );
+        assert!(first < MAX_BLOCKS, "block {first} of a tree of less than 2^28");
+        Self::of_blocks(first, count)
+    }
+
+    /// As [`Link::inner`], of builders, whose trees are within the limits.
+    #[inline]
+    pub(crate) fn of_node(index: usize) -> Self {
+        debug_assert!(index < Self::PLACED as usize);
+        Self(index as u32)
+    }
+
+    /// As [`Link::leaf`], likewise.
+    #[inline]
+    pub(crate) fn of_blocks(first: usize, count: usize) -> Self {
         debug_assert!((1..=MAX_LEAF_BLOCKS).contains(&count) && first < MAX_BLOCKS);
         Self(Self::LEAF_BIT | ((count as u32 - 1) << Self::COUNT_SHIFT) | first as u32)
     }
@@ -126,6 +150,15 @@ mod tests {
                 assert_eq!(Link::leaf(first, count).get(), Child::Leaf { first, count });
             }
         }
+    }
+
+    #[test]
+    fn links_beyond_a_tree_are_refused() {
+        let panics = |link: fn() -> Link| std::panic::catch_unwind(link).is_err();
+        assert!(panics(|| Link::inner(1 << 30)) && panics(|| Link::inner(usize::MAX)));
+        assert!(panics(|| Link::leaf(0, 0)) && panics(|| Link::leaf(0, MAX_LEAF_BLOCKS + 1)));
+        assert!(panics(|| Link::leaf(MAX_BLOCKS, 1)));
+        assert_eq!(Link::inner((1 << 30) - 1).get(), Child::Inner((1 << 30) - 1));
     }
 
     #[test]

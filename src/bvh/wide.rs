@@ -26,7 +26,10 @@ impl<const N: usize> WideNode<N> {
     pub const EMPTY: Self =
         Self { lower: [[f32::INFINITY; N]; 3], upper: [[f32::NEG_INFINITY; N]; 3], links: [Link::EMPTY; N] };
 
-    /// Fills `slot`.
+    /// Fills `slot`; used ones come first.
+    ///
+    /// # Panics
+    /// If `slot` is `N` or more.
     #[inline]
     pub fn set(&mut self, slot: usize, bounds: Aabb, link: Link) {
         for axis in 0..3 {
@@ -52,7 +55,10 @@ impl<const N: usize> WideNode<N> {
 }
 
 impl<const N: usize> WideNode<N> {
-    /// A node of at most `N` children.
+    /// A node of at most `N` children, each a box and a link that is not empty.
+    ///
+    /// # Panics
+    /// If there are more.
     #[inline]
     pub fn of(children: &[(Aabb, Link)]) -> Self {
         let mut boxes = [Aabb::EMPTY; N];
@@ -64,7 +70,7 @@ impl<const N: usize> WideNode<N> {
         Self::of_slots(&boxes, links)
     }
 
-    /// A node of the given slots, the used ones of which come first.
+    /// A node of the given slots, the used ones of which come first; the box of an unused one is [`Aabb::EMPTY`].
     #[inline(always)]
     pub fn of_slots(boxes: &[Aabb; N], links: [Link; N]) -> Self {
         const { check_width::<N>() };

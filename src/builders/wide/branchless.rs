@@ -31,7 +31,7 @@ impl Slot {
     /// The leaf of the given block.
     #[inline]
     pub fn leaf(bounds: Aabb, block: usize) -> Self {
-        Self(TaggedBox::new(bounds, [Link::leaf(block, 1).bits(), Self::LEAF]))
+        Self(TaggedBox::new(bounds, [Link::of_blocks(block, 1).bits(), Self::LEAF]))
     }
 
     /// The parent of a pair of children, for nodes of `N`.
@@ -131,7 +131,7 @@ impl<const N: usize> Widen<N> {
             return Link::from_bits(root.link());
         }
         self.write_below(&[pairs as u32 - 1], nodes);
-        Link::inner(nodes.len() - 1)
+        Link::of_node(nodes.len() - 1)
     }
 
     /// Appends the wide nodes over and below some pairs, none of which is below another, in the order of the pairs.

@@ -31,7 +31,7 @@ pub(crate) fn append_node<const N: usize>(
         _ => {
             let bounds = children.iter().map(|(bounds, _)| *bounds).collect();
             huge_pages::push(nodes, WideNode::of(children), "nodes");
-            Some((bounds, Link::inner(nodes.len() - 1)))
+            Some((bounds, Link::of_node(nodes.len() - 1)))
         }
     }
 }
@@ -67,7 +67,7 @@ impl<const N: usize, B> WideTreelet<N, B> {
     #[inline(never)]
     pub fn block<G: Geometry<Block = B>>(&mut self, geometry: &G, count: usize, prims: [u32; 4]) -> Link {
         self.blocks.push(geometry.block(count, prims));
-        Link::leaf(self.blocks.len() - 1, 1)
+        Link::of_blocks(self.blocks.len() - 1, 1)
     }
 
     /// Appends the blocks of a leaf; `None` without primitives.
@@ -78,7 +78,7 @@ impl<const N: usize, B> WideTreelet<N, B> {
         let first = self.blocks.len();
         assert!(prims.len() <= MAX_LEAF as usize, "a leaf of {} primitives", prims.len());
         self.blocks.extend(prims.chunks(BLOCK as usize).map(|prims| geometry.block_of(prims)));
-        Some(Link::leaf(first, self.blocks.len() - first))
+        Some(Link::of_blocks(first, self.blocks.len() - first))
     }
 }
 

@@ -84,7 +84,7 @@ impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
                 return Node::leaf(slot.bounds(), first + from, *count);
             }
             if slot.is_leaf() {
-                put_link(&mut keys[from], Link::leaf(slot.index(), 1));
+                put_link(&mut keys[from], Link::of_blocks(slot.index(), 1));
             } else {
                 clusters.push(slot.index() as u32);
                 begins.push(*begin);
@@ -122,7 +122,7 @@ impl<I: Copy + Default, const N: usize> ClusterTreelet<I, N> {
             );
         }
         for (&pair, &begin) in clusters.iter().zip(&*begins) {
-            put_link(&mut keys[begin as usize], Link::inner(widen.number(pair as usize) as usize));
+            put_link(&mut keys[begin as usize], Link::of_node(widen.number(pair as usize) as usize));
         }
         AboveClusters { root, pairs }
     }
