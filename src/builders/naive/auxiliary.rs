@@ -70,19 +70,22 @@ impl Tree {
     }
 
     /// The same, but children with no more leaves than a node holds are opened only if all their leaves fit beside the
-    /// others. Areas are compared without their last four bits.
+    /// others. Areas are compared without their last four bits, and where they are alike by the leaves.
     pub fn packed(&self, width: usize) -> Wide {
         let Content::Node(pair) = &self.content else { return self.widened(width) };
         let mut children = pair.to_vec();
         while children.len() < width {
-            let area = |child: &Rc<Self>| child.bounds.half_area().to_bits() >> 4;
+            let order = |child: &Rc<Self>| {
+                let leaves = child.leaves();
+                (child.bounds.half_area().to_bits() >> 4, if leaves <= width { leaves } else { 0 })
+            };
             let mut largest: Option<(usize, &[Rc<Self>; 2])> = None;
             for (i, child) in children.iter().enumerate() {
                 let leaves = child.leaves();
                 let is_open = leaves > width || children.len() + leaves - 1 <= width;
                 if let Content::Node(pair) = &child.content
                     && is_open
-                    && largest.is_none_or(|(most, _)| area(child) > area(&children[most]))
+                    && largest.is_none_or(|(most, _)| order(child) > order(&children[most]))
                 {
                     largest = Some((i, pair));
                 }

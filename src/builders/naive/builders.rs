@@ -77,7 +77,7 @@ fn cuts(
 /// The LBVH itself.
 pub fn wide_lbvh(mesh: &Mesh, width: usize) -> Option<Wide> {
     lbvh(mesh, &AuxiliaryConfig { auxiliary_leaf: Some(4), ..AuxiliaryConfig::PAPER })
-        .map(|(root, _)| root.widened(width))
+        .map(|(root, _)| root.packed(width))
 }
 
 /// The method of Hunt et al. 2007 with cuts of constant length.

@@ -5,7 +5,7 @@
 //! * [`parallel`]: 4.6, the recursion divided into tasks; [`ahead`]: what is too large for a task, split in parallel;
 //! * [`treelet`]: the nodes and leaf blocks that one task makes;
 //! * [`binary_source`]: subtrees all of whose binary splits are known, widened at once;
-//! * [`branchless`]: the same for whole LBVH treelets, without a branch that depends on the tree;
+//! * [`branchless`]: the same for whole LBVH treelets, small subtrees whole, without a branch that depends on the tree;
 //! * [`optimal`]: the cheapest wide tree over a binary one, by dynamic programming;
 //! * [`foreign`]: trees that were made elsewhere, widened;
 //! * [`refit`]: wide trees fitted to a mesh that has moved.
