@@ -124,8 +124,8 @@
 //!    `experiments` has the paper's other figures and its experiments, and `cli` turns all of it into commands
 //!    (feature `harness`).
 //!
-//! A module imports only from those before it: `random`, `memory`, `geometry`, `scene`, `bvh`, `simd`, `parallel`, `builders`,
-//! `embree`, `peers`, `trace`, `query`, `bench`, `report`, `experiments`, `cli`.
+//! A module imports only from those before it: `random`, `memory`, `geometry`, `scene`, `bvh`, `simd`, `parallel`,
+//! `builders`, `embree`, `peers`, `trace`, `query`, `bench`, `report`, `experiments`, `cli`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(missing_docs)]

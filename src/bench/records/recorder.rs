@@ -260,7 +260,7 @@ fn keep_scenes(new: &mut serde_json::Value, old: &serde_json::Value) -> bool {
     kept
 }
 
-/// Refuses to mix samples of different programs, machines or settings; the number of rounds may grow, the time as well.
+/// Refuses to mix samples of different programs, machines or settings; the number of rounds and the time may be others.
 fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunError> {
     let differs = |what: String| Err(RunError::Resume { folder: folder.to_owned(), what });
     if old.program != new.program {
@@ -274,12 +274,6 @@ fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunEr
     }
     let settings = |environment: &Environment| environment.plan["settings"].as_object().cloned();
     let (old, new) = (settings(old).unwrap_or_default(), settings(new).unwrap_or_default());
-    let rounds = |of: &serde_json::Map<String, serde_json::Value>| {
-        of.get("rounds").and_then(serde_json::Value::as_u64)
-    };
-    if rounds(&new) < rounds(&old) {
-        return differs(format!("number of rounds, which may only grow ({})", rounds(&old).unwrap_or(0)));
-    }
     let must_agree = |key: &str| !matches!(key, "rounds" | "seconds" | "until_permille" | "limit");
     match new.iter().find(|(key, value)| must_agree(key) && old.get(*key) != Some(value)) {
         Some((key, _)) => {

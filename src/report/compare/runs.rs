@@ -170,10 +170,10 @@ impl Outcome {
         outcome
     }
 
-    fn note(&mut self, why: &str, mut names: Vec<String>) {
+    fn note(&mut self, why: &str, names: Vec<String>) {
         let mut seen = HashSet::new();
-        names.retain(|name| seen.insert(name.clone()));
-        self.remarks.extend(names.into_iter().map(|name| format!("{why}: {name}")));
+        let new = names.into_iter().filter(|name| seen.insert(name.clone()));
+        self.remarks.extend(new.map(|name| format!("{why}: {name}")));
     }
 
     fn note_machines(&mut self, a: &Recorded, b: &Recorded) {
@@ -227,20 +227,17 @@ impl Outcome {
         for failure in &self.failures {
             text += &format!("failed in B: {failure}\n");
         }
-        for remark in &self.remarks {
-            text += &format!("{remark}\n");
-        }
+        text.extend(self.remarks.iter().map(|remark| format!("{remark}\n")));
         text + &self.summary(threshold) + "\n"
     }
 
     /// One line of counts.
     pub fn summary(&self, threshold: f64) -> String {
         let counts = Verdict::ALL.map(|verdict| format!("{} {}", self.count(verdict), verdict.name()));
-        let (figures, failed) = (self.comparisons.len(), self.failures.len());
-        let failed = if failed == 0 { String::new() } else { format!(", {failed} failed") };
-        let missing = if self.missing == 0 { String::new() } else { format!(", {} only in A", self.missing) };
-        let threshold = short(100.0 * threshold);
-        format!("{figures} figures, threshold {threshold} %: {}{failed}{missing}", counts.join(", "))
+        let some = |count, what| if count == 0 { String::new() } else { format!(", {count} {what}") };
+        let others = some(self.failures.len(), "failed") + &some(self.missing, "only in A");
+        let (figures, threshold) = (self.comparisons.len(), short(100.0 * threshold));
+        format!("{figures} figures, threshold {threshold} %: {}{others}", counts.join(", "))
     }
 }
 

@@ -19,8 +19,8 @@ pub(super) struct Speed {
 }
 
 impl Speed {
-    /// That of a builder's tree under a kernel among the rows of one scene; `None` without such rows, and where the hits
-    /// of one are wrong.
+    /// That of a builder's tree under a kernel among the rows of one scene; `None` without such rows, and where the
+    /// hits of one are wrong.
     pub fn of(rows: &[&KernelRow], tree: (&str, &str, u32), kind: &str) -> Option<Self> {
         let same = |row: &&&KernelRow| {
             (row.builder.as_str(), row.kernel.as_str(), row.width) == tree

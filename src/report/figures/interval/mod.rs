@@ -1,7 +1,7 @@
 //! 95 % intervals of means of ratios, by bootstrap: scenes are drawn with replacement, and in each drawn scene
 //! rounds. The times of two builders stay paired within a round, since rounds are interleaved and drift hits both.
-//! Draws are centred on the figure, and deviations known from few scenes or rounds are enlarged as Student's. Generators are
-//! seeded, so that the same rows give the same interval.
+//! Draws are centred on the figure, and deviations known from few scenes or rounds are enlarged as Student's.
+//! Generators are seeded, so that the same rows give the same interval.
 
 mod arithmetic;
 mod noise;
