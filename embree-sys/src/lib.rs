@@ -6,7 +6,7 @@
 //!
 //! All functions, types and constants keep their C names. The functions that the headers define inline
 //! (`rtcInitIntersectContext` or `rtcInitIntersectArguments`, `rtcDefaultBuildArguments`, ...) are exported by a
-//! small C shim under the same names; `rtcGetRayFromRayN` and its like, which C++ alone has, too.
+//! small C shim under the same names. So are `rtcGetRayFromRayN` and its like, which the headers define for C++ only.
 
 #![allow(unsafe_code)]
 

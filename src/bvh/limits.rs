@@ -62,9 +62,8 @@ pub(crate) const MORTON_BITS: u32 = u32::BITS;
 /// the first of them, then halved by count.
 pub(crate) const MIDDLE_DEPTH: u32 = 12;
 
-/// From this depth on, a binary tree that was built with other depths in mind, bottom-up or by binned SAH, is no longer
-/// followed: its references are halved by count. Large
-/// subtrees are halved earlier, see [`follows_clusters`].
+/// From this depth on, a binary tree whose depth its builder did not bound, bottom-up or by binned SAH, is no longer
+/// followed: its references are halved by count. Large subtrees are halved earlier, see [`follows_clusters`].
 pub(crate) const FOLLOWED_DEPTH: u32 = 64;
 
 /// Inner levels above leaves of one block if `references` are halved by count.

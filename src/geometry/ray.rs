@@ -30,7 +30,7 @@ impl Ray {
     /// True if Embree accepts the ray: components of origin and direction up to [`Ray::LARGEST`], `tnear` finite and
     /// not negative, no NaN.
     pub fn is_valid(&self) -> bool {
-        // Without short-circuits, so that checking a batch compiles to vector code.
+        // Without short-circuits, so that a loop of nothing else compiles to vector code.
         let bounded = |v: Vec3| {
             (v.x.abs() <= Self::LARGEST) & (v.y.abs() <= Self::LARGEST) & (v.z.abs() <= Self::LARGEST)
         };

@@ -6,7 +6,7 @@
 use super::OutOfMemory;
 use std::mem::MaybeUninit;
 
-/// Below this the kernel has no huge page to give.
+/// The size of a huge page. An array of twice this holds one, wherever it begins.
 const HUGE_PAGE: usize = 2 << 20;
 
 /// Makes room for `len` elements in all, on huge pages where the system has them and the array is large.

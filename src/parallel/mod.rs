@@ -1,5 +1,6 @@
 //! Parallel building blocks: tasks over a slice, a recursion divided into tasks, an append in the order of the tasks, a
-//! radix sort. All that builders do in parallel goes through here, so that a [`timeline`] can record it.
+//! radix sort. What builders do in parallel goes through here, so that a [`timeline`] can record it, but for the check
+//! of boxes and a library's sort in the reinsertion of `phr-best`.
 
 pub(crate) mod awake;
 pub(crate) mod disjoint;

@@ -1,6 +1,7 @@
 //! Instruction sets: detected once, and proven by tokens. Builders take [`Isa::best`] when they are made. By it cuts
-//! are split (`builders/split/object/strategy.rs`, `spatial/strategy.rs`, `three_axes.rs`) and PLOC searches
-//! (`builders/clusters/ploc/nearest.rs`). Morton codes ask for it themselves (`builders/lbvh/morton.rs`).
+//! are split (`builders/split/object/strategy.rs`, `spatial/strategy.rs`, `three_axes.rs`, `subtree_sweep.rs`), LBVHs
+//! get leaves and wide nodes (`builders/lbvh/direct`), and PLOC searches (`builders/clusters/ploc/nearest.rs`). Morton
+//! codes ask for it themselves (`builders/lbvh/morton.rs`).
 //!
 //! A value of [`Isa`] other than [`Isa::Scalar`] carries a token, [`Avx2`] or [`Avx512`], and only detection
 //! makes tokens. A function that takes one therefore runs only where the processor has the instructions, and

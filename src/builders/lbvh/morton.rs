@@ -1,8 +1,7 @@
 //! Morton codes (paper 4.7) of 32 bits.
 //!
-//! The cells are those of a Morton code over the scene's bounding cube, whose leading bits are constant when
-//! the scene is flat or long: each bit halves the longest edge of the cell, so that no bit is spent on an axis
-//! along which nothing lies apart.
+//! Each bit halves the longest edge of the cell, the scene's box at first, so that no bit is spent on an axis along
+//! which nothing lies apart. An axis gets at most 16 bits, as its table has two bytes.
 
 #![allow(unsafe_code)]
 
@@ -83,8 +82,8 @@ impl MortonEncoder {
     /// Calls `write` with the code of each point, once and in turn.
     #[inline]
     pub fn codes(&self, points: impl Iterator<Item = Vec3A>, write: impl FnMut(u32)) {
-        // Some processors that have AVX2 but no AVX-512 take long to deposit bits. Codes are the same either way,
-        // so the processor decides, not the instructions that a builder was given.
+        // Some processors that have AVX2 but no AVX-512 take long to deposit bits; those with AVX-512 do not. Codes
+        // are the same either way, so this is not left to the instructions that a builder was given.
         #[cfg(target_arch = "x86_64")]
         if let Isa::Avx512(token) = Isa::best() {
             return self.codes_deposited(token.avx2(), points, write);

@@ -42,7 +42,7 @@ impl LinkedNode {
         Self(self.0.with_first(self.0.first() + by as u32))
     }
 
-    /// The box; no arithmetic looks at its fourth lanes.
+    /// The box, with tags in its fourth lanes, which are subtracted with the others but never multiplied.
     #[inline(always)]
     pub fn bounds(&self) -> Aabb {
         self.0.bounds_with_tags()

@@ -7,7 +7,7 @@ use crate::builders::binary::kind::Kind;
 use crate::geometry::Aabb;
 use arrayvec::ArrayVec;
 
-/// By [`grain`], parts of as many references are divided further in any scene.
+/// The largest [`grain`]: parts of this many references or more are divided, however large the scene.
 pub(crate) const MAX_GRAIN: usize = 1 << 12;
 
 /// What [`TopDown::grain`] is unless a builder says otherwise. It depends on the scene alone, as the order of nodes

@@ -60,7 +60,7 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
         Ok(Self { tree, isa: Isa::best() })
     }
 
-    /// As [`BvhTracer::new`] with instructions of choice. AVX-512 adds but its estimate of reciprocals to AVX2's.
+    /// As [`BvhTracer::new`] with instructions of choice. With AVX-512 only the estimate of reciprocals differs.
     ///
     /// # Panics
     /// As [`BvhTracer::new`].

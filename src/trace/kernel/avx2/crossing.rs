@@ -17,9 +17,10 @@ pub(super) struct Crossing {
 }
 
 impl Crossing {
-    /// Replaces `hit` by the closest of the valid lanes, the lowest of equals; `scale` is what they are divided by,
-    /// turned over, `prims` are their triangles. A lane whose distance is no positive number stands back: the products
-    /// of the test left the range of `f32`, and what lies behind must not be hidden.
+    /// Replaces `hit` by the closest of the valid lanes, the lowest of equals; `scale` is the reciprocal of what they
+    /// are divided by, or 1 where they are quotients already, `prims` are their triangles. A lane whose distance is no
+    /// positive number stands back: the products of the test left the range of `f32`, and what lies behind must not be
+    /// hidden.
     #[inline]
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn closest(&self, scale: __m128, prims: &[u32; 4], hit: &mut Hit) {

@@ -31,7 +31,7 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    /// Whether a node visited by several rays stands for so many visits or more of rays by themselves, on average.
+    /// Whether a node of the stream replaced so many visits of single rays or more, on average.
     #[inline(always)]
     pub(super) fn is_at_least(&self, visits: u32) -> bool {
         self.rays >= visits * self.nodes

@@ -30,8 +30,8 @@ pub struct BatchTracer<'a, const N: usize> {
 
 /// Rays whose places in a batch have 32 bits.
 const AT_ONCE: usize = 1 << 31;
-/// Visits of rays by themselves for which a node of a stream has to stand, on average, for the stream to be faster than
-/// interleaved rays: for the closest hit.
+/// A stream is faster than interleaved rays if each of its nodes replaces at least so many visits of single rays, on
+/// average: for the closest hit.
 #[cfg(target_arch = "x86_64")]
 const ENOUGH: u32 = 14;
 /// The same for any hit, where children need not be sorted.
@@ -72,7 +72,7 @@ impl<'a, const N: usize> BatchTracer<'a, N> {
                 self.batch::<_, ANY>(token, token, rays, answer);
                 true
             }
-            // As with single rays, code for AVX2 is the fastest, but for packets.
+            // As with single rays, code for AVX2 was the fastest (on a Zen 4), but for packets.
             #[cfg(target_arch = "x86_64")]
             Isa::Avx512(token) => {
                 self.batch::<_, ANY>(token.avx2(), token, rays, answer);

@@ -22,7 +22,7 @@ pub(in crate::trace::kernel) const MOST: usize = 64;
 /// Some of the rays.
 pub(in crate::trace::kernel) type Mask = u64;
 
-/// A value of each ray, and room for the sixteen that a vector of eight is loaded from.
+/// A value of each ray; longer, as sixteen floats are loaded even where eight are used.
 type Row = [f32; MOST + 8];
 
 /// The rays of a packet: all directions have the same signs.
