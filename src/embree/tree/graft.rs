@@ -226,5 +226,8 @@ mod tests {
         let host = device.prepare(&mesh).unwrap().commit().unwrap();
         let eight: Bvh8 = two_leaves(&mesh);
         assert!(Graft::new(host, &eight).map(drop).unwrap_err().why.contains("type 3"));
+        let config = Config { threads: 1, width: Width::Four, builder: EmbreeBuilder::Sah };
+        let robust = Device::robust(&config).unwrap().prepare(&mesh).unwrap().robust().commit().unwrap();
+        assert!(Graft::new(robust, &good).map(drop).unwrap_err().why.contains("whole triangles"));
     }
 }

@@ -135,6 +135,10 @@ impl RootSlot {
     /// Finds the root of the `N`-wide tree of `scene`, which holds at least one triangle.
     pub fn find<const N: usize>(scene: &EmbreeScene<'_>) -> Result<Self, Unavailable> {
         known(scene.device())?;
+        // Their blocks are as long as ours, and would be read as something else.
+        if scene.device().config().contains("triangle4v") {
+            return Unavailable::because("the leaves of a watertight device hold whole triangles");
+        }
         let expected = Expected {
             lanes: N,
             bounds: scene.bounds(),
