@@ -43,6 +43,26 @@ fn a_run_goes_on_where_it_stopped() {
     refused(&[], "geometry of sheet");
 }
 
+/// A run stopped in one of two scenes is not complete by resuming the other.
+#[test]
+fn scenes_that_are_not_resumed_stay_unfinished() {
+    let (_keep, folder) = workplace();
+    std::fs::copy(folder.join("sheet.ply"), folder.join("other.ply")).unwrap();
+    let run = |more: &[&str]| {
+        let output = phr(&folder, &tiny("sheet.ply", &[&["--rounds", "1"], more].concat()));
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        (environment(&folder).state, environment(&folder).plan["scenes"].as_array().unwrap().len())
+    };
+    assert_eq!(run(&["other.ply"]), (State::Complete, 2));
+    assert_eq!(run(&["--resume"]), (State::Complete, 1), "nothing was left");
+    assert_eq!(run(&["other.ply", "--resume"]), (State::Complete, 2));
+    let path = folder.join("out").join(ENVIRONMENT);
+    let stopped = std::fs::read_to_string(&path).unwrap().replacen("\"complete\"", "\"interrupted\"", 1);
+    std::fs::write(&path, stopped).unwrap();
+    assert_eq!(run(&["--resume"]), (State::Interrupted, 2));
+    assert_eq!(run(&["other.ply", "--resume"]), (State::Complete, 2));
+}
+
 /// The time spent in a scene counts over all sessions, and what it was too short for is told by each.
 #[test]
 fn time_goes_on_where_a_run_stopped() {
