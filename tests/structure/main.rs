@@ -74,6 +74,7 @@ const UNSAFE_FILES: &[&str] = &[
     // Links and a stack without bounds checks.
     "trace/kernel/batch/interleave.rs",
     "trace/kernel/batch/stream.rs",
+    "trace/kernel/children.rs",
     "trace/kernel/sound_tree.rs",
     "trace/kernel/stack.rs",
     "trace/kernel/traverse.rs",

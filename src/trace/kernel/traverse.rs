@@ -3,12 +3,13 @@
 
 #![allow(unsafe_code)]
 
+use super::children::{nearest, only};
 use super::counts::Counter;
 use super::sound_tree::SoundTree;
-use super::stack::{Item, Stack, ordered};
-use crate::bvh::{Child, Link, WideNode};
+use super::stack::{Item, Stack};
+use crate::bvh::{Child, WideNode};
 use crate::geometry::{Hit, Ray};
-use std::hint::black_box;
+use crate::simd::foresees_branches;
 
 /// A batch and the place for its answers, equally long.
 pub(super) enum Query<'a> {
@@ -59,6 +60,21 @@ pub(super) fn run<K: Kernel, C: Counter, const N: usize>(
     query: Query<'_>,
     counter: &mut C,
 ) {
+    if foresees_branches() {
+        run_by::<K, C, N, true>(setup, tree, query, counter);
+    } else {
+        run_by::<K, C, N, false>(setup, tree, query, counter);
+    }
+}
+
+/// Whether the processor `FORESEES` branches decides how the next child is found, not which one it is.
+#[inline(always)]
+fn run_by<K: Kernel, C: Counter, const N: usize, const FORESEES: bool>(
+    setup: K::Setup,
+    tree: SoundTree<'_, N, K::Block>,
+    query: Query<'_>,
+    counter: &mut C,
+) {
     match query {
         Query::Closest(rays, hits) => {
             assert_eq!(rays.len(), hits.len(), "as many hits as rays");
@@ -66,7 +82,7 @@ pub(super) fn run<K: Kernel, C: Counter, const N: usize>(
                 *hit = Hit::MISS;
                 if ray.is_valid() {
                     let (ray, factor) = K::scaled(ray);
-                    let found = closest::<K, C, N>(K::new(setup, &ray), tree, ray.tfar, counter);
+                    let found = closest_by::<K, C, N, FORESEES>(K::new(setup, &ray), tree, ray.tfar, counter);
                     *hit = Hit { t: found.t * factor, ..found }.measured();
                 }
             }
@@ -76,25 +92,11 @@ pub(super) fn run<K: Kernel, C: Counter, const N: usize>(
             for (ray, occluded) in rays.iter().zip(occluded) {
                 *occluded = ray.is_valid() && {
                     let (ray, _) = K::scaled(ray);
-                    any::<K, C, N>(K::new(setup, &ray), tree, ray.tfar, counter)
+                    any_by::<K, C, N, FORESEES>(K::new(setup, &ray), tree, ray.tfar, counter)
                 };
             }
         }
     }
-}
-
-/// The link of the only child in `mask`, found by branches: where these are foreseen, as with rays that follow each
-/// other, the child is fetched while its box is still tested. A table would have to wait for the test.
-#[inline(always)]
-fn only<const N: usize>(node: &WideNode<N>, mask: u32) -> Link {
-    // A black box for each child, or the compiler would make a table of them.
-    let link = |slot: usize| Link::from_bits(black_box(node.links[slot].bits()));
-    for slot in 0..N - 1 {
-        if mask >> slot & 1 == 1 {
-            return link(slot);
-        }
-    }
-    link(N - 1)
 }
 
 /// Bytes of a node or of a leaf's first block, whichever is larger.
@@ -103,8 +105,38 @@ const fn bytes_ahead<K: Kernel, const N: usize>() -> usize {
     if node > block { node } else { block }
 }
 
+/// The closest hit of one ray up to `tfar`.
 #[inline(always)]
 pub(super) fn closest<K: Kernel, C: Counter, const N: usize>(
+    kernel: K,
+    tree: SoundTree<'_, N, K::Block>,
+    tfar: f32,
+    counter: &mut C,
+) -> Hit {
+    if foresees_branches() {
+        closest_by::<K, C, N, true>(kernel, tree, tfar, counter)
+    } else {
+        closest_by::<K, C, N, false>(kernel, tree, tfar, counter)
+    }
+}
+
+/// Whether one ray hits anything up to `tfar`.
+#[inline(always)]
+pub(super) fn any<K: Kernel, C: Counter, const N: usize>(
+    kernel: K,
+    tree: SoundTree<'_, N, K::Block>,
+    tfar: f32,
+    counter: &mut C,
+) -> bool {
+    if foresees_branches() {
+        any_by::<K, C, N, true>(kernel, tree, tfar, counter)
+    } else {
+        any_by::<K, C, N, false>(kernel, tree, tfar, counter)
+    }
+}
+
+#[inline(always)]
+fn closest_by<K: Kernel, C: Counter, const N: usize, const FORESEES: bool>(
     kernel: K,
     tree: SoundTree<'_, N, K::Block>,
     tfar: f32,
@@ -121,70 +153,25 @@ pub(super) fn closest<K: Kernel, C: Counter, const N: usize>(
                 counter.node();
                 // SAFETY: `link` is the root or a child of a node reached from it.
                 let node = unsafe { tree.node(link.bits() as usize) };
-                let (mut mask, entries) = kernel.enter(node, hit.t);
+                let (mask, entries) = kernel.enter(node, hit.t);
                 if mask == 0 {
                     break 'descend;
                 }
-                if mask.is_power_of_two() {
-                    link = only(node, mask);
-                    continue;
-                }
-                let mut next = || {
-                    let slot = mask.trailing_zeros() as usize % N;
-                    mask &= mask - 1;
-                    let item = Item::new(entries.0[slot], node.links[slot]);
-                    K::prefetch(tree.address(item.link()), bytes_ahead::<K, N>());
-                    (item, mask == 0)
+                link = if FORESEES && mask.is_power_of_two() {
+                    only(node, mask)
+                } else {
+                    // SAFETY: see `Stack`.
+                    unsafe {
+                        nearest::<N, FORESEES>(
+                            node,
+                            mask,
+                            &entries.0,
+                            #[inline(always)]
+                            |child| K::prefetch(tree.address(child), bytes_ahead::<K, N>()),
+                            &mut stack,
+                        )
+                    }
                 };
-                let (a, _) = next();
-                let (b, last) = next();
-                if last {
-                    // A branch, not moves: where it is foreseen, the nearer child is fetched before the comparison.
-                    if a.entry() < b.entry() {
-                        // SAFETY: see `Stack`.
-                        unsafe { stack.push(b) };
-                        link = a.link();
-                    } else {
-                        // SAFETY: see `Stack`.
-                        unsafe { stack.push(a) };
-                        link = b.link();
-                    }
-                    continue;
-                }
-                let (c, last) = next();
-                if last {
-                    let (a, b) = ordered(a, b);
-                    let (b, c) = ordered(b, c);
-                    let (a, b) = ordered(a, b);
-                    // SAFETY: see `Stack`.
-                    unsafe { stack.push_all([c, b]) };
-                    link = a.link();
-                    continue;
-                }
-                let (d, last) = next();
-                let (a, b) = ordered(a, b);
-                let (c, d) = ordered(c, d);
-                let (a, c) = ordered(a, c);
-                let (b, d) = ordered(b, d);
-                let (b, c) = ordered(b, c);
-                if N == 4 || last {
-                    // SAFETY: see `Stack`.
-                    unsafe { stack.push_all([d, c, b]) };
-                    link = a.link();
-                    continue;
-                }
-                let base = stack.len();
-                // SAFETY: see `Stack`.
-                unsafe { stack.push_all([d, c, b, a]) };
-                loop {
-                    let (item, last) = next();
-                    // SAFETY: see `Stack`.
-                    unsafe { stack.insert(base, item) };
-                    if last {
-                        break;
-                    }
-                }
-                link = stack.pop().map_or(Link::EMPTY, Item::link);
             }
             // Test the leaf.
             if let Child::Leaf { first, count } = link.get() {
@@ -209,7 +196,7 @@ pub(super) fn closest<K: Kernel, C: Counter, const N: usize>(
 
 /// Without distances there is nothing to sort: the last child met comes first, the others wait.
 #[inline(always)]
-pub(super) fn any<K: Kernel, C: Counter, const N: usize>(
+fn any_by<K: Kernel, C: Counter, const N: usize, const FORESEES: bool>(
     kernel: K,
     tree: SoundTree<'_, N, K::Block>,
     tfar: f32,
@@ -228,7 +215,7 @@ pub(super) fn any<K: Kernel, C: Counter, const N: usize>(
                 if mask == 0 {
                     break 'descend;
                 }
-                if mask.is_power_of_two() {
+                if FORESEES && mask.is_power_of_two() {
                     link = only(node, mask);
                     continue;
                 }
@@ -257,5 +244,57 @@ pub(super) fn any<K: Kernel, C: Counter, const N: usize>(
             Some(item) => link = item.link(),
             None => return false,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builders;
+    use crate::geometry::Mesh;
+    use crate::random::SplitMix64;
+    use crate::scene;
+    use crate::trace::kernel::counts::TraversalCounts;
+    use crate::trace::kernel::scalar::FastScalar;
+    use glam::Vec3;
+
+    /// Both ways to find the next child visit the same nodes and leaf blocks and find the same hits, also where
+    /// children are entered at the same distance: every triangle is there twice.
+    fn agree<const N: usize>() {
+        let mesh = scene::scalable(1000, 1).mesh;
+        let twice = [mesh.triangles(), mesh.triangles()].concat();
+        let (mesh, _) = Mesh::new(mesh.vertices().to_vec(), twice).unwrap();
+        let tree = builders::by_name::<N>("phr-fast").unwrap().build(&mesh).tree;
+        let sound = SoundTree::new(&tree).unwrap();
+        let mut random = SplitMix64::new(N as u64);
+        let mut next = || random.next_u64() as f32 / u64::MAX as f32;
+        let size = tree.bounds.max - tree.bounds.min;
+        let mut point = || Vec3::from(tree.bounds.min + size * glam::Vec3A::new(next(), next(), next()));
+        let rays: Vec<Ray> = (0..2000)
+            .map(|_| {
+                let org = point();
+                Ray { org, dir: point() - org, tnear: 0.0, tfar: f32::INFINITY }
+            })
+            .collect();
+        let mut hits = 0;
+        let (mut branches, mut moves) = (TraversalCounts::default(), TraversalCounts::default());
+        for ray in &rays {
+            let kernel = <FastScalar as Kernel>::new((), ray);
+            let by_branches = closest_by::<_, _, N, true>(kernel, sound, ray.tfar, &mut branches);
+            let by_moves = closest_by::<_, _, N, false>(kernel, sound, ray.tfar, &mut moves);
+            assert_eq!(by_branches, by_moves, "{ray:?}");
+            let any = any_by::<_, _, N, true>(kernel, sound, ray.tfar, &mut branches);
+            assert_eq!(any, any_by::<_, _, N, false>(kernel, sound, ray.tfar, &mut moves), "{ray:?}");
+            assert_eq!(any, by_moves.is_hit(), "{ray:?}");
+            hits += usize::from(any);
+        }
+        assert_eq!(branches, moves);
+        assert!((200..1800).contains(&hits), "{hits} hits");
+    }
+
+    #[test]
+    fn branches_and_moves_find_the_same() {
+        agree::<4>();
+        agree::<8>();
     }
 }
