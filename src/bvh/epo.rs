@@ -25,11 +25,11 @@ const ARRAYS: &str = "the end-point overlap";
 
 /// The end-point overlap of `tree` over `mesh`; 0 for trees of one leaf and surfaces without area.
 pub fn epo<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh) -> f64 {
-    within(tree, mesh, VISITS)
+    within(tree, mesh, VISITS).0
 }
 
-/// The same, by about so many visits to nodes.
-fn within<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh, visits: u64) -> f64 {
+/// The same, by about so many visits to nodes, and how many there were.
+fn within<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh, visits: u64) -> (f64, u64) {
     let order = LeafOrder::of(tree, mesh.len());
     let mut samples = samples(mesh);
     let of = |&(prim, weight): &(u32, f64)| {
@@ -50,9 +50,10 @@ fn within<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh, visits: u64) -> f64 {
         samples = spaced(&samples, affordable.max(PILOTS));
         taken = samples.iter().map(|(_, weight)| weight).sum();
     }
-    let overlaps: Vec<f64> = samples.par_iter().with_min_len(64).map(|sample| of(sample).0).collect();
-    let overlap: f64 = overlaps.iter().sum();
-    if taken > 0.0 { overlap / taken } else { 0.0 }
+    let overlaps: Vec<(f64, u64)> = samples.par_iter().with_min_len(64).map(of).collect();
+    let overlap: f64 = overlaps.iter().map(|(overlap, _)| overlap).sum();
+    let visited = pilots + overlaps.iter().map(|(_, nodes)| nodes).sum::<u64>();
+    (if taken > 0.0 { overlap / taken } else { 0.0 }, visited)
 }
 
 /// `count` of `samples`, evenly spaced, or all.
@@ -185,14 +186,15 @@ impl<const N: usize> Visit<'_, N> {
             Child::Empty => 0.0,
             Child::Inner(index) => {
                 let (begin, end) = self.order.interval[index];
-                let holds = self.leaves.iter().any(|&(_, leaf)| begin <= leaf && leaf < end);
+                let from = self.leaves.partition_point(|&(_, leaf)| leaf < begin);
+                let holds = self.leaves.get(from).is_some_and(|&(_, leaf)| leaf < end);
                 let own = if holds { 0.0 } else { part.area };
                 let node = &self.tree.nodes[index];
                 own + node.children().map(|(bounds, child)| self.below(child, bounds, part)).sum::<f64>()
             }
             Child::Leaf { first, count } => {
                 let number = self.order.leaf_of_block[first];
-                let holds = self.leaves.iter().any(|&(_, leaf)| leaf == number);
+                let holds = self.leaves.binary_search_by_key(&number, |&(_, leaf)| leaf).is_ok();
                 if holds { 0.0 } else { part.area * count as f64 }
             }
         }
@@ -229,8 +231,12 @@ mod tests {
         let inner = nodes.len() as f64;
         let tree = Bvh4 { root: level[0], bounds: mesh.bounds(), nodes, blocks };
         let expected = (count - 1) as f64 + inner - 6.0;
-        for visits in [VISITS, 1 << 20, 1] {
-            assert!((within(&tree, &mesh, visits) / expected - 1.0).abs() < 1e-9, "{visits}");
+        let all = (tree.nodes.len() + count) as u64;
+        for (visits, samples) in [(VISITS, count as u64), (1 << 20, (1 << 20) / all), (1, PILOTS as u64)] {
+            let (epo, visited) = within(&tree, &mesh, visits);
+            assert!((epo / expected - 1.0).abs() < 1e-9, "{visits}");
+            // Each sample visits every node and leaf.
+            assert_eq!(visited, (PILOTS as u64 + samples) * all, "{visits}");
         }
     }
 
