@@ -75,15 +75,18 @@ impl Device {
 impl<'a> Prepared<'a> {
     /// Says that the scene will change often, so that Embree keeps what the next commit can use.
     pub fn dynamic(self) -> Self {
-        // SAFETY: the scene is live and owned here alone.
-        unsafe { sys::rtcSetSceneFlags(self.handle.0, sys::RTC_SCENE_FLAG_DYNAMIC) };
-        self
+        self.with(sys::RTC_SCENE_FLAG_DYNAMIC)
     }
 
     /// Asks for watertight kernels; for devices made by [`Device::robust`].
     pub fn robust(self) -> Self {
+        self.with(sys::RTC_SCENE_FLAG_ROBUST)
+    }
+
+    /// Sets a flag besides those that are set.
+    fn with(self, flag: sys::RTCSceneFlags) -> Self {
         // SAFETY: the scene is live and owned here alone.
-        unsafe { sys::rtcSetSceneFlags(self.handle.0, sys::RTC_SCENE_FLAG_ROBUST) };
+        unsafe { sys::rtcSetSceneFlags(self.handle.0, sys::rtcGetSceneFlags(self.handle.0) | flag) };
         self
     }
 
@@ -158,5 +161,27 @@ impl<'a> EmbreeScene<'a> {
 
     pub(super) fn raw(&self) -> sys::RTCScene {
         self.handle.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::embree::test_meshes::soup;
+    use crate::embree::{Config, EmbreeBuilder, Width};
+
+    #[test]
+    fn flags_stand_beside_each_other() {
+        let mesh = soup(10);
+        let config = Config { builder: EmbreeBuilder::Sah, width: Width::Four, threads: 1 };
+        let device = Device::robust(&config).unwrap();
+        for is_robust_first in [false, true] {
+            let prepared = device.prepare(&mesh).unwrap();
+            let prepared =
+                if is_robust_first { prepared.robust().dynamic() } else { prepared.dynamic().robust() };
+            // SAFETY: the scene is live.
+            let flags = unsafe { sys::rtcGetSceneFlags(prepared.handle.0) };
+            assert_eq!(flags, sys::RTC_SCENE_FLAG_DYNAMIC | sys::RTC_SCENE_FLAG_ROBUST);
+        }
     }
 }
