@@ -152,9 +152,8 @@ unsafe fn collect<const N: usize>(root: *const Head, mesh: &Mesh) -> Result<Wide
     Ok(WideBvh { nodes: on_huge_pages(tree.nodes), blocks: on_huge_pages(tree.blocks), ..tree })
 }
 
-/// Puts `children`, by their slots, on the stack of what is still to be copied. Of three or more that a ray enters at
-/// the same distance, as where it starts within several, our kernel visits that copied first (of two, that of the
-/// higher slot); Embree's that of the highest slot, but its 8-wide one for AVX-512 that of the lowest. Copied in
+/// Puts `children`, by their slots, on the stack of what is still to be copied. Of several that a ray enters at the
+/// same distance, as where it starts within them, our kernel visits that copied first; Embree's that of the highest slot, but its 8-wide one for AVX-512 that of the lowest. Copied in
 /// Embree's order, inner nodes are visited in it too; leaves at that distance wait for them, where Embree's have their
 /// place among the slots.
 pub(super) fn push_children<T, const N: usize>(

@@ -1,5 +1,5 @@
-//! Which of the children that a ray meets it visits next. Where the processor `FORESEES` branches they decide, so that
-//! it fetches the child before it knows; else the child is looked up and the others are moved in order.
+//! Which of the children that a ray meets it visits next. Branches decide where the processor `FORESEES` them: it then
+//! fetches the child before it knows. Elsewhere an only child is looked up, and two are put in order by moves.
 
 #![allow(unsafe_code)]
 
@@ -21,12 +21,12 @@ pub(super) fn only<const N: usize>(node: &WideNode<N>, mask: u32) -> Link {
     link(N - 1)
 }
 
-/// The nearest of the children in `mask`, of which there is one at least, entered at `entries`, all of them
-/// fetched; the others wait on `stack`, the nearest uppermost. Of those at the same distance that which lies first in
-/// memory is nearer.
+/// The nearest of the children in `mask`, entered at `entries`, of which there is one at least, two where the processor
+/// `FORESEES`; `prefetch` is told all, and the others wait on `stack`, the nearest uppermost. Of those at the same
+/// distance the one of the lesser link is nearer: inner nodes before leaves, then that which lies first in memory.
 ///
 /// # Safety
-/// As [`Stack::push`], for each child but one.
+/// As [`Stack::push`], for each child.
 #[inline(always)]
 pub(super) unsafe fn nearest<const N: usize, const FORESEES: bool>(
     node: &WideNode<N>,
@@ -43,7 +43,7 @@ pub(super) unsafe fn nearest<const N: usize, const FORESEES: bool>(
         (item, mask == 0)
     };
     let (a, last) = next();
-    if last {
+    if !FORESEES && last {
         return a.link();
     }
     let (b, last) = next();
@@ -85,7 +85,7 @@ pub(super) unsafe fn nearest<const N: usize, const FORESEES: bool>(
         return a.link();
     }
     let base = stack.len();
-    // SAFETY: the caller's promise; of the five or more all but one stay.
+    // SAFETY: the caller's promise; of five or more all are there for a moment.
     unsafe { stack.push_all([d, c, b, a]) };
     loop {
         let (item, last) = next();
