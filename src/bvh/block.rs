@@ -75,6 +75,19 @@ impl TriangleBlock {
         self.prims[lane] = prim;
     }
 
+    /// The block without triangle `prim`, whose lanes are left empty: behind them there may be others, which kernels
+    /// allow.
+    #[inline]
+    pub(crate) fn without(&self, prim: u32) -> Self {
+        let mut rest = *self;
+        for lane in 0..4 {
+            if self.prims[lane] == prim {
+                rest.set(lane, [Vec3A::ZERO; 3], u32::MAX);
+            }
+        }
+        rest
+    }
+
     /// Whether its data are those of triangles of `mesh`, of one at least, in lanes without gaps.
     pub(crate) fn is_of(&self, mesh: &Mesh) -> bool {
         let mut expected = Self::EMPTY;

@@ -219,7 +219,7 @@ impl Bvh {
 
     /// A kernel's hit with its normal, from the block that the kernel has just read.
     #[inline]
-    fn with_normal(&self, hit: &geometry::Hit) -> Option<Hit> {
+    pub(super) fn with_normal(&self, hit: &geometry::Hit) -> Option<Hit> {
         let &geometry::Hit { t, u, v, prim } = hit;
         let &place = self.places.get(prim as usize)?;
         let (block, lane) = (&self.tree.blocks()[(place / 4) as usize], (place % 4) as usize);

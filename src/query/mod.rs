@@ -1,7 +1,7 @@
 //! The library's front door: [`Bvh`] is built from a mesh and answers rays; [`PrimitiveBvh`] from anything that has
 //! boxes, with tests of the caller's; [`InstanceBvh`] from many places of such meshes.
 //!
-//! What is fixed, and tested in `tests/library/query.rs`:
+//! What is fixed, and tested in `tests/library/query`:
 //!
 //! * **Interval**: a hit at `t` counts if `tnear < t <= tfar`, as in Embree. `tfar` may be infinite, `tnear` may
 //!   not; a ray whose interval is empty (`tfar <= tnear`) misses. Distances are compared before they are divided, as
@@ -19,12 +19,15 @@
 //!   itself.
 //! * **Invalid rays** miss, those that are not [`Ray::is_valid`](crate::geometry::Ray::is_valid): a NaN, a component of
 //!   origin or direction beyond 1.844e18 (Embree's limit), a `tnear` that is negative or infinite. No ray panics.
+//! * **Filters**: [`Bvh::intersect_filtered`] and [`Bvh::occluded_filtered`] ask a closure about hits that they would report,
+//!   and go on where it turns one down.
 //! * **Threads**: a [`Bvh`] is `Send` and `Sync`. A query runs on the thread that calls it and allocates nothing
 //!   per ray; a batch takes some 100 KiB of its stack.
 
 mod built;
 mod bvh;
 mod config;
+mod filtered;
 mod hit;
 mod instances;
 mod moving;

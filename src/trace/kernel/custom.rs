@@ -119,38 +119,36 @@ impl<const N: usize> ProvenTree<N, IdBlock> {
     }
 }
 
-type Tree<'a, const N: usize> = SoundTree<'a, N, IdBlock>;
-
 /// A query of one ray.
-trait Traversal {
+pub(super) trait Traversal {
     type Answer;
 
-    fn run<K: Kernel<Block = IdBlock>, const N: usize>(
+    fn run<K: Kernel, const N: usize>(
         self,
         ray: K,
-        tree: Tree<'_, N>,
+        tree: SoundTree<'_, N, K::Block>,
         tfar: f32,
     ) -> Self::Answer;
 }
 
-struct Closest;
+pub(super) struct Closest;
 
 impl Traversal for Closest {
     type Answer = Hit;
 
     #[inline(always)]
-    fn run<K: Kernel<Block = IdBlock>, const N: usize>(self, ray: K, tree: Tree<'_, N>, tfar: f32) -> Hit {
+    fn run<K: Kernel, const N: usize>(self, ray: K, tree: SoundTree<'_, N, K::Block>, tfar: f32) -> Hit {
         traverse::closest::<K, (), N>(ray, tree, tfar, &mut ())
     }
 }
 
-struct Any;
+pub(super) struct Any;
 
 impl Traversal for Any {
     type Answer = bool;
 
     #[inline(always)]
-    fn run<K: Kernel<Block = IdBlock>, const N: usize>(self, ray: K, tree: Tree<'_, N>, tfar: f32) -> bool {
+    fn run<K: Kernel, const N: usize>(self, ray: K, tree: SoundTree<'_, N, K::Block>, tfar: f32) -> bool {
         traverse::any::<K, (), N>(ray, tree, tfar, &mut ())
     }
 }

@@ -9,7 +9,8 @@
 //!    edges, and the ray as those tests see it ([`frame`]);
 //! 6. [`batch`]: many rays at once;
 //! 7. [`custom`]: the same traversal with a test of the caller's in place of that of triangles;
-//! 8. [`counts`]: nodes and leaf blocks visited.
+//! 8. [`filtered`]: the same traversal with hits that the caller may turn down;
+//! 9. [`counts`]: nodes and leaf blocks visited.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -18,6 +19,7 @@ mod children;
 mod corners;
 mod counts;
 mod custom;
+mod filtered;
 mod frame;
 mod scalar;
 mod sound_tree;

@@ -1,5 +1,6 @@
 //! The conventions of `phr::query`, for trees of both widths.
 
+mod filtered;
 mod tree;
 
 use crate::trace_support::*;
