@@ -1,5 +1,7 @@
 //! CPU time of this process as the system counts it, and a spin check: did other programs hold the processors?
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+
 use serde::{Deserialize, Serialize};
 use std::hint::black_box;
 use std::time::{Duration, Instant};

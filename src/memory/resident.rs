@@ -1,6 +1,7 @@
 //! Resident memory of this process, as Linux counts it.
 
 #![allow(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
 
 /// Bytes resident now.
 ///

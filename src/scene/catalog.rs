@@ -3,6 +3,8 @@
 //! The paper prints no camera positions. The originals therefore get the cameras of a `views.json` in their
 //! folder, or those placed around the geometry; stand-ins have cameras of their own.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+
 use super::generate::{Generator, generator};
 use std::path::{Path, PathBuf};
 
@@ -95,8 +97,9 @@ pub fn paper_scene_in(dir: &Path, scene: &PaperScene) -> Option<PathBuf> {
         let name = path.file_name()?.to_str()?.to_ascii_lowercase();
         scene.file_names.iter().enumerate().find_map(|(i, stem)| {
             let ending = name.strip_prefix(stem)?;
-            let format = ENDINGS.iter().position(|format| ending.starts_with(format))?;
-            let compression = COMPRESSED.iter().position(|end| *end == &ending[ENDINGS[format].len()..])?;
+            let after = |(i, format)| Some((i, ending.strip_prefix(format)?));
+            let (format, after) = ENDINGS.into_iter().enumerate().find_map(after)?;
+            let compression = COMPRESSED.iter().position(|end| *end == after)?;
             Some((i, format, compression))
         })
     };

@@ -116,6 +116,7 @@ fn every_encoding_reads_back_the_same_mesh() {
     for (name, content) in files {
         let scene = read(name, content).unwrap_or_else(|e| panic!("{e}"));
         assert_whole(&scene);
+        assert_eq!(scene.contents.objects, 1);
         hashes.push(scene.sha);
     }
     assert!(hashes.iter().all(|sha| *sha == hashes[0]), "{hashes:?}");
@@ -148,6 +149,8 @@ fn obj_reads_as_one_mesh() {
             assert_eq!(corners(&scene), expected, "{text}");
             assert_eq!(scene.mesh.vertices().len(), 5, "vertices are shared: {text}");
             assert_eq!((scene.name.as_str(), scene.dropped.total()), ("small", 0));
+            let begun = text.lines().filter(|line| line.starts_with("o ") || line.starts_with("g ")).count();
+            assert_eq!(scene.contents.objects, begun, "{text}");
         }
     }
     // A folder's backslash continues nothing.

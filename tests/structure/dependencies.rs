@@ -1,6 +1,7 @@
 //! What the library depends on without features: few crates, on any platform, and no C.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 use std::process::Command;
 
 /// The crates that the library names itself; libc on unix.
@@ -68,4 +69,58 @@ fn the_library_alone_needs_few_crates_and_no_c() {
 fn c_would_be_seen() {
     let crates = crates(&["--features", "files"]);
     assert_eq!(of_c(&names(&crates)), ["cc", "pkg-config", "zstd-sys"]);
+}
+
+/// The crates that a manifest names under `section`, as code names them, unless it has them under another name.
+fn named<'a>(manifest: &'a str, section: &str) -> Vec<&'a str> {
+    let (_, after) = manifest.split_once(&format!("\n[{section}]\n")).unwrap();
+    let lines = after.lines().take_while(|line| !line.starts_with('['));
+    lines.filter_map(|line| Some(line.split_once(" = ")?.0)).filter(|name| !name.starts_with('#')).collect()
+}
+
+/// All code below `folder`.
+fn code(folder: &Path, text: &mut String) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            code(&path, text);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            text.push_str(&std::fs::read_to_string(&path).unwrap());
+        }
+    }
+}
+
+/// `make audit` asks cargo-machete, which not every machine has.
+#[test]
+fn every_crate_that_is_named_is_used() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let manifest = std::fs::read_to_string(root.join("Cargo.toml")).unwrap();
+    let all_code = |folders: &[&str]| {
+        let mut text = String::new();
+        folders.iter().for_each(|folder| code(&root.join(folder), &mut text));
+        text
+    };
+    let of = |section: &str, text: &str| {
+        let names = named(&manifest, section);
+        assert!(!names.is_empty(), "{section}");
+        let is_used = |name: &&str| {
+            let name = name.replace('-', "_");
+            [format!("{name}::"), format!("use {name}"), format!("derive({name}")]
+                .iter()
+                .any(|use_| text.contains(use_))
+        };
+        names.into_iter().filter(|name| !is_used(name)).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let (library, tests) = (all_code(&["src"]), all_code(&["tests", "benches", "examples"]));
+    assert_eq!(of("dependencies", &library), [""; 0], "named in Cargo.toml and not used in src");
+    assert_eq!(
+        of("target.'cfg(unix)'.dependencies", &library),
+        [""; 0],
+        "named in Cargo.toml and not used in src"
+    );
+    assert_eq!(of("dev-dependencies", &tests), [""; 0], "named in Cargo.toml and not used in tests");
+    assert_eq!(
+        of("dependencies", "use rayon::prelude::*;").len(),
+        named(&manifest, "dependencies").len() - 1
+    );
 }

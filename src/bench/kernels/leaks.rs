@@ -1,6 +1,8 @@
 //! Rays from within a closed mesh, aimed at its vertices and edges: how many get out, by kernel. The records are
 //! `leaks.csv`, one row per kernel x width x target; `results/README.md` describes the columns for readers of the file.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+
 use super::contestants::{Contestant, Trees};
 use super::row::{ROBUST, SINGLE, WATERTIGHT};
 use crate::bench::cell::Cell;

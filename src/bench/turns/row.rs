@@ -1,6 +1,8 @@
 //! The records of programs measured by turns: `turns.csv`, one row per session x builder x width x scene.
 //! `results/README.md` describes the columns for readers of the file.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+
 use crate::bench::files::{self, RecordsError};
 use serde::{Deserialize, Serialize};
 use std::path::Path;

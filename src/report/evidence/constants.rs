@@ -1,6 +1,8 @@
 //! The constants that were chosen by looking at scenes, and what their neighbours give: from `chosen.csv`, a line
 //! for each constant, and `rows.csv`, which `cargo bench --bench constants` prints.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+
 use crate::bench::files::{RecordsError, read_csv_file};
 use crate::bench::statistics::geometric_mean;
 use crate::report::grid::Grid;

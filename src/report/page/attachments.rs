@@ -1,6 +1,8 @@
 //! Pictures and tables that lie in a results folder beside the rows, or in other folders: heat maps, experiments
 //! and other figures.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+
 use crate::bench::files::{content, last_line, text, without_last_line};
 use crate::bench::phases::PHASES;
 use crate::bench::rounds::ROUNDS;

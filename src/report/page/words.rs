@@ -1,5 +1,7 @@
 //! What was measured, on what machine, and how far to believe it, in words.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+
 use crate::bench::environment::{Environment, State, UNKNOWN};
 use crate::bench::moment::Moment;
 use crate::bench::row::{NO_KERNEL, Row};
@@ -119,7 +121,7 @@ fn load(environment: &Environment) -> Option<Item> {
         .filter_map(|moment| moment.others)
         .fold(None, |most: Option<f64>, share| Some(most.map_or(share, |most| most.max(share))));
     let least = moments.iter().map(|moment| moment.spin.efficiency).reduce(f64::min)?;
-    let threads = moments[0].spin.threads;
+    let threads = moments.first()?.spin.threads;
     let others = others.map_or_else(String::new, |share| {
         format!("other programs used at most {:.0} % of the processors, ", 100.0 * share)
     });

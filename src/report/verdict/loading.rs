@@ -1,5 +1,7 @@
 //! What is told of saved trees: how long each takes to load, beside a build by the builder that made it.
 
+#![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
+
 use super::field::Field;
 use super::sentence::Sentence;
 use crate::bench::cell::is_saved;
