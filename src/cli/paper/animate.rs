@@ -89,7 +89,7 @@ const MEASURED: [&str; 12] = [
 ];
 
 /// Builders of ours unless others are named.
-const BUILDERS: [&str; 3] = ["lbvh", "phr-fast", "phr-speed"];
+const BUILDERS: [&str; 5] = ["lbvh", "phr-draft", "phr-turbo", "phr-fast", "phr-speed"];
 /// Most frames.
 const MOST_FRAMES: u32 = 1 << 14;
 

@@ -32,8 +32,8 @@ static OPTIONS: LazyLock<usvg::Options<'static>> = LazyLock::new(|| {
     usvg::Options { fontdb: Arc::new(fonts), font_family: family, ..usvg::Options::default() }
 });
 
-/// Draws `svg` with two pixels for each of its own and encodes it; large drawings with one and a half, to keep
-/// files small.
+/// Draws `svg` with two pixels for each of its own and encodes it; large drawings with one and a half, larger ones with one
+/// and a quarter, to keep files below a megabyte.
 ///
 /// # Errors
 /// A drawing that is malformed or too large.
@@ -58,10 +58,13 @@ pub fn are_alike(png: &[u8], other: &[u8]) -> bool {
 }
 
 fn figure(svg: &str) -> Result<tiny_skia::Pixmap, RasterError> {
-    const LARGE: f32 = 2e6;
     let tree = usvg::Tree::from_str(svg, &OPTIONS)?;
-    let size = tree.size();
-    rendered(&tree, if size.width() * size.height() > LARGE { 1.5 } else { 2.0 })
+    let scale = match tree.size().width() * tree.size().height() {
+        ..=2e6 => 2.0,
+        ..=3e6 => 1.5,
+        _ => 1.25,
+    };
+    rendered(&tree, scale)
 }
 
 fn rendered(tree: &usvg::Tree, scale: f32) -> Result<tiny_skia::Pixmap, RasterError> {
