@@ -89,7 +89,7 @@ ADVISED = lbvh phr-fast phr-hq phr-draft phr-turbo phr-speed phr-quality phr-bes
 ASSERTED = embree-morton embree-sah embree-fast-spatial lbvh
 NDEBUG = $(CURDIR)/target/embree-ndebug
 # Builders that are saved, and those that are built without vector instructions.
-SAVED = phr-turbo phr-fast phr-quality phr-best
+SAVED = phr-turbo phr-speed phr-fast phr-quality phr-best
 INSTRUCTED = phr-fast phr-hq hunt-50 hunt-500 embree-sah embree-fast-spatial
 # The parts of bench-reference: that which compiles a program of its own before results change, by which rows would call it
 # dirty; then the short ones, as what is wrong shows early; the reference run itself last.
