@@ -22,7 +22,7 @@
 #                   the tasks of our builders on the files SCENES and the built-in scenes, timed one by one and scheduled on
 #                   up to 64 workers, into results/scaling: ten minutes
 # make bench-animation
-#                   trees that follow scenes that move, 100 frames each, 4-wide, into results/animation: a quarter of an hour
+#                   trees that follow scenes that move, 100 frames each, 4-wide, into results/animation: 25 minutes
 # make bench-advice
 #                   what `phr advise` names for each of the files SCENES and the built-in scenes after half a minute, helped
 #                   by a model that has not seen the scene; judged by a longer run, into results/advice: two hours and
