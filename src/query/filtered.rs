@@ -6,9 +6,9 @@ use crate::geometry::{self, Ray};
 use crate::simd::Isa;
 
 impl Bvh {
-    /// The closest hit of `ray` for which `accepts` returns true, as where a texture cuts holes into a triangle: the ray
-    /// goes through what is turned down. The closure is asked about hits as they are found, not by distance, and maybe
-    /// more than once about one: what it answers should depend on the hit alone. It may trace rays itself.
+    /// The closest hit of `ray` for which `accepts` returns true, as where a texture cuts holes into a triangle: the
+    /// ray goes through what is turned down. The closure is asked about hits as they are found, not by distance, and
+    /// maybe more than once about one: what it answers should depend on the hit alone. It may trace rays itself.
     ///
     /// ```
     /// use phr::{Bvh, BvhConfig, geometry::{Mesh, Ray}};
@@ -34,8 +34,8 @@ impl Bvh {
         self.with_normal(&hit)
     }
 
-    /// Whether `ray` has a hit for which `accepts` returns true, likewise. A hit without a distance counts for none, as of
-    /// [`Bvh::intersect`].
+    /// Whether `ray` has a hit for which `accepts` returns true, likewise. A hit without a distance counts for none,
+    /// as of [`Bvh::intersect`].
     #[inline]
     pub fn occluded_filtered(&self, ray: &Ray, mut accepts: impl FnMut(&Hit) -> bool) -> bool {
         let isa = Isa::best();

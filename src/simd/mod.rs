@@ -156,8 +156,9 @@ fn is_of_amd() -> bool {
     // SAFETY: every processor of x86-64 has the instruction, and leaf 0.
     #[allow(unused_unsafe, reason = "safe since Rust 1.94")]
     let leaf = unsafe { std::arch::x86_64::__cpuid(0) };
-    let vendor = [leaf.ebx, leaf.edx, leaf.ecx].map(u32::to_le_bytes).concat();
-    vendor == b"AuthenticAMD" || vendor == b"HygonGenuine"
+    let vendor = [leaf.ebx, leaf.edx, leaf.ecx].map(u32::to_le_bytes);
+    let is = |name: &[u8; 12]| vendor.as_flattened() == name;
+    is(b"AuthenticAMD") || is(b"HygonGenuine")
 }
 
 #[cfg(not(target_arch = "x86_64"))]

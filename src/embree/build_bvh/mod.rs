@@ -153,9 +153,9 @@ unsafe fn collect<const N: usize>(root: *const Head, mesh: &Mesh) -> Result<Wide
 }
 
 /// Puts `children`, by their slots, on the stack of what is still to be copied. Of several that a ray enters at the
-/// same distance, as where it starts within them, our kernel visits that copied first; Embree's that of the highest slot, but its 8-wide one for AVX-512 that of the lowest. Copied in
-/// Embree's order, inner nodes are visited in it too; leaves at that distance wait for them, where Embree's have their
-/// place among the slots.
+/// same distance, as where it starts within them, our kernel visits that copied first; Embree's that of the highest
+/// slot, but its 8-wide one for AVX-512 that of the lowest. Copied in Embree's order, inner nodes are visited in it
+/// too; leaves at that distance wait for them, where Embree's have their place among the slots.
 pub(super) fn push_children<T, const N: usize>(
     stack: &mut Vec<T>,
     children: impl DoubleEndedIterator<Item = T>,

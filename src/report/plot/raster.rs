@@ -32,8 +32,8 @@ static OPTIONS: LazyLock<usvg::Options<'static>> = LazyLock::new(|| {
     usvg::Options { fontdb: Arc::new(fonts), font_family: family, ..usvg::Options::default() }
 });
 
-/// Draws `svg` with two pixels for each of its own and encodes it; large drawings with one and a half, larger ones with one
-/// and a quarter, to keep files below a megabyte.
+/// Draws `svg` with two pixels for each of its own and encodes it; large drawings with one and a half, larger ones
+/// with one and a quarter, to keep files below a megabyte.
 ///
 /// # Errors
 /// A drawing that is malformed or too large.

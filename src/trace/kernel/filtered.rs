@@ -1,5 +1,5 @@
-//! Traversal that asks the caller about each hit: one that is turned down is as if it were not there, as where a texture
-//! cuts holes into a triangle.
+//! Traversal that asks the caller about each hit: one that is turned down is as if it were not there, as where a
+//! texture cuts holes into a triangle.
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2::FastAvx2;
@@ -81,9 +81,9 @@ impl<K: Kernel<Block = TriangleBlock>, F: FnMut(&Hit) -> bool> Filtered<'_, K, F
 }
 
 impl<const N: usize> ProvenTree<N> {
-    /// The closest hit of `ray` that `accepts` does not turn down, by the instructions of `isa`. It is asked about hits
-    /// as traversal finds them, not by distance: about one at most as often as the tree holds its triangle, and not about
-    /// those behind one that it has accepted.
+    /// The closest hit of `ray` that `accepts` does not turn down, by the instructions of `isa`. It is asked about
+    /// hits as traversal finds them, not by distance: about one at most as often as the tree holds its triangle, and
+    /// not about those behind one that it has accepted.
     #[inline]
     pub fn closest_filtered(&self, isa: Isa, ray: &Ray, accepts: impl FnMut(&Hit) -> bool) -> Hit {
         if ray.is_valid() { self.filtered(isa, ray, accepts, Closest).measured() } else { Hit::MISS }

@@ -2,8 +2,8 @@
 //!
 //! 1. [`tracer`]: picks the instruction set, and runs batches of rays;
 //! 2. [`sound_tree`]: proves that links may be followed unchecked;
-//! 3. [`traverse`]: the algorithm, generic over its two tests, with a [`stack`] of fixed size; [`children`]: which child
-//!    is next;
+//! 3. [`traverse`]: the algorithm, generic over its two tests, with a [`stack`] of fixed size; [`children`]: which
+//!    child is next;
 //! 4. [`scalar`] and `avx2`: the tests of boxes and triangles per instruction set;
 //! 5. [`watertight`]: the same traversal with tests that leave no gap between triangles, over [`corners`] instead of
 //!    edges, and the ray as those tests see it ([`frame`]);
