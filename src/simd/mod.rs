@@ -154,7 +154,7 @@ fn is_of_amd() -> bool {
         return false;
     }
     // SAFETY: every processor of x86-64 has the instruction, and leaf 0.
-    #[allow(unused_unsafe, reason = "safe since Rust 1.94")]
+    #[allow(unused_unsafe, reason = "later compilers call it safe")]
     let leaf = unsafe { std::arch::x86_64::__cpuid(0) };
     let vendor = [leaf.ebx, leaf.edx, leaf.ecx].map(u32::to_le_bytes);
     let is = |name: &[u8; 12]| vendor.as_flattened() == name;
