@@ -87,7 +87,7 @@ pub(crate) fn append<C: Chunk, R: Send>(
         pool.put(chunk);
     };
     let work = || {
-        let _alarm = Alarm(&failed);
+        let mut alarm = Alarm { failed: &failed, is_off: false };
         let mut waiting: VecDeque<(usize, C)> = VecDeque::new();
         loop {
             let task = next.fetch_add(1, Ordering::Relaxed);
@@ -113,6 +113,7 @@ pub(crate) fn append<C: Chunk, R: Send>(
                 break;
             }
         }
+        alarm.is_off = true;
     };
     let threads = rayon::current_num_threads().min(tasks);
     super::on_threads(threads, &work);
@@ -122,7 +123,9 @@ pub(crate) fn append<C: Chunk, R: Send>(
     left_over.sort_by_key(|&(offset, _)| offset);
     // Once a chunk has no room, none after it has: offsets only grow.
     let written = left_over.first().map_or(end, |&(offset, _)| offset);
-    // SAFETY: all places below `written` were filled by `write`.
+    assert!(!failed.into_inner(), "a thread left its work");
+    // SAFETY: each thread ended its work, as just seen, so that each chunk was written or left over; those below `written`
+    // were written.
     unsafe {
         a.set_len(written[0]);
         b.set_len(written[1]);
@@ -138,13 +141,18 @@ pub(crate) fn append<C: Chunk, R: Send>(
     tasks.into_iter().map(|task| task.expect("all tasks have run")).collect()
 }
 
-/// Tells the other threads when one panics: the task they wait for will never be done.
-struct Alarm<'a>(&'a AtomicBool);
+/// Tells the other threads when one leaves its work by a panic: the task they wait for will never be done. It does not
+/// ask whether the thread panics: one that unwinds already may do its work in a destructor.
+struct Alarm<'a> {
+    failed: &'a AtomicBool,
+    /// The work is done.
+    is_off: bool,
+}
 
 impl Drop for Alarm<'_> {
     fn drop(&mut self) {
-        if std::thread::panicking() {
-            self.0.store(true, Ordering::Relaxed);
+        if !self.is_off {
+            self.failed.store(true, Ordering::Relaxed);
         }
     }
 }
@@ -216,6 +224,39 @@ mod tests {
             });
         };
         assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(append)).is_err());
+    }
+
+    /// Appends when it is dropped.
+    struct Appends<'a>(&'a mut Vec<usize>);
+
+    impl Drop for Appends<'_> {
+        fn drop(&mut self) {
+            let make = |task: usize, chunk: &mut Numbers| {
+                if task % 3 == 1 {
+                    std::thread::sleep(std::time::Duration::from_millis(2));
+                }
+                chunk.0.push(task);
+                chunk.1.push(());
+            };
+            append(60, &Pool::default(), &mut *self.0, &mut Vec::with_capacity(60), make);
+        }
+    }
+
+    #[test]
+    fn a_thread_that_unwinds_already_ends_its_work() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        for _ in 0..5 {
+            let mut a = vec![7];
+            a.reserve_exact(60);
+            let unwinding = || {
+                pool.install(|| {
+                    let _appends = Appends(&mut a);
+                    std::panic::resume_unwind(Box::new("as wanted"));
+                });
+            };
+            assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(unwinding)).is_err());
+            assert_eq!(a, [7].into_iter().chain(0..60).collect::<Vec<_>>());
+        }
     }
 
     #[test]
