@@ -20,20 +20,20 @@ use arrayvec::ArrayVec;
 pub(super) type Places = ArrayVec<u32, MOST>;
 
 /// Visits of a node or a leaf that take as long as to begin and to answer a ray by itself.
-const BEGUN: u32 = 4;
+const BEGUN: u64 = 4;
 
 /// What the rays of a stream had in common.
 pub(super) struct Shared {
     /// Nodes visited by several rays at a time.
-    nodes: u32,
+    nodes: u64,
     /// Their rays, added up, and [`BEGUN`] for each ray.
-    rays: u32,
+    rays: u64,
 }
 
 impl Shared {
     /// Whether a node of the stream replaced so many visits of single rays or more, on average.
     #[inline(always)]
-    pub(super) fn is_at_least(&self, visits: u32) -> bool {
+    pub(super) fn is_at_least(&self, visits: u64) -> bool {
         self.rays >= visits * self.nodes
     }
 }
@@ -50,7 +50,7 @@ pub(super) fn run<R: Reciprocal + Lanes, const N: usize, const ANY: bool>(
     answer: impl FnMut(usize, Hit),
 ) -> Shared {
     let mut stream = Stream::new(avx2, token, rays, places);
-    let mut shared = Shared { nodes: 0, rays: BEGUN * stream.packet.len() as u32 };
+    let mut shared = Shared { nodes: 0, rays: BEGUN * stream.packet.len() as u64 };
     // As for single rays, the depth of a tree bounds the children that wait.
     let mut stack = ArrayVec::<Waiting, TRAVERSAL_STACK>::new();
     stack.push(Waiting { link: tree.root(), entry: 0, rays: stream.all() });
@@ -64,7 +64,7 @@ pub(super) fn run<R: Reciprocal + Lanes, const N: usize, const ANY: bool>(
             stream.alone::<N, ANY>(unsafe { tree.below(link) }, entry, rays.trailing_zeros() as usize);
         } else if link.is_inner() {
             shared.nodes += 1;
-            shared.rays += rays.count_ones();
+            shared.rays += u64::from(rays.count_ones());
             // SAFETY: as above.
             let node = unsafe { tree.node(link.bits() as usize) };
             let base = stack.len();

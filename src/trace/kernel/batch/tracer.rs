@@ -33,10 +33,10 @@ const AT_ONCE: usize = 1 << 31;
 /// A stream is faster than interleaved rays if each of its nodes replaces at least so many visits of single rays, on
 /// average: for the closest hit.
 #[cfg(target_arch = "x86_64")]
-const ENOUGH: u32 = 14;
+const ENOUGH: u64 = 14;
 /// The same for any hit, where children need not be sorted.
 #[cfg(target_arch = "x86_64")]
-const ENOUGH_FOR_ANY: u32 = 8;
+const ENOUGH_FOR_ANY: u64 = 8;
 /// Rays that are interleaved after a stream that fell apart, besides those that waited.
 #[cfg(target_arch = "x86_64")]
 const PAUSE: usize = 15 * 64;

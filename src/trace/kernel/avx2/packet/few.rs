@@ -195,7 +195,14 @@ impl Pair {
 fn eight<const N: usize>(row: &[f32; N]) -> __m256 {
     const { check_width::<N>() };
     // SAFETY: eight floats or four, as is asserted; neither load needs an alignment.
-    unsafe { if N == 8 { _mm256_loadu_ps(row.as_ptr()) } else { _mm256_broadcast_ps(&*row.as_ptr().cast()) } }
+    unsafe {
+        if N == 8 {
+            _mm256_loadu_ps(row.as_ptr())
+        } else {
+            let four = _mm_loadu_ps(row.as_ptr());
+            _mm256_set_m128(four, four)
+        }
+    }
 }
 
 #[inline]
@@ -253,6 +260,13 @@ mod tests {
                 let few = packet.hit_few::<_, true>(avx2, avx2, block, rays, &mut none);
                 assert_eq!(few, packet.hit::<_, true>(avx2, block, rays, &mut none), "{rays:x}");
                 hits += few.count_ones();
+                // The closest, which shorten their rays.
+                let (mut few, mut many) = (packet.clone(), packet.clone());
+                let [mut of_few, mut of_many] = [none; 2];
+                few.hit_few::<_, false>(avx2, avx2, block, rays, &mut of_few);
+                many.hit::<_, false>(avx2, block, rays, &mut of_many);
+                assert_eq!(of_few, of_many, "{rays:x}");
+                assert_eq!(few.farthest(), many.farthest(), "{rays:x}");
             }
         }
         assert!(met > 1000 && hits > 100, "{met} children met and {hits} triangles hit");

@@ -26,6 +26,7 @@ pub(in crate::trace::kernel) type Mask = u64;
 type Row = [f32; MOST + 8];
 
 /// The rays of a packet: all directions have the same signs.
+#[cfg_attr(test, derive(Clone))]
 pub(in crate::trace::kernel) struct Packet {
     /// Number of rays.
     rays: usize,
