@@ -22,7 +22,8 @@
 //! assert_eq!(scene.mesh.len(), 20_000);
 //! ```
 //!
-//! **A builder** turns a mesh into a tree. Each has a name in [`builders::NAMES`]; `phr-speed` is a good first choice.
+//! **A builder** turns a mesh into a tree. The main ones have their names in [`builders::NAMES`], variants of them in
+//! [`builders::on_request`]; `phr-speed` is a good first choice.
 //! A builder runs on the rayon pool that calls it, makes the same tree at any number of threads, and keeps its
 //! memory for the next build.
 //!
@@ -38,8 +39,8 @@
 //! builder.recycle(build.tree); // the next tree is built in its memory
 //! ```
 //!
-//! **The tree** is a [`bvh::Bvh4`]: nodes of up to four children, leaves of blocks of four triangles. It knows its
-//! costs, and it can be checked against its mesh.
+//! **The tree** is a [`bvh::Bvh4`] (of `by_name::<8>` a [`bvh::Bvh8`]): nodes of up to four (eight) children, leaves of
+//! blocks of four triangles. It knows its costs, and it can be checked against its mesh.
 //!
 //! ```
 //! use phr::bvh::Statistics;
@@ -118,14 +119,20 @@
 //! 3. the result is a [`bvh::WideBvh`], whose cost [`bvh`] measures;
 //! 4. [`trace`] records a path tracer's rays once per view and traces them through any tree;
 //! 5. [`query`] traces the rays of an application;
-//! 6. `embree` does the same with the distribution's Embree (feature `embree`), `peers` builds with other crates
+//! 6. `embree` builds and traces with the distribution's Embree (feature `embree`), `peers` builds with other crates
 //!    (feature `peers`);
-//! 7. `bench` times both in interleaved rounds and writes rows, which `report` turns into tables and plots;
+//! 7. `bench` times all of these in interleaved rounds and writes rows, which `report` turns into tables and plots;
 //!    `experiments` has the paper's other figures and its experiments, and `cli` turns all of it into commands
 //!    (feature `harness`).
 //!
 //! A module imports only from those before it: `random`, `memory`, `geometry`, `scene`, `bvh`, `simd`, `parallel`,
 //! `builders`, `embree`, `peers`, `trace`, `query`, `bench`, `report`, `experiments`, `cli`.
+//!
+//! # Features
+//!
+//! All but `peers` are on unless `default-features = false`: `files` (scene files; brings `serde`), `serde`
+//! (configurations as JSON), `embree` (Debian's Embree 3 or Embree 4), `graft` (Embree's kernel over our trees), `harness`
+//! (the program `phr`). `peers` has builders of other crates.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(missing_docs)]
@@ -148,7 +155,7 @@ pub mod trace;
 pub use builders::Primitives;
 #[doc(no_inline)]
 pub use glam;
-pub use query::{Bvh, BvhConfig, Instance, InstanceBvh, PrimitiveBvh};
+pub use query::{Bvh, BvhConfig, Instance, InstanceBvh, PrimitiveBvh, WatertightBvh};
 
 #[cfg(feature = "harness")]
 pub mod bench;

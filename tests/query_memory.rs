@@ -9,6 +9,7 @@ use phr::bvh::saved::SavedError;
 use phr::bvh::{Bvh4, Invalid, WideNode};
 use phr::geometry::{Aabb, Mesh, Ray};
 use phr::query::BvhError;
+use phr::random::SplitMix64;
 use phr::trace::{Camera, ProvenTree, WatertightTracer};
 use phr::{Bvh, BvhConfig, Instance, InstanceBvh, PrimitiveBvh, scene};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -162,7 +163,16 @@ fn nor_does_one_over_boxes_or_instances() {
     let config = BvhConfig { builder: "lbvh", width: 8 };
     let builds = failing(|| InstanceBvh::build(spared(instances), &config));
     let mut world = assert_told(builds, 3, "instances");
-    assert_told(failing(|| world.rebuild(spared(instances))), 2, "instances again");
+    let rebuilds = failing(|| {
+        let rebuilt = world.rebuild(spared(instances));
+        // What it tells of itself and what rays meet are the same list.
+        assert!(
+            world.is_empty() == world.upper().bounds().is_empty()
+                && world.is_empty() == world.bounds().is_empty()
+        );
+        rebuilt
+    });
+    assert_told(rebuilds, 2, "instances again");
     assert_eq!((world.len(), world.upper().as_bvh8().unwrap().validate_links(60_000)), (60_000, Ok(())));
 }
 
@@ -231,10 +241,37 @@ fn rays_allocate_nothing() {
         }
     });
     assert_eq!(single, 0);
-    let batches = calls(|| {
-        bvh.intersect_batch(&rays, &mut hits);
-        bvh.occluded_batch(&rays, &mut occluded);
+    // Of scattered rays batches are other code.
+    let mut scattered = rays.clone();
+    let mut random = SplitMix64::new(1);
+    (1..scattered.len()).for_each(|i| scattered.swap(i, random.below(i + 1)));
+    for rays in [&rays, &scattered] {
+        let batches = calls(|| {
+            bvh.intersect_batch(rays, &mut hits);
+            bvh.occluded_batch(rays, &mut occluded);
+        });
+        assert_eq!(batches, 0);
+        assert!(hits.iter().zip(&occluded).all(|(hit, occluded)| hit.is_some() == *occluded));
+    }
+    let boxes: Vec<Aabb> = (0..scene.mesh.len() as u32).map(|prim| scene.mesh.bounds_of(prim)).collect();
+    let of_boxes = PrimitiveBvh::build(&boxes, &BvhConfig::default()).unwrap();
+    let place =
+        |x: f32| Instance { bvh: &bvh, transform: Affine3A::from_translation(Vec3::new(x, 0.0, 0.0)) };
+    let world =
+        InstanceBvh::build((0..50u8).map(|i| place(i.into())).collect(), &BvhConfig::default()).unwrap();
+    let mut found = [0; 3];
+    let others = calls(|| {
+        for ray in rays.iter().step_by(8) {
+            found[0] += usize::from(bvh.intersect_filtered(ray, |hit| hit.prim % 2 == 0).is_some());
+            bvh.occluded_filtered(ray, |hit| hit.prim % 2 == 0);
+            found[1] += usize::from(
+                of_boxes.intersect_with(ray, |id, ray| (id % 2 == 0).then_some(ray.tfar.min(1.0))).is_some(),
+            );
+            of_boxes.occluded_with(ray, |id, _| id % 2 == 0);
+            found[2] += usize::from(world.intersect(ray).is_some());
+            world.occluded(ray);
+        }
     });
-    assert_eq!(batches, 0);
-    assert!(hits.iter().zip(&occluded).all(|(hit, occluded)| hit.is_some() == *occluded));
+    assert_eq!(others, 0);
+    assert!(found.iter().all(|&hits| hits > 100), "{found:?}");
 }

@@ -37,7 +37,10 @@ impl TriangleBlock {
     pub const EMPTY: Self =
         Self { v0: [[0.0; 4]; 3], e1: [[0.0; 4]; 3], e2: [[0.0; 4]; 3], prims: [u32::MAX; 4] };
 
-    /// A block of the first `count` triangles, one to four, of `prims`, all of them triangles of `mesh`.
+    /// A block of the first `count` triangles, one to four, of `prims`.
+    ///
+    /// # Panics
+    /// If one of all four is no triangle of `mesh`.
     #[inline(always)]
     pub fn of_first(count: usize, prims: [u32; 4], mesh: &Mesh) -> Self {
         // Corners are fetched for all lanes: a branch on their number could not be foreseen.
@@ -63,6 +66,9 @@ impl TriangleBlock {
     }
 
     /// Fills `lane`.
+    ///
+    /// # Panics
+    /// If that is 4 or more.
     #[inline]
     pub fn set(&mut self, lane: usize, corners: [Vec3A; 3], prim: u32) {
         let e1 = corners[0] - corners[1];

@@ -23,7 +23,8 @@ const PILOTS: usize = 64;
 /// What memory is asked for.
 const ARRAYS: &str = "the end-point overlap";
 
-/// The end-point overlap of `tree` over `mesh`; 0 for trees of one leaf and surfaces without area.
+/// The end-point overlap of `tree` over `mesh`; 0 for trees of one leaf and surfaces without area. The tree must be one
+/// that [`WideBvh::validate`] finds whole over this mesh.
 pub fn epo<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh) -> f64 {
     within(tree, mesh, VISITS).0
 }

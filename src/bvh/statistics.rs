@@ -65,7 +65,7 @@ impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
     }
 }
 
-/// SAH cost alone, as [`Statistics::sah`].
+/// SAH cost alone, as [`Statistics::sah`]. The links must form a tree, as [`WideBvh::validate`] finds.
 pub fn sah_cost<const N: usize, B: LeafBlock>(tree: &WideBvh<N, B>) -> f64 {
     Counter::of(tree).sah(tree)
 }

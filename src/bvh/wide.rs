@@ -4,7 +4,7 @@
 use super::block::{TriangleBlock, transposed};
 use super::id_block::LeafBlock;
 use super::limits::check_width;
-use super::link::Link;
+use super::link::{Child, Link};
 use crate::geometry::Aabb;
 use glam::Vec3A;
 
@@ -40,6 +40,9 @@ impl<const N: usize> WideNode<N> {
     }
 
     /// The box of `slot`.
+    ///
+    /// # Panics
+    /// If `slot` is `N` or more.
     #[inline]
     pub fn bounds(&self, slot: usize) -> Aabb {
         Aabb::new(
@@ -119,8 +122,29 @@ impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
     }
 
     /// The primitives of a leaf's blocks.
+    ///
+    /// # Panics
+    /// If there are no such blocks.
     pub fn leaf_ids(&self, first: usize, count: usize) -> impl Iterator<Item = u32> + '_ {
         self.blocks[first..first + count].iter().flat_map(B::ids)
+    }
+}
+
+impl<const N: usize> WideBvh<N> {
+    /// Whether the tree's box is finite and holds those of the root's children, or the first corners in a root that is a
+    /// leaf. Links are in range.
+    pub(crate) fn is_bounded(&self) -> bool {
+        let holds = |bounds: Aabb| bounds.is_empty() || self.bounds.contains(bounds);
+        let is_held = match self.root.get() {
+            Child::Empty => return true,
+            Child::Inner(root) => self.nodes[root].children().all(|(bounds, _)| holds(bounds)),
+            Child::Leaf { first, count } => self.blocks[first..first + count].iter().all(|block| {
+                let corner = |lane: usize| Vec3A::from_array(block.v0.map(|axis| axis[lane]));
+                let mut lanes = (0..4).filter(|&lane| block.prims[lane] != u32::MAX);
+                lanes.all(|lane| holds(Aabb::new(corner(lane), corner(lane))))
+            }),
+        };
+        is_held && self.bounds.min.is_finite() && self.bounds.max.is_finite()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::built::Built;
 use super::places::{places, triangles};
+use super::widths::{OfWidth, at_width};
 use super::{BvhConfig, BvhError, Hit};
 use crate::builders;
 use crate::bvh::saved::{SavedError, SavedTree};
@@ -39,18 +40,11 @@ pub struct Bvh {
 }
 
 /// A tree of either width.
-#[derive(Debug)]
-pub(super) enum Tree {
-    Four(Built<4>),
-    Eight(Built<8>),
-}
+pub(super) type Tree = OfWidth<Built<4>, Built<8>>;
 
 impl Tree {
     fn blocks(&self) -> &[TriangleBlock] {
-        match self {
-            Self::Four(built) => &built.tree.get().blocks,
-            Self::Eight(built) => &built.tree.get().blocks,
-        }
+        at_width!(self, built => &built.tree.get().blocks)
     }
 }
 
@@ -99,10 +93,7 @@ impl Bvh {
         assert_eq!(rays.len(), hits.len(), "as many hits as rays");
         hits.fill(None);
         let answer = |place: usize, hit: geometry::Hit| hits[place] = self.with_normal(&hit);
-        match &self.tree {
-            Tree::Four(built) => built.tree.batch_tracer().closest_hits(rays, answer),
-            Tree::Eight(built) => built.tree.batch_tracer().closest_hits(rays, answer),
-        }
+        at_width!(&self.tree, built => built.tree.batch_tracer().closest_hits(rays, answer))
     }
 
     /// Whether each of `rays` hits anything, likewise.
@@ -111,30 +102,32 @@ impl Bvh {
     /// If there are not as many places in `occluded` as `rays`.
     pub fn occluded_batch(&self, rays: &[Ray], occluded: &mut [bool]) {
         assert_eq!(rays.len(), occluded.len(), "as many answers as rays");
-        match &self.tree {
-            Tree::Four(built) => built.tree.batch_tracer().any(rays, occluded),
-            Tree::Eight(built) => built.tree.batch_tracer().any(rays, occluded),
-        }
+        at_width!(&self.tree, built => built.tree.batch_tracer().any(rays, occluded))
     }
 
     /// Saves the tree, which was built over `mesh`, at `path`: [`saved`](crate::bvh::saved) describes the format, which
     /// has room for 32 bytes of the builder's name.
     ///
     /// # Errors
-    /// Another mesh, or one that was moved since; an unwritable place, or one that is no regular file.
+    /// Another mesh, or one that was moved since; a foreign tree that lacks a triangle or holds nodes that nothing leads
+    /// to; an unwritable place, or one that is no regular file.
     pub fn save(&self, mesh: &Mesh, path: impl AsRef<Path>) -> Result<(), SavedError> {
         self.write(mesh, path.as_ref())
     }
 
     fn write(&self, mesh: &Mesh, path: &Path) -> Result<(), SavedError> {
-        let is_of_mesh = self.places.len() == mesh.len();
-        if !is_of_mesh || self.tree.blocks().par_iter().any(|block| !block.is_of(mesh)) {
+        if !self.is_of(mesh) {
             return Err(SavedError::NotOfMesh { path: path.to_owned() });
         }
-        match &self.tree {
-            Tree::Four(built) => built.tree.get().save(mesh, &self.builder, path),
-            Tree::Eight(built) => built.tree.get().save(mesh, &self.builder, path),
-        }
+        // A foreign tree may answer rays and be none that can be loaded.
+        at_width!(&self.tree, built => built.tree.get().validate_links(mesh.len()))
+            .map_err(SavedError::invalid(path))?;
+        at_width!(&self.tree, built => built.tree.get().save(mesh, &self.builder, path))
+    }
+
+    /// Whether it was built over `mesh` as it is now.
+    pub(super) fn is_of(&self, mesh: &Mesh) -> bool {
+        self.places.len() == mesh.len() && self.tree.blocks().par_iter().all(|block| block.is_of(mesh))
     }
 
     /// Loads the tree of either width that was saved at `path` for `mesh`, on the current rayon pool.
@@ -165,10 +158,7 @@ impl Bvh {
 
     /// Most children of a node: 4 or 8.
     pub fn width(&self) -> usize {
-        match &self.tree {
-            Tree::Four(_) => 4,
-            Tree::Eight(_) => 8,
-        }
+        self.tree.width()
     }
 
     /// Number of triangles of the mesh.
@@ -183,38 +173,29 @@ impl Bvh {
 
     /// The box of all triangles; [empty](Aabb::is_empty) without any.
     pub fn bounds(&self) -> Aabb {
-        match &self.tree {
-            Tree::Four(built) => built.tree.get().bounds,
-            Tree::Eight(built) => built.tree.get().bounds,
-        }
+        at_width!(&self.tree, built => built.tree.get().bounds)
     }
 
     /// The tree of nodes of four children, where it has these: to upload it, or for a traversal of your own.
     pub fn as_bvh4(&self) -> Option<&Bvh4> {
-        if let Tree::Four(built) = &self.tree { Some(built.tree.get()) } else { None }
+        self.tree.four().map(|built| built.tree.get())
     }
 
     /// The tree of nodes of eight children, where it has these.
     pub fn as_bvh8(&self) -> Option<&Bvh8> {
-        if let Tree::Eight(built) = &self.tree { Some(built.tree.get()) } else { None }
+        self.tree.eight().map(|built| built.tree.get())
     }
 
     /// Bytes of the tree and of what finds a triangle in it.
     pub fn bytes(&self) -> usize {
-        let tree = match &self.tree {
-            Tree::Four(built) => built.tree.get().bytes(),
-            Tree::Eight(built) => built.tree.get().bytes(),
-        };
+        let tree = at_width!(&self.tree, built => built.tree.get().bytes());
         tree + size_of_val(&self.places[..])
     }
 
     /// Hands our kernel over the tree to `f`.
     #[inline]
     fn trace<R>(&self, f: impl FnOnce(&dyn Tracer) -> R) -> R {
-        match &self.tree {
-            Tree::Four(built) => f(&built.tree.tracer()),
-            Tree::Eight(built) => f(&built.tree.tracer()),
-        }
+        at_width!(&self.tree, built => f(&built.tree.tracer()))
     }
 
     /// A kernel's hit with its normal, from the block that the kernel has just read.
@@ -231,10 +212,7 @@ impl Bvh {
 impl Tracer for Bvh {
     /// As [`Bvh::intersect_batch`], without normals.
     fn closest(&self, rays: &[Ray], hits: &mut [geometry::Hit]) {
-        match &self.tree {
-            Tree::Four(built) => built.tree.batch_tracer().closest(rays, hits),
-            Tree::Eight(built) => built.tree.batch_tracer().closest(rays, hits),
-        }
+        at_width!(&self.tree, built => built.tree.batch_tracer().closest(rays, hits))
     }
 
     /// As [`Bvh::occluded_batch`].
@@ -252,11 +230,11 @@ fn tree<const N: usize>(mesh: &Mesh, name: &str) -> Result<(WideBvh<N>, String),
 impl TryFrom<Bvh4> for Bvh {
     type Error = BvhError;
 
-    /// Proves a builder's tree sound. Its builder is not known then ([`Bvh::builder`]).
+    /// Proves that a builder's tree is sound, and that its box holds those of the root's children. Boxes below, and
+    /// that corners are in them, are trusted. Its builder is not known then ([`Bvh::builder`]).
     fn try_from(tree: Bvh4) -> Result<Self, BvhError> {
-        let places = places(&tree.blocks, triangles(&tree.blocks)?, Vec::new())?;
-        let tree = Tree::Four(ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?.into());
-        Ok(Self { tree, places, builder: String::new() })
+        let (built, places) = built(tree)?;
+        Ok(Self { tree: Tree::Four(built), places, builder: String::new() })
     }
 }
 
@@ -265,8 +243,17 @@ impl TryFrom<Bvh8> for Bvh {
 
     /// As from a 4-wide tree.
     fn try_from(tree: Bvh8) -> Result<Self, BvhError> {
-        let places = places(&tree.blocks, triangles(&tree.blocks)?, Vec::new())?;
-        let tree = Tree::Eight(ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?.into());
-        Ok(Self { tree, places, builder: String::new() })
+        let (built, places) = built(tree)?;
+        Ok(Self { tree: Tree::Eight(built), places, builder: String::new() })
     }
+}
+
+/// A tree that is proven sound, and the places of its triangles.
+fn built<const N: usize>(tree: WideBvh<N>) -> Result<(Built<N>, Vec<u32>), BvhError> {
+    let places = places(&tree.blocks, triangles(&tree.blocks)?, Vec::new())?;
+    let tree = ProvenTree::proven(tree)?.map_err(BvhError::Malformed)?;
+    if !tree.get().is_bounded() {
+        return Err(BvhError::Malformed("its box does not hold those of its root".into()));
+    }
+    Ok((tree.into(), places))
 }

@@ -55,6 +55,9 @@ pub enum BvhError {
         /// What is wrong.
         reason: &'static str,
     },
+    /// A tree and a mesh that are to be used together.
+    #[error("the tree is of another mesh, or the mesh was moved since; give that which it was built over")]
+    NotOfMesh,
     /// No memory for a tree. A program compiled with `panic = "abort"` ends instead.
     #[error(transparent)]
     OutOfMemory(#[from] OutOfMemory),

@@ -1,9 +1,10 @@
 //! Rays for which the caller decides what they hit, hit by hit.
 
-use super::bvh::Tree;
-use super::{Bvh, Hit};
+use super::widths::at_width;
+use super::{Bvh, Hit, InstanceBvh, InstanceHit};
 use crate::geometry::{self, Ray};
 use crate::simd::Isa;
+use std::borrow::Borrow;
 
 impl Bvh {
     /// The closest hit of `ray` for which `accepts` returns true, as where a texture cuts holes into a triangle: the
@@ -27,10 +28,7 @@ impl Bvh {
     pub fn intersect_filtered(&self, ray: &Ray, mut accepts: impl FnMut(&Hit) -> bool) -> Option<Hit> {
         let isa = Isa::best();
         let accepts = |hit: &geometry::Hit| self.with_normal(hit).is_some_and(|hit| accepts(&hit));
-        let hit = match &self.tree {
-            Tree::Four(built) => built.tree.closest_filtered(isa, ray, accepts),
-            Tree::Eight(built) => built.tree.closest_filtered(isa, ray, accepts),
-        };
+        let hit = at_width!(&self.tree, built => built.tree.closest_filtered(isa, ray, accepts));
         self.with_normal(&hit)
     }
 
@@ -40,9 +38,31 @@ impl Bvh {
     pub fn occluded_filtered(&self, ray: &Ray, mut accepts: impl FnMut(&Hit) -> bool) -> bool {
         let isa = Isa::best();
         let accepts = |hit: &geometry::Hit| self.with_normal(hit).is_some_and(|hit| accepts(&hit));
-        match &self.tree {
-            Tree::Four(built) => built.tree.any_filtered(isa, ray, accepts),
-            Tree::Eight(built) => built.tree.any_filtered(isa, ray, accepts),
-        }
+        at_width!(&self.tree, built => built.tree.any_filtered(isa, ray, accepts))
+    }
+}
+
+impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
+    /// The closest hit of `ray` for which `accepts` returns true, as of [`Bvh::intersect_filtered`]: the closure is
+    /// given the instance, and distance and normal in the world.
+    #[inline]
+    pub fn intersect_filtered(
+        &self,
+        ray: &Ray,
+        mut accepts: impl FnMut(&InstanceHit) -> bool,
+    ) -> Option<InstanceHit> {
+        self.closest(ray, |instance, placed, local| {
+            let accepts = |hit: &Hit| accepts(&InstanceHit { instance, hit: placed.to_world(*hit) });
+            placed.bvh.borrow().intersect_filtered(local, accepts)
+        })
+    }
+
+    /// Whether `ray` has a hit for which `accepts` returns true, likewise.
+    #[inline]
+    pub fn occluded_filtered(&self, ray: &Ray, mut accepts: impl FnMut(&InstanceHit) -> bool) -> bool {
+        self.any(ray, |instance, placed, local| {
+            let accepts = |hit: &Hit| accepts(&InstanceHit { instance, hit: placed.to_world(*hit) });
+            placed.bvh.borrow().occluded_filtered(local, accepts)
+        })
     }
 }

@@ -114,16 +114,41 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
     }
 
     fn rebuild_over(&mut self, ready: Ready<B>) -> Result<Vec<usize>, BvhError> {
-        self.top.rebuild(&ready.placed)?;
-        self.bounds = around(&ready.placed);
+        // Before anything changes: it asks the caller's `Borrow`, which may panic.
+        let bounds = around(&ready.placed);
+        if let Err(error) = self.top.rebuild(&ready.placed) {
+            if self.top.bounds().is_empty() {
+                // Without memory there is no tree any more.
+                self.placed.clear();
+                self.transforms.clear();
+                self.bounds = Aabb::EMPTY;
+            }
+            return Err(error);
+        }
+        self.bounds = bounds;
         (self.placed, self.transforms) = (ready.placed, ready.transforms);
         Ok(ready.left_out)
     }
 
     /// The closest hit of `ray`; the [`query`](crate::query) module says what is promised.
     pub fn intersect(&self, ray: &Ray) -> Option<InstanceHit> {
+        self.closest(ray, |_, placed, local| placed.bvh.borrow().intersect(local))
+    }
+
+    /// Whether `ray` hits anything.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.any(ray, |_, placed, local| placed.bvh.borrow().occluded(local))
+    }
+
+    /// The closest hit of `ray`, where `closest` finds that of an instance by the ray in its object's space.
+    #[inline(always)]
+    pub(super) fn closest(
+        &self,
+        ray: &Ray,
+        mut closest: impl FnMut(u32, &Placed<B>, &Ray) -> Option<Hit>,
+    ) -> Option<InstanceHit> {
         let slabs = Slabs::of(ray);
-        let mut closest = None;
+        let mut nearest = None;
         let found = self.top.intersect_with(ray, |id, ray| {
             let placed = &self.placed[id as usize];
             if !slabs.meet(placed.bounds, ray) {
@@ -131,7 +156,7 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
             }
             let mut local = placed.local(ray);
             let hit = loop {
-                let hit = placed.bvh.borrow().intersect(&local)?;
+                let hit = closest(id, placed, &local)?;
                 if ray.tnear < hit.t {
                     break hit;
                 }
@@ -142,20 +167,20 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
             if hit.t > ray.tfar {
                 return None;
             }
-            closest = Some((id, hit));
+            nearest = Some((id, hit));
             Some(hit.t)
         });
-        let (instance, hit) = found.and(closest)?;
-        let normal = self.placed[instance as usize].to_world_normal(hit.normal);
-        Some(InstanceHit { instance, hit: Hit { normal, ..hit } })
+        let (instance, hit) = found.and(nearest)?;
+        Some(InstanceHit { instance, hit: self.placed[instance as usize].to_world(hit) })
     }
 
-    /// Whether `ray` hits anything.
-    pub fn occluded(&self, ray: &Ray) -> bool {
+    /// Whether `ray` hits anything, where `any` tells it of an instance likewise.
+    #[inline(always)]
+    pub(super) fn any(&self, ray: &Ray, mut any: impl FnMut(u32, &Placed<B>, &Ray) -> bool) -> bool {
         let slabs = Slabs::of(ray);
         self.top.occluded_with(ray, |id, ray| {
             let placed = &self.placed[id as usize];
-            slabs.meet(placed.bounds, ray) && placed.bvh.borrow().occluded(&placed.local(ray))
+            slabs.meet(placed.bounds, ray) && any(id, placed, &placed.local(ray))
         })
     }
 
@@ -191,8 +216,7 @@ impl<B: Borrow<Bvh> + Sync> InstanceBvh<B> {
 
     /// The box of all instances of objects that have a triangle; [empty](Aabb::is_empty) without any.
     pub fn bounds(&self) -> Aabb {
-        // After a rebuild without memory there may be nothing any more.
-        self.bounds.intersection(self.top.bounds())
+        self.bounds
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::BvhError;
 use super::bvh::{Bvh, Tree};
+use super::widths::at_width;
 use crate::builders::RefitError;
 use crate::bvh::{Bvh4, Bvh8};
 use crate::geometry::Mesh;
@@ -27,10 +28,7 @@ impl Bvh {
     /// [`BvhError::Changes`] of one whose file names a builder that is not known here; the tree is as before then.
     /// [`BvhError::OutOfMemory`]; it is of no triangle then, every ray misses, and it may be rebuilt.
     pub fn rebuild(&mut self, mesh: &Mesh) -> Result<(), BvhError> {
-        match &mut self.tree {
-            Tree::Four(built) => built.rebuild(mesh, &self.builder, &mut self.places),
-            Tree::Eight(built) => built.rebuild(mesh, &self.builder, &mut self.places),
-        }
+        at_width!(&mut self.tree, built => built.rebuild(mesh, &self.builder, &mut self.places))
     }
 
     /// Fits the tree to `mesh`, the one it was built over with vertices moved, on the current rayon pool: faster than
@@ -40,10 +38,7 @@ impl Bvh {
     /// [`RefitError::Triangles`] of a mesh of another number of triangles, [`RefitError::Malformed`] of a foreign tree
     /// that has leaf blocks with gaps, [`RefitError::OutOfMemory`]; the tree is as before then.
     pub fn refit(&mut self, mesh: &Mesh) -> Result<(), RefitError> {
-        match &mut self.tree {
-            Tree::Four(built) => built.tree.refit(mesh),
-            Tree::Eight(built) => built.tree.refit(mesh),
-        }
+        at_width!(&mut self.tree, built => built.tree.refit(mesh))
     }
 
     /// The tree of nodes of four children, where it has these: for a program that keeps a

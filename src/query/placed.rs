@@ -1,9 +1,9 @@
 //! An instance, ready for rays: the way to its object's space, and its box in the world.
 
-use super::Bvh;
+use super::{Bvh, Hit};
 use crate::builders::Primitives;
 use crate::geometry::{Aabb, Ray};
-use glam::{Affine3A, DAffine3, DMat3, DVec3, Mat3A, Vec3, Vec3A};
+use glam::{Affine3A, DAffine3, DMat3, DVec3, Mat3A, Vec3A};
 use std::borrow::Borrow;
 
 /// An instance.
@@ -45,7 +45,8 @@ impl<B: Borrow<Bvh>> Placed<B> {
             return Err("its inverse is out of the range of f32");
         }
         let bounds = boxed(bvh.borrow().bounds(), &to_world);
-        if bounds.min.abs().max(bounds.max.abs()).max_element() >= Ray::LARGEST {
+        let is_finite = bounds.min.is_finite() && bounds.max.is_finite();
+        if !is_finite || bounds.min.abs().max(bounds.max.abs()).max_element() >= Ray::LARGEST {
             return Err("it takes the object beyond 1.8e18");
         }
         Ok(Self { bvh, bounds, to_object, normals: normals.into() })
@@ -61,9 +62,9 @@ impl<B: Borrow<Bvh>> Placed<B> {
         }
     }
 
-    /// A normal of the object in the world: the product of the transformed edges.
-    pub fn to_world_normal(&self, normal: Vec3) -> Vec3 {
-        self.normals.mul_vec3(normal)
+    /// A hit of the object in the world: its normal is the product of the transformed edges.
+    pub fn to_world(&self, hit: Hit) -> Hit {
+        Hit { normal: self.normals.mul_vec3(hit.normal), ..hit }
     }
 }
 

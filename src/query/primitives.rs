@@ -1,5 +1,6 @@
 //! A tree over anything that has a box.
 
+use super::widths::{OfWidth, at_width};
 use super::{BvhConfig, BvhError};
 use crate::builders::{BoxBuilder, Boxes, Primitives, over_boxes};
 use crate::bvh::{IdBlock, WideBvh};
@@ -37,12 +38,10 @@ use std::panic::AssertUnwindSafe;
 /// ```
 pub struct PrimitiveBvh(Tree);
 
-/// A tree of either width and what builds it.
-enum Tree {
-    Four(Built<4>),
-    Eight(Built<8>),
-}
+/// A tree of either width.
+type Tree = OfWidth<Built<4>, Built<8>>;
 
+/// A tree and what builds it.
 struct Built<const N: usize> {
     tree: ProvenTree<N, IdBlock>,
     /// The builder's name with its changes.
@@ -86,10 +85,7 @@ impl PrimitiveBvh {
     /// may be rebuilt.
     pub fn rebuild<P: Primitives + ?Sized>(&mut self, primitives: &P) -> Result<(), BvhError> {
         let boxes = Boxes::of(&primitives)?;
-        match &mut self.0 {
-            Tree::Four(built) => built.rebuild(&boxes),
-            Tree::Eight(built) => built.rebuild(&boxes),
-        }
+        at_width!(&mut self.0, built => built.rebuild(&boxes))
     }
 
     /// The closest hit of `ray`. `test` is given a primitive and the ray, which ends (`tfar`) at the closest hit so
@@ -103,10 +99,7 @@ impl PrimitiveBvh {
         ray: &Ray,
         test: impl FnMut(u32, &Ray) -> Option<f32>,
     ) -> Option<PrimitiveHit> {
-        let hit = match &self.0 {
-            Tree::Four(built) => built.tree.closest_with(Isa::best(), ray, test),
-            Tree::Eight(built) => built.tree.closest_with(Isa::best(), ray, test),
-        };
+        let hit = at_width!(&self.0, built => built.tree.closest_with(Isa::best(), ray, test));
         hit.is_hit().then_some(PrimitiveHit { t: hit.t, id: hit.prim })
     }
 
@@ -114,36 +107,27 @@ impl PrimitiveBvh {
     /// not checked again. Primitives come in no order, else as in [`PrimitiveBvh::intersect_with`].
     #[inline]
     pub fn occluded_with(&self, ray: &Ray, test: impl FnMut(u32, &Ray) -> bool) -> bool {
-        match &self.0 {
-            Tree::Four(built) => built.tree.any_with(Isa::best(), ray, test),
-            Tree::Eight(built) => built.tree.any_with(Isa::best(), ray, test),
-        }
+        at_width!(&self.0, built => built.tree.any_with(Isa::best(), ray, test))
     }
 
     /// The box of all primitives; [empty](Aabb::is_empty) without any.
     pub fn bounds(&self) -> Aabb {
-        match &self.0 {
-            Tree::Four(built) => built.tree.get().bounds,
-            Tree::Eight(built) => built.tree.get().bounds,
-        }
+        at_width!(&self.0, built => built.tree.get().bounds)
     }
 
     /// Bytes of the tree.
     pub fn bytes(&self) -> usize {
-        match &self.0 {
-            Tree::Four(built) => built.tree.get().bytes(),
-            Tree::Eight(built) => built.tree.get().bytes(),
-        }
+        at_width!(&self.0, built => built.tree.get().bytes())
     }
 
     /// The tree of nodes of four children, where it has these: for a traversal of your own, or to upload it.
     pub fn as_bvh4(&self) -> Option<&WideBvh<4, IdBlock>> {
-        if let Tree::Four(built) = &self.0 { Some(built.tree.get()) } else { None }
+        self.0.four().map(|built| built.tree.get())
     }
 
     /// The tree of nodes of eight children, where it has these.
     pub fn as_bvh8(&self) -> Option<&WideBvh<8, IdBlock>> {
-        if let Tree::Eight(built) = &self.0 { Some(built.tree.get()) } else { None }
+        self.0.eight().map(|built| built.tree.get())
     }
 }
 
@@ -173,9 +157,6 @@ fn builder<const N: usize>(name: &str) -> Result<Box<BoxBuilder<N>>, BvhError> {
 
 impl fmt::Debug for PrimitiveBvh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.0 {
-            Tree::Four(built) => f.debug_tuple("PrimitiveBvh").field(built.tree.get()).finish(),
-            Tree::Eight(built) => f.debug_tuple("PrimitiveBvh").field(built.tree.get()).finish(),
-        }
+        at_width!(&self.0, built => f.debug_tuple("PrimitiveBvh").field(built.tree.get()).finish())
     }
 }

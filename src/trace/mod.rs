@@ -27,6 +27,7 @@ pub use camera::Camera;
 pub use image::Image;
 #[cfg(feature = "harness")]
 pub use image::ImageError;
+pub(crate) use kernel::Corners;
 pub use kernel::{BatchTracer, BvhTracer, ProvenTree, TraversalCounts, WatertightTracer, kernel_isa};
 pub use path::{PathSettings, Recording, record, render};
 pub use verify::{hit_count, hit_hash};

@@ -1,5 +1,5 @@
-//! What fuzzing checks, of its seeds and of some inputs made here: so that the checks compile, and the seeds stay what
-//! they are to be.
+//! What fuzzing checks, of its seeds (but those of rays, one of which is written out) and of some inputs made here: so that
+//! the checks compile, and the seeds stay what they are to be.
 
 #[path = "../../fuzz/src/configuration.rs"]
 mod configuration;

@@ -70,9 +70,8 @@ fn near(a: f32, b: f32) -> bool {
     (a - b).abs() <= 1e-4 * a.abs().max(b.abs())
 }
 
-#[test]
-fn instances_are_hit_as_the_same_triangles_in_one_mesh() {
-    let (meshes, transforms) = (objects(), transforms());
+/// The triangles of all instances in one mesh, and the instance and the triangle that each of them is.
+fn flattened(meshes: &[Mesh], transforms: &[Affine3A]) -> (Mesh, Vec<(u32, u32)>) {
     let (mut vertices, mut triangles, mut owners) = (Vec::new(), Vec::new(), Vec::new());
     for (i, transform) in transforms.iter().enumerate() {
         let mesh = moved(&meshes[i % meshes.len()], transform);
@@ -83,6 +82,13 @@ fn instances_are_hit_as_the_same_triangles_in_one_mesh() {
     }
     let (all, dropped) = Mesh::new(vertices, triangles).unwrap();
     assert_eq!(dropped.total(), 0);
+    (all, owners)
+}
+
+#[test]
+fn instances_are_hit_as_the_same_triangles_in_one_mesh() {
+    let (meshes, transforms) = (objects(), transforms());
+    let (all, owners) = flattened(&meshes, &transforms);
     for (builder, width) in [("lbvh", 4), ("phr-turbo", 8), ("phr-quality", 4), ("phr-best", 8)] {
         let config = BvhConfig { builder, width };
         let flat = Bvh::build(&all, &config).unwrap();
@@ -108,6 +114,51 @@ fn instances_are_hit_as_the_same_triangles_in_one_mesh() {
             differ += usize::from(flat.occluded(ray) != two.occluded(ray));
         }
         assert!(hits > 1000 && differ <= 8, "{builder}/{width}: {differ} of {hits} hits differ");
+    }
+}
+
+/// Half of the triangles of each instance, another half of each.
+#[test]
+fn what_a_filter_turns_down_is_not_there() {
+    let (meshes, transforms) = (objects(), transforms());
+    let (all, owners) = flattened(&meshes, &transforms);
+    let is_kept = |(instance, prim): (u32, u32)| (prim + instance).is_multiple_of(2);
+    let kept: Vec<usize> = (0..owners.len()).filter(|&i| is_kept(owners[i])).collect();
+    let rest = kept.iter().map(|&i| all.triangles()[i]).collect();
+    let (rest, _) = Mesh::new(all.vertices().to_vec(), rest).unwrap();
+    for (builder, width) in [("lbvh", 4), ("phr-quality", 8)] {
+        let config = BvhConfig { builder, width };
+        let flat = Bvh::build(&rest, &config).unwrap();
+        let bvhs: Vec<Bvh> = meshes.iter().map(|mesh| Bvh::build(mesh, &config).unwrap()).collect();
+        let world = instances(&bvhs.iter().collect::<Vec<_>>(), &transforms);
+        let world = InstanceBvh::build(world, &config).unwrap();
+        let (mut hits, mut refused, mut differ) = (0, 0, 0);
+        for ray in &rays(4000) {
+            let mut accepted = Vec::new();
+            let found = world.intersect_filtered(ray, |hit| {
+                let accepts = is_kept((hit.instance, hit.hit.prim));
+                refused += usize::from(!accepts);
+                accepted.extend(Some(*hit).filter(|_| accepts));
+                accepts
+            });
+            assert!(found.is_none_or(|found| accepted.contains(&found)), "{found:?} among {accepted:?}");
+            let occluded = world.occluded_filtered(ray, |hit| is_kept((hit.instance, hit.hit.prim)));
+            let expected = flat.intersect(ray);
+            hits += usize::from(expected.is_some());
+            let same = match (expected, found) {
+                (None, None) => true,
+                (Some(expected), Some(found)) => near(expected.t, found.hit.t),
+                _ => false,
+            };
+            differ += usize::from(!same) + usize::from(occluded != expected.is_some());
+            assert_eq!(world.intersect_filtered(ray, |_| true), world.intersect(ray), "{ray:?}");
+            assert!(
+                !world.occluded_filtered(ray, |_| false)
+                    && world.intersect_filtered(ray, |_| false).is_none()
+            );
+        }
+        assert!(hits > 1000 && refused > 1000, "{builder}/{width}: {hits} hits, {refused} turned down");
+        assert!(differ <= 8, "{builder}/{width}: {differ} of {hits} hits differ");
     }
 }
 

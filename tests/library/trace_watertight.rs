@@ -4,9 +4,11 @@ use crate::trace_support::*;
 use glam::Vec3;
 use phr::builders;
 use phr::geometry::{Hit, Mesh, Ray};
+use phr::query::BvhError;
 use phr::random::SplitMix64;
 use phr::trace::verify::compare_closest;
 use phr::trace::{BruteForce, Isa, WatertightTracer};
+use phr::{Bvh, BvhConfig, WatertightBvh};
 
 /// A sphere of radius `scale` around `centre`, of `2 * n * n` triangles that share their vertices.
 fn sphere(n: usize, scale: f32, centre: Vec3) -> Mesh {
@@ -58,6 +60,35 @@ fn leaks<const N: usize>(mesh: &Mesh, rays: &[Ray], isa: Isa) -> usize {
     assert_eq!(tracer.isa().name(), if isa == Isa::Scalar { "scalar" } else { "avx2" });
     let missed = closest(&tracer, rays).iter().filter(|hit| !hit.is_hit()).count();
     missed + any(&tracer, rays).iter().filter(|&&hit| !hit).count()
+}
+
+/// The tree that owns all it needs answers as the tracer, and tells normals.
+#[test]
+fn no_ray_leaves_a_watertight_bvh() {
+    let mesh = sphere(48, 1.0, Vec3::ZERO);
+    let rays = inner_rays(&mesh, Vec3::ZERO, 1.0, 20_000, 1);
+    for (builder, width) in [("lbvh", 4), ("phr-quality", 8)] {
+        let bvh = Bvh::build(&mesh, &BvhConfig { builder, width }).unwrap();
+        let expected = match width {
+            4 => closest(&WatertightTracer::new(bvh.as_bvh4().unwrap(), &mesh), &rays),
+            _ => closest(&WatertightTracer::new(bvh.as_bvh8().unwrap(), &mesh), &rays),
+        };
+        let bytes = bvh.bytes();
+        let watertight = WatertightBvh::new(bvh, &mesh).unwrap();
+        assert!(watertight.bytes() > bytes);
+        for (ray, expected) in rays.iter().zip(&expected) {
+            let hit = watertight.intersect(ray).unwrap_or_else(|| panic!("{ray:?} leaves the sphere"));
+            assert_eq!(Hit::from(hit), *expected);
+            assert!(hit.normal.dot(ray.org + hit.t * ray.dir) != 0.0 && watertight.occluded(ray), "{ray:?}");
+        }
+        assert_eq!(closest(&watertight, &rays), expected);
+        assert!(any(&watertight, &rays).iter().all(|&hit| hit));
+        let invalid = Ray { tnear: -1.0, ..rays[0] };
+        assert!(watertight.intersect(&invalid).is_none() && !watertight.occluded(&invalid));
+        assert_eq!(watertight.get().len(), mesh.len());
+        let other = sphere(48, 2.0, Vec3::ZERO);
+        assert_eq!(WatertightBvh::new(watertight.into_inner(), &other).unwrap_err(), BvhError::NotOfMesh);
+    }
 }
 
 #[test]

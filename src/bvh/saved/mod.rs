@@ -114,7 +114,7 @@ pub enum SavedError {
         path: PathBuf,
     },
     /// The links do not form a tree over the mesh.
-    #[error("{}: {source}; save the tree again", path.display())]
+    #[error("{}: {source}; build the tree again, and save that", path.display())]
     Invalid {
         /// The file.
         path: PathBuf,
@@ -130,6 +130,13 @@ impl SavedError {
 
     fn not_a_tree(path: &Path, what: &'static str) -> Self {
         Self::NotATree { path: path.to_owned(), what }
+    }
+
+    pub(crate) fn invalid(path: &Path) -> impl Fn(Invalid) -> Self {
+        move |source| match source {
+            Invalid::OutOfMemory(source) => Self::OutOfMemory { path: path.to_owned(), source },
+            source => Self::Invalid { path: path.to_owned(), source },
+        }
     }
 
     fn io(path: &Path) -> impl Fn(std::io::Error) -> Self {

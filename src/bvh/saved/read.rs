@@ -107,10 +107,7 @@ impl<const N: usize> WideBvh<N> {
             return Err(SavedError::TooMany { path: path.to_owned(), nodes, blocks });
         }
         let blocks_at = BYTES as u64 + header.nodes * size_of::<WideNode<N>>() as u64;
-        let invalid = |source| match source {
-            Invalid::OutOfMemory(source) => SavedError::OutOfMemory { path: path.to_owned(), source },
-            source => SavedError::Invalid { path: path.to_owned(), source },
-        };
+        let invalid = SavedError::invalid(path);
         let named = Named::new(mesh.len()).map_err(|source| invalid(source.into()))?;
         let (nodes, sum, _) = get(header.nodes, 0, &file, BYTES as u64, path, |_, _| Ok(()))?;
         let note = |i: usize, block: &TriangleBlock| named.note(i, block);
@@ -119,7 +116,7 @@ impl<const N: usize> WideBvh<N> {
             return Err(SavedError::unusable(path, "damaged nodes or blocks"));
         }
         let tree = Self { root: header.root, bounds: header.bounds, nodes, blocks };
-        noted.and_then(|()| tree.validate_nodes()).and_then(|()| named.validate()).map_err(invalid)?;
+        noted.and_then(|()| tree.validate_nodes()).and_then(|()| named.validate()).map_err(&invalid)?;
         Ok(tree)
     }
 }

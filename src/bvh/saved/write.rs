@@ -5,6 +5,7 @@ use super::SavedError;
 use super::header::{BYTES, Header, can_be_loaded, checksum, step};
 use super::replace::replace;
 use crate::bvh::WideBvh;
+use crate::bvh::limits::check_width;
 use crate::bvh::record::Record;
 use crate::geometry::Mesh;
 use rayon::prelude::*;
@@ -27,6 +28,7 @@ impl<const N: usize> WideBvh<N> {
     }
 
     fn write(&self, mesh: &Mesh, builder: &str, path: &Path) -> Result<(), SavedError> {
+        const { check_width::<N>() };
         let (nodes, blocks) = (self.nodes.len() as u64, self.blocks.len() as u64);
         if !can_be_loaded(nodes, blocks, mesh.len() as u64) {
             return Err(SavedError::TooMany { path: path.to_owned(), nodes, blocks });

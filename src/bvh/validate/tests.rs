@@ -33,12 +33,35 @@ fn every_kind_of_damage_is_found() {
     assert_eq!(invalid(|t| t.nodes.push(WideNode::EMPTY)), Invalid::Unreached { what: "node", index: 1 });
     assert_eq!(invalid(|t| t.blocks.push(t.blocks[0])), Invalid::Unreached { what: "block", index: 2 });
     assert_eq!(invalid(|t| t.nodes[0].links.swap(1, 2)), Invalid::Slots(0));
+    // An unused slot that rays enter; a node without children.
+    assert_eq!(
+        invalid(|t| t.nodes[0].set(3, Aabb::new(Vec3A::ZERO, Vec3A::ONE), Link::EMPTY)),
+        Invalid::Slots(0)
+    );
+    assert_eq!(invalid(|t| t.nodes[0] = WideNode::EMPTY), Invalid::Slots(0));
+    assert_eq!(invalid(|t| t.nodes[0].links[1] = Link::leaf(0, MAX_LEAF_BLOCKS + 1)), Invalid::LongLeaf(0));
     assert_eq!(invalid(|t| t.nodes[0].upper[0][1] = 7.0), Invalid::Bounds { node: 0, slot: 1 });
     assert_eq!(invalid(|t| t.nodes[0].upper[0][1] = f32::NAN), Invalid::Bounds { node: 0, slot: 1 });
     assert_eq!(invalid(|t| t.blocks[1].v0[0][0] = 5.5), Invalid::Block(1));
     assert_eq!(invalid(|t| t.blocks[1].prims[0] = 9), Invalid::Block(1));
     assert_eq!(invalid(|t| t.blocks[1] = TriangleBlock::EMPTY), Invalid::Block(1));
     assert_eq!(invalid(|t| t.nodes[0].upper[0][0] = 0.5), Invalid::Uncovered(0));
+}
+
+#[test]
+fn a_tree_that_is_too_deep_is_found() {
+    let deep = |levels: usize| {
+        let (mesh, mut tree) = whole();
+        // Nodes of one child each above the one of both.
+        for level in 1..levels {
+            let mut above = WideNode::EMPTY;
+            above.set(0, mesh.bounds(), Link::inner(level - 1));
+            tree.nodes.push(above);
+        }
+        tree.root = Link::inner(tree.nodes.len() - 1);
+        tree.validate(&mesh)
+    };
+    assert_eq!((deep(MAX_DEPTH), deep(MAX_DEPTH + 1)), (Ok(()), Err(Invalid::TooDeep)));
 }
 
 #[test]

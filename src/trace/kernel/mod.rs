@@ -32,4 +32,5 @@ pub use batch::BatchTracer;
 pub use counts::TraversalCounts;
 pub use sound_tree::ProvenTree;
 pub use tracer::{BvhTracer, kernel_isa};
+pub(crate) use watertight::Corners;
 pub use watertight::WatertightTracer;

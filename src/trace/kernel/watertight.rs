@@ -4,12 +4,13 @@
 use super::avx2::{self, WatertightAvx2};
 use super::corners::{CornerBlock, corner_blocks};
 use super::scalar::WatertightScalar;
-use super::sound_tree::SoundTree;
+use super::sound_tree::{ProvenTree, SoundTree};
 use super::traverse::{self, Query};
 use crate::bvh::WideBvh;
 use crate::geometry::{Aabb, Hit, Mesh, Ray, Tracer};
 use crate::memory::catch_out_of_memory;
 use crate::simd::Isa;
+use std::borrow::Cow;
 
 /// Traces rays through a tree so that none slips through an edge or a vertex that triangles share, as with Embree's
 /// `RTC_SCENE_FLAG_ROBUST`: the interval and the order among equal distances are those of
@@ -20,9 +21,31 @@ use crate::simd::Isa;
 #[derive(Debug)]
 pub struct WatertightTracer<'a, const N: usize> {
     tree: SoundTree<'a, N>,
-    blocks: Vec<CornerBlock>,
-    bounds: Aabb,
+    corners: Cow<'a, Corners>,
     isa: Isa,
+}
+
+/// What its tests need besides a tree.
+#[derive(Clone, Debug)]
+pub(crate) struct Corners {
+    blocks: Vec<CornerBlock>,
+    /// Of the mesh.
+    bounds: Aabb,
+}
+
+impl Corners {
+    /// Those of `tree`, which was built over `mesh`. Unwinds to [`catch_out_of_memory`] where there is no memory.
+    ///
+    /// # Errors
+    /// One line, if the tree names a triangle that the mesh lacks.
+    pub(crate) fn of<const N: usize>(tree: &WideBvh<N>, mesh: &Mesh) -> Result<Self, String> {
+        Ok(Self { blocks: corner_blocks(tree, mesh)?, bounds: mesh.bounds() })
+    }
+
+    /// Bytes of the blocks.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.blocks[..])
+    }
 }
 
 impl<'a, const N: usize> WatertightTracer<'a, N> {
@@ -55,10 +78,7 @@ impl<'a, const N: usize> WatertightTracer<'a, N> {
     /// The tracer, or what is wrong with the tree. Unwinds to [`catch_out_of_memory`] where there is no memory.
     fn checked(tree: &'a WideBvh<N>, mesh: &Mesh, isa: Isa) -> Result<Self, String> {
         let sound = SoundTree::new(tree).map_err(|flaw| format!("malformed tree: {flaw}"))?;
-        let blocks = corner_blocks(tree, mesh)?;
-        // AVX-512 would add nothing.
-        let isa = isa.avx2().map_or(Isa::Scalar, Isa::Avx2);
-        Ok(Self { tree: sound, blocks, bounds: mesh.bounds(), isa })
+        Ok(Self { tree: sound, corners: Cow::Owned(Corners::of(tree, mesh)?), isa: in_use(isa) })
     }
 
     /// The instructions in use: those of choice, or AVX2's of a processor with AVX-512.
@@ -67,19 +87,32 @@ impl<'a, const N: usize> WatertightTracer<'a, N> {
     }
 
     fn run(&self, query: Query<'_>) {
-        let tree = self.tree.over(&self.blocks);
+        let Corners { blocks, bounds } = &*self.corners;
+        let tree = self.tree.over(blocks);
         match self.isa {
             #[cfg(target_arch = "x86_64")]
             Isa::Avx2(token) => {
-                avx2::run::<WatertightAvx2, (), N>(token, (token, self.bounds), tree, query, &mut ());
+                avx2::run::<WatertightAvx2, (), N>(token, (token, *bounds), tree, query, &mut ());
             }
             #[cfg(target_arch = "x86_64")]
             Isa::Avx512(_) => unreachable!("lowered to AVX2 when the tracer was made"),
-            Isa::Scalar => traverse::run::<WatertightScalar, (), N>(self.bounds, tree, query, &mut ()),
+            Isa::Scalar => traverse::run::<WatertightScalar, (), N>(*bounds, tree, query, &mut ()),
             #[cfg(not(target_arch = "x86_64"))]
             Isa::Avx2(_) | Isa::Avx512(_) => unreachable!("tokens of x86-64 are made there alone"),
         }
     }
+}
+
+impl<const N: usize> ProvenTree<N> {
+    /// A tracer over the tree, of which `corners` are; it costs nothing to make.
+    pub(crate) fn watertight_tracer<'a>(&'a self, corners: &'a Corners) -> WatertightTracer<'a, N> {
+        WatertightTracer { tree: self.sound(), corners: Cow::Borrowed(corners), isa: in_use(Isa::best()) }
+    }
+}
+
+/// The instructions in use where these may be: AVX-512 would add nothing.
+fn in_use(isa: Isa) -> Isa {
+    isa.avx2().map_or(Isa::Scalar, Isa::Avx2)
 }
 
 impl<const N: usize> Tracer for WatertightTracer<'_, N> {

@@ -4,8 +4,9 @@ use super::{DOWN, both, check_batch, plain, triangles};
 use crate::trace_support::*;
 use phr::builders::RefitError;
 use phr::bvh::saved::{SavedError, header_of};
-use phr::bvh::{Bvh4, Link};
-use phr::geometry::{Mesh, Ray};
+use phr::bvh::{Bvh4, Invalid, Link, TriangleBlock, WideBvh, WideNode};
+use phr::geometry::{Aabb, Mesh, Ray};
+use phr::glam::Vec3A;
 use phr::query::BvhError;
 use phr::trace::verify::compare_closest;
 use phr::trace::{BruteForce, BvhTracer};
@@ -130,22 +131,70 @@ fn a_tree_knows_its_builder_also_from_a_file() {
     assert_eq!(Bvh::load(&mesh, &path).unwrap().builder(), None);
 }
 
+/// A tree that answers rays and that `load` would refuse is not saved.
+#[test]
+fn what_could_not_be_loaded_is_not_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.tree");
+    let mesh = soup(100, 1);
+    let mut with_more = both(&mesh)[0].as_bvh4().unwrap().clone();
+    with_more.nodes.push(WideNode::EMPTY);
+    let error = Bvh::try_from(with_more).unwrap().save(&mesh, &path).unwrap_err();
+    assert!(error.to_string().contains("is never reached; build the tree again"), "{error}");
+    // Of triangles 0 and 2 of three.
+    let three = self::mesh(
+        (0..9u8).map(|i| [f32::from(i % 3), f32::from(i / 3), f32::from(i * i)]).collect(),
+        vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]],
+    );
+    let mut block = TriangleBlock::EMPTY;
+    block.set(0, three.corners(0), 0);
+    block.set(1, three.corners(2), 2);
+    let lacking = Bvh4 { root: Link::leaf(0, 1), bounds: three.bounds(), nodes: vec![], blocks: vec![block] };
+    let error = Bvh::try_from(lacking).unwrap().save(&three, &path).unwrap_err();
+    assert!(matches!(error, SavedError::Invalid { source: Invalid::Missing(1), .. }), "{error}");
+    assert!(!path.exists());
+}
+
+/// The box of a whole tree places its instances.
+#[test]
+fn a_box_that_does_not_hold_its_tree_is_refused() {
+    for mesh in [soup(100, 1), soup(3, 1)] {
+        let tree = phr::builders::by_name::<8>("lbvh").unwrap().build(&mesh).tree;
+        let with = |bounds: Aabb| Bvh::try_from(WideBvh { bounds, ..tree.clone() });
+        let Aabb { min, max } = tree.bounds;
+        assert!(with(tree.bounds).is_ok() && with(Aabb::new(min - 1.0, max)).is_ok());
+        for bounds in [Aabb::EMPTY, Aabb::new(min, max - 0.9 * (max - min)), Aabb::new(min, Vec3A::INFINITY)]
+        {
+            let error = with(bounds).unwrap_err();
+            assert!(error.to_string().contains("its box does not hold"), "{error}");
+        }
+    }
+}
+
 /// The tree is that of the builder of this name and width.
-fn check_build<const N: usize>(mesh: &Mesh, builder: &str, ray: &Ray) {
+fn check_build<const N: usize>(
+    mesh: &Mesh,
+    builder: &str,
+    rays: &[Ray],
+    of: impl Fn(&Bvh) -> Option<&WideBvh<N>>,
+) {
     let bvh = Bvh::build(mesh, &BvhConfig { builder, width: N }).unwrap();
     let tree = phr::builders::by_name::<N>(builder).unwrap().build(mesh).tree;
-    let hit = closest(&BvhTracer::new(&tree), &[*ray])[0];
-    assert_eq!(bvh.intersect(ray).map(|hit| hit.t), hit.is_hit().then_some(hit.t));
+    assert!(of(&bvh) == Some(&tree), "{builder}, {N}-wide");
+    let found: Vec<f32> = rays.iter().filter_map(|ray| bvh.intersect(ray)).map(|hit| hit.t).collect();
+    let expected = closest(&BvhTracer::new(&tree), rays);
+    let expected: Vec<f32> = expected.iter().filter(|hit| hit.is_hit()).map(|hit| hit.t).collect();
+    assert!(found == expected && !found.is_empty(), "{builder}, {N}-wide: {found:?} {expected:?}");
     assert_eq!(bvh.bytes(), tree.bytes() + 4 * mesh.len());
 }
 
 #[test]
 fn a_tree_is_built_by_name() {
     let mesh = soup(300, 1);
-    let ray = rays(&mesh, 64, 2)[0];
+    let rays = rays(&mesh, 64, 2);
     for builder in phr::builders::NAMES {
-        check_build::<4>(&mesh, builder, &ray);
-        check_build::<8>(&mesh, builder, &ray);
+        check_build::<4>(&mesh, builder, &rays, Bvh::as_bvh4);
+        check_build::<8>(&mesh, builder, &rays, Bvh::as_bvh8);
     }
     let error = Bvh::build(&mesh, &BvhConfig::new("sah", 4)).unwrap_err();
     assert!(error.to_string().starts_with("no builder is called sah; there are lbvh, "), "{error}");
