@@ -75,9 +75,14 @@ impl Device {
     /// writes it (`avx2`).
     ///
     /// # Errors
-    /// [`EmbreeError::Device`].
+    /// [`EmbreeError::Device`], also for what can be no name of an instruction set.
     pub fn limited(config: &Config, isa: &str) -> Result<Self, EmbreeError> {
-        Self::from_string(format!("{},max_isa={isa}", config.device_string()))
+        let config = format!("{},max_isa={isa}", config.device_string());
+        // Another option, behind a comma, might make leaves of another form.
+        if !isa.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"._".contains(&byte)) {
+            return Err(EmbreeError::Device { config, reason: "no instruction set has such a name" });
+        }
+        Self::from_string(config)
     }
 
     /// A device from any device string.

@@ -27,6 +27,9 @@ pub enum EmbreeError {
     /// A scene to be instanced was made by another device.
     #[error("instance {0} is of a scene of another device; make both with one device")]
     OtherDevice(usize),
+    /// A transform that is not finite or cannot be inverted.
+    #[error("the transform of instance {0} cannot be inverted; leave the instance out")]
+    Transform(usize),
     /// Another builder ran than was asked for.
     #[error(
         "Embree built {found} where {wanted} was asked for; another version or CPU than the device string is for?"

@@ -23,7 +23,7 @@ impl Device {
     /// A scene of `instances`, each a scene of this device and where it is: from its own space to the world's.
     ///
     /// # Errors
-    /// [`EmbreeError::OtherDevice`], [`EmbreeError::Call`] with Embree's text.
+    /// [`EmbreeError::OtherDevice`], [`EmbreeError::Transform`], [`EmbreeError::Call`] with Embree's text.
     pub fn instances<'a>(
         &self,
         instances: &[(&'a EmbreeScene<'a>, Affine3A)],
@@ -31,6 +31,10 @@ impl Device {
         // Embree would take it.
         if let Some(other) = instances.iter().position(|(object, _)| object.device().raw() != self.raw()) {
             return Err(EmbreeError::OtherDevice(other));
+        }
+        let is_usable = |transform: &Affine3A| transform.is_finite() && transform.inverse().is_finite();
+        if let Some(useless) = instances.iter().position(|(_, transform)| !is_usable(transform)) {
+            return Err(EmbreeError::Transform(useless));
         }
         // SAFETY: the device is live.
         let handle = Handle(unsafe { sys::rtcNewScene(self.raw()) });

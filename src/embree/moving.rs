@@ -25,6 +25,8 @@ pub struct MovingScene {
     vertices: *mut [f32; 3],
     /// Numbers of vertices and triangles.
     counts: [usize; 2],
+    /// Whether the tree is that of the vertices.
+    is_committed: bool,
     /// Released after the scene.
     device: Device,
 }
@@ -75,7 +77,8 @@ impl MovingScene {
             (handle, vertices)
         };
         device.check("attaching the mesh")?;
-        Ok(Self { handle, vertices, counts: [mesh.vertices().len(), mesh.len()], device })
+        let counts = [mesh.vertices().len(), mesh.len()];
+        Ok(Self { handle, vertices, counts, is_committed: false, device })
     }
 
     /// Copies the vertices of `mesh`, the scene's own with vertices moved; to be committed.
@@ -84,6 +87,7 @@ impl MovingScene {
     /// If it has another number of vertices or triangles.
     pub fn follow(&mut self, mesh: &Mesh) {
         assert_eq!(self.counts, [mesh.vertices().len(), mesh.len()], "the mesh that the scene was made of");
+        self.is_committed = false;
         if self.vertices.is_null() {
             return;
         }
@@ -98,6 +102,7 @@ impl MovingScene {
     /// # Errors
     /// [`EmbreeError::Call`] with Embree's text.
     pub fn commit(&mut self) -> Result<(), EmbreeError> {
+        self.is_committed = false;
         // SAFETY: the scene is live and borrowed here alone; the geometry is the one attached when it was made.
         unsafe {
             let geometry = sys::rtcGetGeometry(self.handle.0, GEOMETRY);
@@ -105,11 +110,17 @@ impl MovingScene {
             sys::rtcCommitGeometry(geometry);
             sys::rtcCommitScene(self.handle.0);
         }
-        self.device.check("building the tree")
+        self.device.check("building the tree")?;
+        self.is_committed = true;
+        Ok(())
     }
 
     /// The scene as last committed, over `mesh`, whose vertices it has.
+    ///
+    /// # Panics
+    /// If it was not committed, or not since it followed a mesh.
     pub fn committed<'a>(&'a self, mesh: &'a Mesh) -> Committed<'a> {
+        assert!(self.is_committed, "a scene is committed before it is traced");
         Committed(EmbreeScene::shared(&self.handle, &self.device, mesh))
     }
 }
@@ -204,6 +215,17 @@ mod tests {
         }
         assert!(found[0].0 && !found[1].0);
         assert!(found[0].1 > 1.05 * found[1].1, "{found:?}");
+    }
+
+    #[test]
+    #[should_panic = "committed before it is traced"]
+    fn a_scene_that_is_not_committed_is_not_traced() {
+        let mesh = soup(100);
+        let mut scene = MovingScene::new(&mesh, Following::Refit, Width::Four, 1).unwrap();
+        scene.commit().unwrap();
+        assert!(!scene.committed(&mesh).bounds().is_empty());
+        scene.follow(&mesh);
+        scene.committed(&mesh);
     }
 
     #[test]

@@ -21,8 +21,11 @@ unsafe impl Sync for Handle {}
 
 impl Drop for Handle {
     fn drop(&mut self) {
-        // SAFETY: this owner's reference, released once.
-        unsafe { sys::rtcReleaseScene(self.0) };
+        // Of none an error would be left to a later call.
+        if !self.0.is_null() {
+            // SAFETY: this owner's reference, released once.
+            unsafe { sys::rtcReleaseScene(self.0) };
+        }
     }
 }
 
@@ -50,21 +53,22 @@ impl Device {
         let handle = unsafe {
             let handle = Handle(sys::rtcNewScene(device.raw()));
             let geometry = sys::rtcNewGeometry(device.raw(), sys::RTC_GEOMETRY_TYPE_TRIANGLE);
-            device.check("making a scene")?;
+            let made = device.check("making a scene");
             let share = |kind, format, pointer, count| {
                 sys::rtcSetSharedGeometryBuffer(geometry, kind, 0, format, pointer, 0, 12, count);
             };
-            let vertices = mesh.padded_vertices().as_ptr().cast();
-            share(sys::RTC_BUFFER_TYPE_VERTEX, sys::RTC_FORMAT_FLOAT3, vertices, mesh.vertices().len());
-            share(
-                sys::RTC_BUFFER_TYPE_INDEX,
-                sys::RTC_FORMAT_UINT3,
-                mesh.triangles().as_ptr().cast(),
-                mesh.len(),
-            );
-            sys::rtcCommitGeometry(geometry);
-            sys::rtcAttachGeometryByID(handle.0, geometry, GEOMETRY);
-            sys::rtcReleaseGeometry(geometry);
+            if made.is_ok() {
+                let vertices = mesh.padded_vertices().as_ptr().cast();
+                share(sys::RTC_BUFFER_TYPE_VERTEX, sys::RTC_FORMAT_FLOAT3, vertices, mesh.vertices().len());
+                let triangles = mesh.triangles().as_ptr().cast();
+                share(sys::RTC_BUFFER_TYPE_INDEX, sys::RTC_FORMAT_UINT3, triangles, mesh.len());
+                sys::rtcCommitGeometry(geometry);
+                sys::rtcAttachGeometryByID(handle.0, geometry, GEOMETRY);
+            }
+            if !geometry.is_null() {
+                sys::rtcReleaseGeometry(geometry);
+            }
+            made?;
             handle
         };
         device.check("attaching the mesh")?;

@@ -135,9 +135,15 @@ impl RootSlot {
     /// Finds the root of the `N`-wide tree of `scene`, which holds at least one triangle.
     pub fn find<const N: usize>(scene: &EmbreeScene<'_>) -> Result<Self, Unavailable> {
         known(scene.device())?;
-        // Their blocks are as long as ours, and would be read as something else.
-        if scene.device().config().contains("triangle4v") {
-            return Unavailable::because("the leaves of a watertight device hold whole triangles");
+        // Other blocks would be read as something else; those of a watertight device are as long as ours.
+        let options =
+            scene.device().config().split(',').filter_map(|option| option.strip_prefix("tri_accel="));
+        match options.collect::<Vec<_>>()[..] {
+            ["bvh4.triangle4" | "bvh8.triangle4"] => {}
+            ["bvh4.triangle4v" | "bvh8.triangle4v"] => {
+                return Unavailable::because("the leaves of a watertight device hold whole triangles");
+            }
+            _ => return Unavailable::because("the leaves of this device may be of another form"),
         }
         let expected = Expected {
             lanes: N,
