@@ -4,6 +4,7 @@
 #![allow(unsafe_code)]
 
 use super::OutOfMemory;
+use rayon::prelude::*;
 use std::mem::MaybeUninit;
 
 /// The size of a huge page. An array of twice this holds one, wherever it begins.
@@ -38,16 +39,29 @@ pub(crate) fn reserve<T>(array: &mut Vec<T>, len: usize, what: &'static str) {
     try_reserve(array, len, what).unwrap_or_else(|error| error.unwind());
 }
 
-/// As [`Vec::resize`], on huge pages; unwinds likewise.
-pub(crate) fn resize<T: Clone>(array: &mut Vec<T>, len: usize, value: T, what: &'static str) {
-    reserve(array, len, what);
-    array.resize(len, value);
+/// As [`Vec::resize`], on huge pages and on all threads of the current rayon pool: whoever first writes to a page waits
+/// until the system has cleared it. Unwinds likewise.
+pub(crate) fn resize<T: Copy + Send + Sync>(array: &mut Vec<T>, len: usize, value: T, what: &'static str) {
+    resize_with(array, len, || value, what);
 }
 
-/// An array of `len` times `value`; unwinds likewise.
+/// As [`Vec::resize_with`], likewise.
+pub(crate) fn resize_with<T: Send>(
+    array: &mut Vec<T>,
+    len: usize,
+    value: impl Fn() -> T + Sync + Send,
+    what: &'static str,
+) {
+    reserve(array, len, what);
+    array.truncate(len);
+    array.par_extend((array.len()..len).into_par_iter().map(|_| value()));
+}
+
+/// An array of `len` times `value`, on this thread; unwinds likewise.
 pub(crate) fn filled<T: Clone>(len: usize, value: T, what: &'static str) -> Vec<T> {
     let mut array = Vec::new();
-    resize(&mut array, len, value, what);
+    reserve(&mut array, len, what);
+    array.resize(len, value);
     array
 }
 

@@ -118,8 +118,8 @@ impl Tree {
 
     /// Sets the root and tells all pairs their parents.
     pub fn finish(&mut self, root: LinkedNode) {
-        huge_pages::reserve(&mut self.parents, self.pairs.len(), "parents in the tree to be optimised");
-        self.parents.resize_with(self.pairs.len(), AtomicU32::default);
+        let what = "parents in the tree to be optimised";
+        huge_pages::resize_with(&mut self.parents, self.pairs.len(), AtomicU32::default, what);
         *self.parents[0].get_mut() = ROOT;
         self.pairs[0].0[0] = root;
         let Self { pairs, parents, .. } = self;

@@ -74,8 +74,7 @@ impl<const N: usize> WideBvh<N> {
         huge_pages::resize(&mut of_blocks, self.blocks.len(), Aabb::EMPTY, "boxes of leaf blocks");
         // Before anything is changed: want of memory unwinds.
         let mut of_nodes: Vec<NodeBox> = Vec::new();
-        huge_pages::reserve(&mut of_nodes, self.nodes.len(), "boxes of nodes");
-        of_nodes.resize_with(self.nodes.len(), NodeBox::default);
+        huge_pages::resize_with(&mut of_nodes, self.nodes.len(), NodeBox::default, "boxes of nodes");
         let chunks = self.blocks.chunks_mut(GRAIN).zip(of_blocks.chunks_mut(GRAIN));
         parallel::for_each(chunks, |(blocks, boxes)| {
             blocks.iter_mut().zip(boxes).for_each(|(block, bounds)| *bounds = refill(block, mesh));
