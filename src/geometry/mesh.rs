@@ -153,12 +153,18 @@ impl Mesh {
     }
 
     /// The three corners of triangle `prim`.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
     #[inline(always)]
     pub fn corners(&self, prim: u32) -> [Vec3A; 3] {
         self.corners_of(&self.triangles[prim as usize])
     }
 
     /// The corners of one of [`Mesh::triangles`].
+    ///
+    /// # Panics
+    /// If the mesh has no such vertices.
     #[inline(always)]
     pub fn corners_of(&self, triangle: &[u32; 3]) -> [Vec3A; 3] {
         let [a, b, c] = *triangle;
@@ -173,6 +179,9 @@ impl Mesh {
     }
 
     /// The box of triangle `prim`.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
     #[inline]
     pub fn bounds_of(&self, prim: u32) -> Aabb {
         Aabb::of_triangle(self.corners(prim))

@@ -211,6 +211,16 @@ fn large_trees<const N: usize>() {
     assert!(spatial_splits.iter().all(|&n| n > 50), "{spatial_splits:?}");
 }
 
+/// Costs that are zero or infinite are so for all instructions.
+#[test]
+fn trees_of_extreme_size_are_the_same_with_any_instructions() {
+    for scale in [1e-38, 1e-20, 1e9, 1e18] {
+        let mesh = scaled(500, scale, 5);
+        same_tree_everywhere::<4>(&format!("soup of size {scale}"), &mesh);
+        same_tree_everywhere::<8>(&format!("soup of size {scale}"), &mesh);
+    }
+}
+
 #[test]
 fn trees_are_the_same_with_any_instructions_and_any_number_of_threads() {
     for (what, mesh) in large_meshes() {

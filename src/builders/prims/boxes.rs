@@ -54,7 +54,7 @@ impl Boxes<'static> {
     /// Boxes that are not split.
     ///
     /// # Errors
-    /// [`BoxesError`]: a box that is empty, infinite or NaN; too many.
+    /// [`BoxesError`]: a box that is empty, infinite or NaN, or reaches beyond 1.844e18; too many.
     pub fn new(bounds: Vec<Aabb>) -> Result<Self, BoxesError> {
         if bounds.len() > Mesh::MAX_TRIANGLES {
             return Err(BoxesError::TooMany(bounds.len()));

@@ -31,7 +31,7 @@ pub trait Primitives: Sync {
         self.len() == 0
     }
 
-    /// The box of primitive `id`: finite and not empty, though it may be flat.
+    /// The box of primitive `id`: not empty, though it may be flat, and within 1.844e18 of the origin.
     fn bounds(&self, id: u32) -> Aabb;
 
     /// Whether primitives may be split where a builder splits space: `phr-quality` and `phr-best` by

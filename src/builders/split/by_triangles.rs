@@ -7,6 +7,7 @@ use super::object::split::ObjectSplit;
 use super::spatial::split::SpatialSplit;
 use crate::builders::binary::node::Node;
 use crate::geometry::Aabb;
+use crate::geometry::ordered::ordered_bits;
 
 /// A node, which counts as many as it has triangles.
 fn counted(node: &Node) -> CountedBox {
@@ -23,7 +24,8 @@ pub(crate) fn object(nodes: &[Node], area: f32) -> ObjectSplit {
     let mut best = ObjectSplit::below(whole(area, nodes) * GAIN);
     for axis in 0..3 {
         let mut order: Vec<usize> = (0..nodes.len()).collect();
-        order.sort_by(|&a, &b| nodes[a].center2(axis).total_cmp(&nodes[b].center2(axis)));
+        // Zeros of either sign are one place, as for whoever divides the nodes.
+        order.sort_by_key(|&i| ordered_bits(nodes[i].center2(axis)));
         let right = unions_from(order.iter().map(|&i| &nodes[i]));
         let mut left = CountedBox::EMPTY;
         for i in 1..nodes.len() {

@@ -73,11 +73,13 @@ fn copied<T: ForeignTree>(
     match tree.open(at, &mut subtrees.prims) {
         Opened::Children(_) if level == MOST_LEVELS => Err(format!("its tree has more than {level} levels")),
         Opened::Children([left, right]) => {
+            // What it may have told of triangles is none of a leaf's.
+            subtrees.prims.truncate(first);
             let left = copied((tree, mesh), left, level + 1, subtrees)?;
             let right = copied((tree, mesh), right, level + 1, subtrees)?;
             Ok(subtrees.merge([left, right]))
         }
-        Opened::Leaf(bounds) => match &subtrees.prims[first..] {
+        Opened::Leaf(bounds) => match subtrees.prims.get(first..).unwrap_or_default() {
             [] => Ok(None),
             prims if prims.len() > MAX_LEAF as usize => {
                 Err(format!("a leaf of its tree has {} triangles, ours at most {MAX_LEAF}", prims.len()))

@@ -52,8 +52,9 @@ pub fn surface(seed: u64, u: f32, v: f32) -> Vec3 {
 
     // Folds of the robe follow the noise; curls cover the head; all over lies the scanner's noise.
     let folds = bump(0.2, 0.64) * 0.010 * sin_cos(height * 14.0 + 1.3 * noise(seed, p * 5.0) + sin * 0.8).0;
-    let curls = bump(0.76, 0.95) * 0.006 * noise(seed + 50, p * 60.0);
-    let carved = 0.008 * fractal(seed + 90, p * 18.0, 3) + 0.0012 * fractal(seed + 70, p * 160.0, 3);
+    let curls = bump(0.76, 0.95) * 0.006 * noise(seed.wrapping_add(50), p * 60.0);
+    let [rough, fine] = [90, 70].map(|stream| seed.wrapping_add(stream));
+    let carved = 0.008 * fractal(rough, p * 18.0, 3) + 0.0012 * fractal(fine, p * 160.0, 3);
     let taper = (reach / 0.05).min(1.0);
     p + (outwards + Vec3::Y * 0.3) * ((folds + curls + carved) * taper)
 }

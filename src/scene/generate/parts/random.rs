@@ -76,7 +76,9 @@ pub fn noise(seed: u64, p: Vec3) -> f32 {
 
 /// Noise summed over octaves, each of half the size and half the height.
 pub fn fractal(seed: u64, p: Vec3, octaves: u32) -> f32 {
-    (0..octaves).map(|i| noise(seed + u64::from(i), p * (1u32 << i) as f32) / (1u32 << i) as f32).sum()
+    (0..octaves)
+        .map(|i| noise(seed.wrapping_add(u64::from(i)), p * (1u32 << i) as f32) / (1u32 << i) as f32)
+        .sum()
 }
 
 #[cfg(test)]
