@@ -110,6 +110,10 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         (&["advise", "scalable-2k", "--kernel", "embree"], "--kernel embree"),
         (&["advise", "nowhere"], "nowhere"),
         (&["advise", "--judge", "nowhere"], "nowhere"),
+        (&["advise", "--judge", "nowhere", "--rays", "1M"], "--rays"),
+        (&["advise", "--fit", "nowhere", "--model", "m.json", "--seconds", "3"], "--seconds"),
+        (&["advise", "scalable-2k", "--instant", "--threads", "1"], "--threads"),
+        (&["tune", "--judge", "nowhere", "--seed", "2"], "--seed"),
         (&["tune", "scalable-2k", "--seconds", "0"], "--seconds 0"),
         (
             &["tune", "scalable-2k", "--builder", "embree-sah"],

@@ -201,6 +201,8 @@ fn what_cannot_be_done_is_refused_in_one_line() {
         (&["experiment", "grid", "missing.ply"], &["missing.ply"]),
         (&["experiment", "grid", "scalable-2k", "--width", "5"], &["--width", "4 or 8"]),
         (&["experiment", "grid", "--redraw", "--out", "empty"], &[ROWS]),
+        (&["experiment", "grid", "--redraw", "--rounds", "2"], &["--rounds", "--redraw"]),
+        (&["animate", "--redraw", "--width", "8"], &["--width", "--redraw"]),
         (&["experiment", "cut-size", "--redraw", "--out", "empty"], &["cut-size.csv", "--redraw"]),
         (&["experiment", "split", "scalable-2k", "scalable-3k"], &["one scene"]),
         (&["experiment", "cut-size", "--rounds", "3"], &["--rounds has no effect", "leave it out"]),

@@ -26,7 +26,7 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Names of moving scenes
     scenes: Vec<String>,
-    /// Builder of ours (repeatable) [default: lbvh, phr-fast, phr-speed]
+    /// Builder of ours (repeatable) [default: lbvh, phr-draft, phr-turbo, phr-fast, phr-speed]
     #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
     #[command(flatten)]
@@ -73,13 +73,14 @@ pub struct Arguments {
 }
 
 /// What says how to measure.
-const MEASURED: [&str; 12] = [
+const MEASURED: [&str; 13] = [
     "scenes",
     "builders",
     "changes",
     "configs",
     "frames",
     "triangles",
+    "width",
     "kernel",
     "views",
     "size",

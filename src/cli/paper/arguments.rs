@@ -52,18 +52,22 @@ pub struct Arguments {
     pub replace: bool,
     /// Measure nothing: take the rows of this results folder, of `phr bench` for instance (repeatable: of several,
     /// such as times of one and steps of another)
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["resume", "replace", "scenes"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = MEASURED)]
     pub rows: Vec<PathBuf>,
     /// List what would be run
     #[arg(long, conflicts_with_all = ["rows", "redraw", "check"])]
     pub list: bool,
     /// Measure nothing: draw and tell again from the CSV in the folder
-    #[arg(long, conflicts_with = "scenes")]
+    #[arg(long, conflicts_with_all = MEASURED)]
     pub redraw: bool,
     /// Measure and draw nothing; fail if figures or findings in the folder are not those of the CSV
-    #[arg(long, conflicts_with = "scenes")]
+    #[arg(long, conflicts_with_all = MEASURED)]
     pub check: bool,
 }
+
+/// What says how to measure.
+const MEASURED: [&str; 10] =
+    ["scenes", "views", "size", "rounds", "seconds", "threads", "seed", "host", "resume", "replace"];
 
 impl Arguments {
     /// The folder of the results.

@@ -10,7 +10,7 @@ use crate::cli::options::{Made, all_threads, cells, percent, seconds, width};
 use crate::cli::output::say;
 use crate::cli::progress::Bar;
 use crate::report::compare::by_turns::{ByTurns, THRESHOLD};
-use crate::report::compare::{Outcome, Recorded, Verdict};
+use crate::report::compare::{Change, Outcome, Recorded};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -84,9 +84,9 @@ fn results(arguments: &Arguments, a: &Path, b: &Path) -> Result<(), Failure> {
         return Err(Failure::Bad(format!("{a}, {b}: no figure in common; give two runs of the same scenes")));
     }
     let count = |verdict| outcome.count(verdict);
-    let slower = count(Verdict::Slower) + outcome.failures.len();
+    let slower = count(Change::Slower) + outcome.failures.len();
     // What B lacks may be what got slower.
-    verdict(slower, count(Verdict::Inconclusive) + outcome.missing, &outcome.summary(threshold))
+    verdict(slower, count(Change::Inconclusive) + outcome.missing, &outcome.summary(threshold))
 }
 
 fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
@@ -132,7 +132,7 @@ fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
             "The time was over after {seconds} s, before every interval was narrow; --seconds N gives more.\n"
         ))?;
     }
-    verdict(judged.count(Verdict::Slower), judged.count(Verdict::Inconclusive), &judged.summary())
+    verdict(judged.count(Change::Slower), judged.count(Change::Inconclusive), &judged.summary())
 }
 
 /// The exit code's reason.

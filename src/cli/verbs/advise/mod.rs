@@ -3,13 +3,11 @@
 pub mod tune;
 
 use crate::bench::cell::Kernel;
-use crate::bench::chosen::Chosen;
-use crate::bench::files::new_folder;
-use crate::bench::files::write_whole;
+use crate::bench::files::{new_folder, write_whole};
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::row;
 use crate::cli::failure::Failure;
-use crate::cli::options::{Widths, all_threads, loaded, pools, rays, seconds, widths};
+use crate::cli::options::{Made, Widths, all_threads, loaded, pools, rays, seconds, widths};
 use crate::cli::output::say;
 use crate::cli::place::{FileKind, check_place};
 use crate::cli::progress::Steps;
@@ -31,7 +29,7 @@ use std::time::Duration;
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene file or name of a generated scene
-    #[arg(required_unless_present_any = ["fit", "judge"], conflicts_with_all = ["fit", "judge"])]
+    #[arg(required_unless_present_any = ["fit", "judge"])]
     scene: Option<String>,
     /// Number of rays: 50M, 1G, 3e8
     #[arg(long, default_value = "100M", value_name = "N", value_parser = rays)]
@@ -40,25 +38,21 @@ pub struct Arguments {
     #[arg(long, default_value = "both", value_name = "N", value_parser = widths)]
     width: Widths,
     /// Seconds to measure, from the loaded scene on
-    #[arg(long, default_value_t = 30, value_name = "N", value_parser = seconds, conflicts_with = "instant")]
+    #[arg(long, default_value_t = 30, value_name = "N", value_parser = seconds)]
     seconds: u64,
     /// Measure nothing: advise by the model over facts of the mesh
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = MEASURED)]
     instant: bool,
     /// Only this builder (repeatable) [default: all in tables]
-    #[arg(long = "builder", value_name = "NAME", conflicts_with = "instant")]
+    #[arg(long = "builder", value_name = "NAME")]
     builders: Vec<String>,
-    /// Also a builder with this field of its configuration changed (repeatable): BUILDER.FIELD=VALUE, as phr-hq.delta=8
-    #[arg(long = "set", value_name = "CHANGE", conflicts_with = "instant")]
-    changes: Vec<String>,
-    /// Also the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
-    #[arg(long = "config", value_name = "FILE", conflicts_with = "instant")]
-    configs: Vec<PathBuf>,
+    #[command(flatten)]
+    made: Made,
     /// What traces the trees: embree-grafted or phr [default: embree-grafted where this program has it]
-    #[arg(long, value_name = "KERNEL", conflicts_with = "instant")]
+    #[arg(long, value_name = "KERNEL")]
     kernel: Option<String>,
     /// Threads [default: all processors]
-    #[arg(long, value_name = "N", conflicts_with = "instant")]
+    #[arg(long, value_name = "N")]
     threads: Option<usize>,
     /// Folder for CSV and plot [default: results/advice-SCENE, with --instant results/advice-SCENE-instant]
     #[arg(long, value_name = "DIR")]
@@ -68,12 +62,13 @@ pub struct Arguments {
     model: Option<PathBuf>,
     /// Fit the model to the rows of a results folder and write it to the file of --model
     #[arg(long, value_name = "RESULTS", requires = "model", conflicts_with = "judge")]
+    #[arg(conflicts_with_all = ADVISED, conflicts_with_all = MEASURED)]
     fit: Option<PathBuf>,
     /// With --fit: without this scene, for which the model is to be judged
     #[arg(long, value_name = "SCENE", requires = "fit")]
     without: Option<String>,
     /// Print how good the model's advice is: for each scene of a results folder by a model of the others
-    #[arg(long, value_name = "RESULTS")]
+    #[arg(long, value_name = "RESULTS", conflicts_with_all = ADVISED, conflicts_with_all = MEASURED)]
     judge: Option<PathBuf>,
     /// With --judge: how good the advice in the subfolders of this folder is instead, by the run's total times
     #[arg(long, value_name = "DIR", requires = "judge", conflicts_with = "withheld")]
@@ -82,6 +77,11 @@ pub struct Arguments {
     #[arg(long, value_name = "RESULTS", requires = "judge")]
     withheld: Option<PathBuf>,
 }
+
+/// What says for what advice is wanted.
+const ADVISED: [&str; 5] = ["scene", "rays", "width", "instant", "out"];
+/// What says how to measure.
+const MEASURED: [&str; 6] = ["seconds", "builders", "changes", "configs", "kernel", "threads"];
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -134,7 +134,7 @@ fn measurement(arguments: &Arguments) -> Result<Measurement, Failure> {
             "--seconds 0: nothing would be measured; give 1 or more, or --instant".into(),
         ));
     }
-    let chosen = Chosen::new(&arguments.builders, &arguments.changes, &arguments.configs)?;
+    let chosen = arguments.made.chosen(&arguments.builders)?;
     let mut cells = chosen.cells(false)?;
     cells.retain(|cell| arguments.width.0.contains(&cell.width));
     if cells.is_empty() {

@@ -25,7 +25,7 @@ use std::time::Duration;
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene file or name of a generated scene
-    #[arg(required_unless_present = "judge", conflicts_with = "judge")]
+    #[arg(required_unless_present = "judge")]
     scene: Option<String>,
     /// Number of rays that a tree is for: 50M, 1G, 3e8
     #[arg(long, default_value = "1G", value_name = "N", value_parser = rays)]
@@ -53,7 +53,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Search nothing: tell what the searches gained whose tune.csv lie in subfolders of this folder
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "output", "name"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = SEARCHED)]
     judge: Option<PathBuf>,
     /// File for the configuration, which --config of other commands reads
     #[arg(short, long, value_name = "FILE")]
@@ -62,6 +62,10 @@ pub struct Arguments {
     #[arg(long, requires = "output")]
     name: Option<String>,
 }
+
+/// What says what to search, how, and where to.
+const SEARCHED: [&str; 11] =
+    ["scene", "rays", "builder", "seconds", "width", "kernel", "threads", "seed", "out", "output", "name"];
 
 /// Runs the verb.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
