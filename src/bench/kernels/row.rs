@@ -68,14 +68,11 @@ pub struct KernelRow {
     /// Whether all answers agree with those of the reference, Embree's single rays over the first tree: none is
     /// wrong, and no more than may be differ at edges or on thin triangles.
     pub verified: bool,
-    /// Answers that differ where only rounding decides; not in older files.
-    #[serde(default)]
+    /// Answers that differ where only rounding decides.
     pub edges: Option<u64>,
-    /// Answers that exact arithmetic refutes, but single precision gives; not in older files.
-    #[serde(default)]
+    /// Answers that exact arithmetic refutes, but single precision gives.
     pub near_misses: Option<u64>,
-    /// Milliseconds of each pass, with spaces between them; empty in older files.
-    #[serde(default)]
+    /// Milliseconds of each pass, with spaces between them.
     pub pass_ms: String,
 }
 
@@ -85,7 +82,7 @@ impl KernelRow {
         self.kernel.starts_with("phr")
     }
 
-    /// Milliseconds of each pass; none in older files.
+    /// Milliseconds of each pass.
     pub fn passes(&self) -> Vec<f64> {
         self.pass_ms.split_whitespace().filter_map(|ms| ms.parse().ok()).collect()
     }
@@ -148,19 +145,6 @@ mod tests {
             let error = read(folder.path()).unwrap_err().to_string();
             assert!(error.contains("kernels.csv") && error.contains("pass_ms"), "{error}");
         }
-    }
-
-    #[test]
-    fn older_files_have_no_passes() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join(KERNELS);
-        let row = KernelRow { schema: SCHEMA, ..KernelRow::default() };
-        write(&path, std::slice::from_ref(&row)).unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
-        let older = text.replace(",edges,near_misses,pass_ms", "").replace("false,,,", "false");
-        assert_ne!(older, text);
-        std::fs::write(&path, older).unwrap();
-        assert_eq!(read(folder.path()).unwrap(), [row]);
     }
 
     #[test]

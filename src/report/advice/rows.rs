@@ -6,6 +6,7 @@
 
 use super::estimate::{Traced, estimates};
 use super::{Advice, Known};
+use crate::bench::environment::{Machine, Program};
 use crate::bench::files::{RecordsError, read_csv, write_csv};
 use crate::bench::quick::line::{Estimate, TotalTime};
 use serde::{Deserialize, Serialize};
@@ -65,6 +66,12 @@ pub struct AdviceRow {
     pub best_from_rays: Option<f64>,
     /// Why there are no figures, or no further round.
     pub note: String,
+    /// Revision of this program, `-dirty` if the sources differed from it; empty in files of older ones.
+    #[serde(default)]
+    pub git_rev: String,
+    /// Processor model; likewise.
+    #[serde(default)]
+    pub cpu: String,
 }
 
 impl AdviceRow {
@@ -102,6 +109,7 @@ pub fn lines(rows: &[AdviceRow]) -> Vec<Option<TotalTime>> {
 /// An unwritable place.
 pub fn write(folder: &Path, advice: &Advice) -> Result<(), RecordsError> {
     let winners = advice.winners();
+    let (git_rev, cpu) = (Program::this().git_rev, Machine::this("").cpu);
     let row = |known: &Known| {
         let is_this = |other: &&(&Known, f64)| std::ptr::eq(other.0, known);
         let built = known.traced.map(|traced| traced.build_ms);
@@ -136,6 +144,8 @@ pub fn write(folder: &Path, advice: &Advice) -> Result<(), RecordsError> {
             total_ms_high,
             best_from_rays: winners.iter().find(is_this).map(|(_, from)| *from),
             note: known.note.clone(),
+            git_rev: git_rev.clone(),
+            cpu: cpu.clone(),
         }
     };
     write_csv(&folder.join(ADVICE), &advice.trees.iter().map(row).collect::<Vec<_>>())

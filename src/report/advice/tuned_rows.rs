@@ -4,6 +4,7 @@
 #![cfg_attr(not(test), warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
+use crate::bench::environment::{Machine, Program};
 use crate::bench::files::{RecordsError, read_csv, write_csv};
 use crate::bench::quick::line::TotalTime;
 use crate::bench::tune::{Trial, Tuned, mean_ratios};
@@ -56,6 +57,12 @@ pub struct TuneRow {
     pub total_low: Option<f64>,
     /// Upper end of it.
     pub total_high: Option<f64>,
+    /// Revision of this program, `-dirty` if the sources differed from it; empty in files of older ones.
+    #[serde(default)]
+    pub git_rev: String,
+    /// Processor model; likewise.
+    #[serde(default)]
+    pub cpu: String,
 }
 
 /// Writes a search to `folder`, whole or not at all.
@@ -69,6 +76,7 @@ pub fn write(
     rays: f64,
 ) -> Result<(), RecordsError> {
     let anchor = tree_name((&tuned.anchor.builder, tuned.anchor.width));
+    let (git_rev, cpu) = (Program::this().git_rev, Machine::this("").cpu);
     let row = |stage: &str, trial: &Trial| {
         let visits: Vec<_> = trial.pairs.iter().map(|pair| pair.tried).collect();
         let line = TotalTime::of(&visits);
@@ -91,6 +99,8 @@ pub fn write(
             total: total.value,
             total_low: end(total.low),
             total_high: end(total.high),
+            git_rev: git_rev.clone(),
+            cpu: cpu.clone(),
         }
     };
     let trials = tuned.trials.iter().map(|trial| row("trial", trial));

@@ -1,6 +1,6 @@
 //! Two programs measured by turns: is a builder faster in the second, slower or the same?
 
-use super::runs::Verdict;
+use super::runs::Change;
 use crate::bench::statistics::{Ratio, median};
 use crate::bench::turns::paired::PairedMean;
 use crate::bench::turns::row::TurnRow;
@@ -13,7 +13,7 @@ pub const THRESHOLD: f64 = 0.02;
 #[derive(Clone, Debug, PartialEq)]
 pub struct ByTurns {
     /// In the order of the rows: the mean over scenes, and what it says.
-    pub verdicts: Vec<(Ratio, Verdict)>,
+    pub verdicts: Vec<(Ratio, Change)>,
     grid: Grid,
     legend: String,
 }
@@ -27,7 +27,7 @@ impl ByTurns {
             let of_tree: Vec<&TurnRow> = rows.iter().filter(|row| row.tree() == tree).collect();
             let mut line = |scene: &str, ms: [String; 2], mean: PairedMean| {
                 let ratio = mean.ratio();
-                let verdict = Verdict::of(&ratio, threshold);
+                let verdict = Change::of(&ratio, threshold);
                 let [a, b] = ms;
                 let (name, value) = (name_of(tree), format!("{:.3}", ratio.value));
                 grid.push(vec![name, scene.into(), a, b, value, interval(&ratio), verdict.name().into()]);
@@ -52,7 +52,7 @@ impl ByTurns {
     }
 
     /// Builders with a verdict.
-    pub fn count(&self, verdict: Verdict) -> usize {
+    pub fn count(&self, verdict: Change) -> usize {
         self.verdicts.iter().filter(|found| found.1 == verdict).count()
     }
 
@@ -63,7 +63,7 @@ impl ByTurns {
 
     /// One line of counts.
     pub fn summary(&self) -> String {
-        let counts = Verdict::ALL.map(|verdict| format!("{} {}", self.count(verdict), verdict.name()));
+        let counts = Change::ALL.map(|verdict| format!("{} {}", self.count(verdict), verdict.name()));
         format!("{} builders: {}", self.verdicts.len(), counts.join(", "))
     }
 }
@@ -84,7 +84,7 @@ pub fn page(rows: &[TurnRow]) -> String {
         let end = |of: Option<&(&str, Ratio)>| {
             of.map_or_else(Default::default, |(scene, ratio)| [shown(ratio), (*scene).to_owned()])
         };
-        let verdict = Verdict::of(&all, THRESHOLD).name().to_owned();
+        let verdict = Change::of(&all, THRESHOLD).name().to_owned();
         let mut cells = vec![name_of(tree), shown(&all), verdict];
         cells.extend([end(scenes.first()), end(scenes.last())].into_iter().flatten());
         grid.push(cells);
@@ -160,8 +160,8 @@ mod tests {
     #[test]
     fn each_builder_has_a_verdict_over_all_scenes() {
         let judged = ByTurns::of(&rows(), THRESHOLD);
-        let verdicts: Vec<Verdict> = judged.verdicts.iter().map(|verdict| verdict.1).collect();
-        assert_eq!(verdicts, [Verdict::Slower, Verdict::Same, Verdict::Inconclusive]);
+        let verdicts: Vec<Change> = judged.verdicts.iter().map(|verdict| verdict.1).collect();
+        assert_eq!(verdicts, [Change::Slower, Change::Same, Change::Inconclusive]);
         let text = judged.document();
         assert!(text.contains("3 builders: 1 slower, 1 inconclusive, 0 faster, 1 same"), "{text}");
         assert!(text.contains("3 sessions"), "{text}");

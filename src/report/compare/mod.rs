@@ -8,4 +8,4 @@ pub mod by_turns;
 pub mod machines;
 pub mod runs;
 
-pub use runs::{Outcome, Recorded, Verdict};
+pub use runs::{Change, Outcome, Recorded};

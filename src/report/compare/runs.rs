@@ -51,7 +51,7 @@ impl Recorded {
 
 /// What a comparison says of B.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Verdict {
+pub enum Change {
     /// The whole interval lies above the threshold.
     Slower,
     /// The interval reaches over a threshold, or nothing is known of the spread.
@@ -62,7 +62,7 @@ pub enum Verdict {
     Same,
 }
 
-impl Verdict {
+impl Change {
     /// All, the worst first.
     pub const ALL: [Self; 4] = [Self::Slower, Self::Inconclusive, Self::Faster, Self::Same];
 
@@ -114,7 +114,7 @@ pub struct Comparison {
     /// B relative to A.
     pub ratio: Ratio,
     /// What that says.
-    pub verdict: Verdict,
+    pub verdict: Change,
 }
 
 /// What came of two runs.
@@ -132,7 +132,7 @@ pub struct Outcome {
 
 impl Outcome {
     /// Number of figures with a verdict.
-    pub fn count(&self, verdict: Verdict) -> usize {
+    pub fn count(&self, verdict: Change) -> usize {
         self.comparisons.iter().filter(|comparison| comparison.verdict == verdict).count()
     }
 
@@ -156,7 +156,7 @@ impl Outcome {
                 name: old.name.clone(),
                 a: old.summary.median,
                 b: new.summary.median,
-                verdict: Verdict::of(&ratio, threshold),
+                verdict: Change::of(&ratio, threshold),
                 ratio,
             });
         }
@@ -214,8 +214,8 @@ impl Outcome {
     /// The outcome as Markdown; figures that are the same are only counted, unless `all` are to be shown.
     pub fn document(&self, threshold: f64, all: bool) -> String {
         let mut grid = Grid::new(["figure", "A ms", "B ms", "B / A", "95 % interval", "verdict"]);
-        for verdict in Verdict::ALL {
-            let shown = all || verdict != Verdict::Same;
+        for verdict in Change::ALL {
+            let shown = all || verdict != Change::Same;
             for one in self.comparisons.iter().filter(|one| shown && one.verdict == verdict) {
                 let interval = format!("{:.3} to {:.3}", one.ratio.low, one.ratio.high);
                 let ratio = format!("{:.3}", one.ratio.value);
@@ -233,7 +233,7 @@ impl Outcome {
 
     /// One line of counts.
     pub fn summary(&self, threshold: f64) -> String {
-        let counts = Verdict::ALL.map(|verdict| format!("{} {}", self.count(verdict), verdict.name()));
+        let counts = Change::ALL.map(|verdict| format!("{} {}", self.count(verdict), verdict.name()));
         let some = |count, what| if count == 0 { String::new() } else { format!(", {count} {what}") };
         let others = some(self.failures.len(), "failed") + &some(self.missing, "only in A");
         let (figures, threshold) = (self.comparisons.len(), short(100.0 * threshold));

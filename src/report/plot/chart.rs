@@ -30,21 +30,6 @@ pub fn sheet((width, height): (f64, f64), title: &str, about: &[&str]) -> Svg {
     svg
 }
 
-/// Shape and colour of a builder by its family, the same in all figures; colours after Okabe and Ito, told apart by
-/// colour-blind readers too.
-pub fn style(builder: &str) -> (Shape, &'static str) {
-    match builder {
-        name if name.starts_with("embree") => (Shape::Circle, "#0072b2"),
-        name if name.starts_with("phr") => (Shape::Up, "#d55e00"),
-        name if name.starts_with("hunt") => (Shape::Square, "#009e73"),
-        name if name.starts_with("aac") => (Shape::Diamond, "#cc79a7"),
-        name if name.starts_with("ploc") => (Shape::Square, "#b8860b"),
-        name if name.starts_with("obvhs") => (Shape::Diamond, "#6a4fa3"),
-        name if name.starts_with("svenstaro") => (Shape::Circle, "#6a4fa3"),
-        _ => (Shape::Down, "#000000"),
-    }
-}
-
 /// A point of a panel.
 #[derive(Clone, Debug)]
 pub struct Point {

@@ -1,6 +1,7 @@
 //! The figure of growth: nanoseconds per triangle against triangles, a line for each builder.
 
-use super::chart::{Across, DASHES, Front, Line, Panel, Point, Range, sheet, style};
+use super::chart::{Across, DASHES, Front, Line, Panel, Point, Range, sheet};
+use super::families::style;
 use super::labels::Rect;
 use crate::bench::row::Row;
 use crate::report::targets::growth::Growth;

@@ -1,7 +1,8 @@
 //! The key of Figure 6: the marks of trees by width, the paper's, and the fronts through them, and what the shapes
 //! mean.
 
-use super::chart::{DASHES, GREY, INK, Line, style};
+use super::chart::{DASHES, GREY, INK, Line};
+use super::families::{FAMILIES, family_of, style};
 use super::raster::text_width;
 use super::svg::{Anchor, Svg};
 use crate::report::figures::WIDTH;
@@ -10,18 +11,7 @@ const DARK: &str = "#4d4d4d";
 const PALE: &str = "#c4c4c4";
 const BAND: &str = "#dfe8d8";
 
-/// Families of builders that have a shape of their own: how their names begin, and what they are called; the
-/// paper's first.
-const FAMILIES: [(&str, &str); 7] = [
-    ("embree", "Embree"),
-    ("phr", "PHR"),
-    ("hunt", "Hunt"),
-    ("aac", "AAC"),
-    ("ploc", "PLOC"),
-    ("obvhs", "obvhs"),
-    ("svenstaro", "bvh"),
-];
-/// Those of the paper.
+/// Families of the paper's builders.
 const OF_PAPER: usize = 4;
 
 /// A line of the key.
@@ -82,10 +72,9 @@ impl Entry {
 pub fn key(svg: &mut Svg, (x, y): (f64, f64), entry: Entry, size: f64) -> f64 {
     let mut end = x;
     if entry != Entry::Both {
-        for (builder, _) in FAMILIES.into_iter().take(OF_PAPER) {
-            let (shape, colour) = style(builder);
-            let colour = if entry == Entry::Paper { entry.colour() } else { colour };
-            svg.point((end, y), shape, 4.7, colour, entry != Entry::Four);
+        for family in &FAMILIES[..OF_PAPER] {
+            let colour = if entry == Entry::Paper { entry.colour() } else { family.light };
+            svg.point((end, y), family.shape, 4.7, colour, entry != Entry::Four);
             end += 15.0;
         }
     }
@@ -97,14 +86,13 @@ pub fn key(svg: &mut Svg, (x, y): (f64, f64), entry: Entry, size: f64) -> f64 {
 
 /// Draws what the shapes of `builders` mean from a place on: families, and others by their names where those are few.
 pub fn shapes(svg: &mut Svg, (x, y): (f64, f64), builders: &[&str], size: f64) {
-    let is_of = |builder: &str, family: &str| builder.starts_with(family);
     let mut entries: Vec<(&str, String)> = Vec::new();
-    for (family, name) in FAMILIES {
-        if builders.iter().any(|builder| is_of(builder, family)) {
-            entries.push((family, name.into()));
+    for family in &FAMILIES {
+        if builders.iter().any(|builder| builder.starts_with(family.prefix)) {
+            entries.push((family.prefix, family.name.into()));
         }
     }
-    let is_other = |builder: &&&str| FAMILIES.iter().all(|(family, _)| !is_of(builder, family));
+    let is_other = |builder: &&&str| family_of(builder).prefix.is_empty();
     let mut others: Vec<&str> = builders.iter().filter(is_other).copied().collect();
     others.sort_unstable();
     others.dedup();

@@ -9,6 +9,7 @@
 //! and keys, and are checked in the same way, byte for byte.
 
 pub mod chart;
+pub mod families;
 pub mod figure6;
 pub mod growth;
 pub mod key;

@@ -3,7 +3,8 @@
 //! where the panels do not reach.
 
 use super::Drawing;
-use super::chart::{Across, DASHES, Front, INK, Line, Panel, Point, Range, SMALL, sheet, style};
+use super::chart::{Across, DASHES, Front, INK, Line, Panel, Point, Range, SMALL, sheet};
+use super::families::family_of;
 use super::key::in_lines;
 use super::labels::Rect;
 use super::raster::text_width;
@@ -66,7 +67,7 @@ pub fn total_time(advice: &Advice) -> Option<Drawing> {
     let marks = marks(advice, ends);
     let at = |ratio: bool| -> Vec<Point> {
         let mark = |(known, rays): &(&Known, f64)| {
-            let shape = style(&known.builder).0;
+            let shape = family_of(&known.builder).shape;
             let colour = colour(place(known).unwrap_or_default());
             let total = best(1e6 * rays).unwrap_or(f64::NAN);
             let y = if ratio { 1.0 } else { 1e-3 * total };

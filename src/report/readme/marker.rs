@@ -5,6 +5,7 @@
 use super::error::ReadmeError;
 use super::findings::findings;
 use crate::bench::environment::{Environment, State};
+use crate::bench::files::RecordsError;
 use crate::bench::results_dir;
 use crate::bench::row::{self, Row};
 use crate::bench::{kernels, scaling, turns};
@@ -124,6 +125,7 @@ impl<'a> Marker<'a> {
     }
 
     pub fn content(&self, folder: &Path) -> Result<String, ReadmeError> {
+        let results = folder.join(self.words[0]);
         match self.kind {
             // `bars` is an older name.
             "targets" | "bars" => {
@@ -140,60 +142,47 @@ impl<'a> Marker<'a> {
                 Ok(growth)
             }
             "kernels" | "kernel-targets" => {
-                let rows = kernels::row::read(&folder.join(self.words[0]));
-                let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
+                let rows = kernels::row::read(&results).map_err(self.records())?;
                 Ok(if self.kind == "kernels" { page(&rows) } else { kernel_targets(&rows) })
             }
-            "leaks" => {
-                let rows = kernels::leaks::read(&folder.join(self.words[0]));
-                let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
-                Ok(leaks_table(&rows))
-            }
-            "scaling" => {
-                let rows = scaling::row::read(&folder.join(self.words[0]));
-                let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
-                Ok(report::scaling::page(&rows))
-            }
-            "turns" => {
-                let rows = turns::row::read(&folder.join(self.words[0]));
-                let rows = rows.map_err(|source| ReadmeError::Records { line: self.line, source })?;
-                Ok(by_turns::page(&rows))
-            }
-            "findings" => findings(&folder.join(self.words[0]))
-                .map_err(|source| ReadmeError::Records { line: self.line, source }),
+            "leaks" => Ok(leaks_table(&kernels::leaks::read(&results).map_err(self.records())?)),
+            "scaling" => Ok(report::scaling::page(&scaling::row::read(&results).map_err(self.records())?)),
+            "turns" => Ok(by_turns::page(&turns::row::read(&results).map_err(self.records())?)),
+            "findings" => findings(&results).map_err(self.records()),
             "advice" => self.advice(folder),
             "measured-advice" => {
-                let results = folder.join(self.words[0]);
-                let records = |source| ReadmeError::Records { line: self.line, source };
-                let advice = advice::rows::read_all(&results).map_err(records)?;
-                let run = row::read(&results).map_err(records)?;
+                let advice = advice::rows::read_all(&results).map_err(self.records())?;
+                let run = row::read(&results).map_err(self.records())?;
                 judged_files::page(&run, &advice).map_err(|reason| self.wrong(reason))
             }
-            "tuned" => tuned_rows::page(&folder.join(self.words[0]))
-                .map_err(|source| ReadmeError::Records { line: self.line, source }),
-            "constants" => constants(&folder.join(self.words[0])).map_err(|reason| self.wrong(reason)),
+            "tuned" => tuned_rows::page(&results).map_err(self.records()),
+            "constants" => constants(&results).map_err(|reason| self.wrong(reason)),
             _ => self.of_one_run(folder),
         }
+    }
+
+    /// Tells where the marker is whose rows cannot be read.
+    fn records(&self) -> impl Fn(RecordsError) -> ReadmeError + use<> {
+        let line = self.line;
+        move |source| ReadmeError::Records { line, source }
     }
 
     /// The rows of some results folders and their subfolders, and whether all runs were finished.
     fn read_all(&self, results: &[&str], folder: &Path) -> Result<(Vec<Row>, bool), ReadmeError> {
         let paths: Vec<_> = results.iter().map(|results| folder.join(results)).collect();
-        results_dir::read_all(&paths).map_err(|source| ReadmeError::Records { line: self.line, source })
+        results_dir::read_all(&paths).map_err(self.records())
     }
 
     /// How good instant advice is: in scenes left out, and with a second folder in withheld ones.
     fn advice(&self, folder: &Path) -> Result<String, ReadmeError> {
-        let records = |source| ReadmeError::Records { line: self.line, source };
-        let read = |results: &&str| row::read(&folder.join(results)).map_err(records);
+        let read = |results: &&str| row::read(&folder.join(results)).map_err(self.records());
         let withheld = self.words.get(1).map(read).transpose()?;
         judged::page(&read(&self.words[0])?, withheld.as_deref()).map_err(|reason| self.wrong(reason))
     }
 
     fn of_one_run(&self, folder: &Path) -> Result<String, ReadmeError> {
         let results = folder.join(self.words[0]);
-        let records = |source| ReadmeError::Records { line: self.line, source };
-        let read = |results: &str| row::read(&folder.join(results)).map_err(records);
+        let read = |results: &str| row::read(&folder.join(results)).map_err(self.records());
         let rows = read(self.words[0])?;
         let under = match self.kernel {
             Some(name) => Under::by_name(name, &rows).map_err(|reason| self.wrong(reason))?,
@@ -203,7 +192,7 @@ impl<'a> Marker<'a> {
             let told = |reason| self.wrong(reason);
             return Ok(Ablation::of(&rows, self.words[1], &self.words[2..]).map_err(told)?.page());
         }
-        let environment = results_dir::environment(&results).map_err(records)?;
+        let environment = results_dir::environment(&results).map_err(self.records())?;
         let is_complete = results_dir::is_complete(environment.as_ref());
         Ok(match self.kind {
             // The page has headings of its own.

@@ -38,11 +38,6 @@ impl Verdict {
         }
     }
 
-    /// [`Verdict::Met`] or [`Verdict::NotMet`]: of a mean alone, whatever its interval.
-    pub fn of(is_met: bool) -> Self {
-        if is_met { Self::Met } else { Self::NotMet }
-    }
-
     /// Whether a figure that lies in `interval` is at most `limit`.
     pub fn at_most(limit: f64, interval: Interval) -> Self {
         match (within(interval.low, limit), within(interval.high, limit)) {

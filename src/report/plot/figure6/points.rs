@@ -1,6 +1,7 @@
 //! The points of Figure 6: trees of a run at their means or in a scene, and the paper's.
 
-use super::super::chart::{Point, style};
+use super::super::chart::Point;
+use super::super::families::style;
 use super::super::key::Entry;
 use crate::bench::row::Row;
 use crate::report::figures::{BASELINE, Figure, SceneFigures, Tree, Under, WIDTH, scenes, tree_name, trees};
