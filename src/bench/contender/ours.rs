@@ -2,16 +2,14 @@
 
 use super::built_tree::{BuildRequest, BuiltTree, EitherWidth};
 use super::caught::caught;
-use super::repeated::repeated;
-use crate::bench::build_times::{BuildTimes, WarmTimes, ms};
+use super::repeated::{timed, warm};
+use crate::bench::build_times::{BuildTimes, ms};
 use crate::bench::cell::{Cell, Kernel};
 use crate::bench::tree_facts::TreeFacts;
 use crate::builders::{self, Builder};
 use crate::bvh::{Statistics, WideBvh, sah_cost};
 use crate::geometry::Mesh;
 use rayon::ThreadPool;
-use std::convert::Infallible;
-use std::time::{Duration, Instant};
 
 /// Makes a new builder object.
 type Make<const N: usize> = dyn Fn() -> Box<dyn Builder<N>> + Send + Sync;
@@ -125,19 +123,4 @@ where
         }
         Ok(BuiltTree { times, facts, mesh, tree: Ok(built.tree.into()), native: None })
     }
-}
-
-/// What `build` makes on `pool`, and how long that took.
-fn timed<T: Send>(pool: &ThreadPool, build: impl FnOnce() -> T + Send) -> (Duration, T) {
-    pool.install(|| {
-        let start = Instant::now();
-        let built = build();
-        (start.elapsed(), built)
-    })
-}
-
-/// As [`repeated`], of builds that cannot fail.
-fn warm(mut build: impl FnMut() -> Duration) -> WarmTimes {
-    let Ok(times) = repeated(|| Ok::<_, Infallible>(build()));
-    times
 }

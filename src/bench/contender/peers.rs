@@ -3,8 +3,8 @@
 
 use super::built_tree::{BuildRequest, BuiltTree, EitherWidth};
 use super::caught::caught;
-use super::repeated::repeated;
-use crate::bench::build_times::{BuildTimes, WarmTimes, ms};
+use super::repeated::{timed, warm};
+use crate::bench::build_times::{BuildTimes, ms};
 use crate::bench::cell::{Cell, Kernel};
 use crate::bench::tree_facts::TreeFacts;
 use crate::builders::widened;
@@ -12,8 +12,6 @@ use crate::bvh::{Statistics, WideBvh};
 use crate::geometry::Mesh;
 use crate::peers::{Obvhs, Peer, Svenstaro};
 use rayon::ThreadPool;
-use std::convert::Infallible;
-use std::time::{Duration, Instant};
 
 /// A builder of another crate whose trees are widened to one width.
 pub trait Contestant: Send {
@@ -64,7 +62,7 @@ where
             let mut build = |pool: &ThreadPool| {
                 // Outside the clock, as for the others.
                 last = None;
-                let (duration, built) = self.timed(pool, &mut input);
+                let (duration, built) = timed(pool, || self.0.build(&mut input));
                 last = Some(built);
                 duration
             };
@@ -91,7 +89,7 @@ where
 
     fn once<'a>(&self, mesh: &'a Mesh, pool: &ThreadPool) -> Result<BuiltTree<'a>, String> {
         let tree = caught("the builder", || {
-            let (_, built) = self.timed(pool, &mut self.0.input(mesh));
+            let (_, built) = timed(pool, || self.0.build(&mut self.0.input(mesh)));
             self.widened(&built, mesh)
         })??;
         let tree = Ok(tree.into());
@@ -103,21 +101,7 @@ impl<P: Peer + Send + Sync, const N: usize> Measured<P, N>
 where
     P::Input: Send,
 {
-    /// What is built on `pool`, and how long that took.
-    fn timed(&self, pool: &ThreadPool, input: &mut P::Input) -> (Duration, P::Built) {
-        pool.install(|| {
-            let start = Instant::now();
-            let built = self.0.build(input);
-            (start.elapsed(), built)
-        })
-    }
-
     fn widened(&self, built: &P::Built, mesh: &Mesh) -> Result<WideBvh<N>, String> {
         widened(&self.0.tree(built), mesh)
     }
-}
-
-fn warm(mut build: impl FnMut() -> Duration) -> WarmTimes {
-    let Ok(times) = repeated(|| Ok::<_, Infallible>(build()));
-    times
 }

@@ -2,7 +2,18 @@
 
 use crate::bench::build_times::{WarmTimes, is_enough, ms};
 use crate::bench::cpu_time::{CpuClock, least_disturbed};
-use std::time::Duration;
+use rayon::ThreadPool;
+use std::convert::Infallible;
+use std::time::{Duration, Instant};
+
+/// What `build` makes on `pool`, and how long that took.
+pub fn timed<T: Send>(pool: &ThreadPool, build: impl FnOnce() -> T + Send) -> (Duration, T) {
+    pool.install(|| {
+        let start = Instant::now();
+        let built = build();
+        (start.elapsed(), built)
+    })
+}
 
 /// Builds by `build`, which returns what its clock saw, until that is enough; all of them again while other programs
 /// disturb them.
@@ -19,4 +30,10 @@ pub fn repeated<E>(mut build: impl FnMut() -> Result<Duration, E>) -> Result<War
         Ok((builds.into_iter().map(ms).collect(), clock.since()))
     })?;
     Ok(WarmTimes { ms, cpu_time })
+}
+
+/// As [`repeated`], of builds that cannot fail.
+pub fn warm(mut build: impl FnMut() -> Duration) -> WarmTimes {
+    let Ok(times) = repeated(|| Ok::<_, Infallible>(build()));
+    times
 }

@@ -53,21 +53,7 @@ pub fn quickly<T>(
     (threads, kernel, seed): (usize, Kernel, u64),
     measure: impl FnOnce(&mut Quick<'_>) -> T,
 ) -> Result<T, String> {
-    let settings = Settings {
-        width: PIXELS,
-        height: PIXELS,
-        views: VIEWS,
-        max_depth: 8,
-        rounds: 1,
-        seconds: 0,
-        until_permille: 0,
-        limit: 0,
-        threads,
-        seed,
-        one_thread: false,
-        build_only: false,
-        frames: false,
-    };
+    let settings = Settings { seed, ..Settings::new(PIXELS, VIEWS, 1, threads) };
     let pools = Pools::new(&settings).map_err(|error| format!("--threads {threads}: {error}; give fewer"))?;
     let built = contender::reference(&scene.mesh, &pools.all)?;
     let tree = TreeUnderKernel::new(&built, REFERENCE_KERNEL, threads)?;
