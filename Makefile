@@ -11,6 +11,8 @@
 # make test         everything that is checked before a change is taken: formatting, lints (of the library without any
 #                   feature and of the harness without Embree too), documentation, all tests and its examples
 #
+# make examples     runs each of the library's examples once: a minute
+#
 # make faults       kills a run fifty times at random moments and resumes it, fills its disk, and cuts its results at every
 #                   byte: some minutes (the tests have a short version)
 # make fuzz         changed and made-up scene files, cameras, saved trees, configurations, rays and results, a minute each, under
@@ -53,7 +55,7 @@ VALGRIND = CARGO_TARGET_$(shell echo $(HOST) | tr a-z- A-Z_)_RUNNER="valgrind --
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: bench bench-full report program test faults fuzz sanitize test-platforms audit package test-peers test-trixie test-slurm \
+.PHONY: bench bench-full report program test examples faults fuzz sanitize test-platforms audit package test-peers test-trixie test-slurm \
 	packages
 
 # The program alone: criterion's benchmarks are not built.
@@ -84,6 +86,14 @@ else
 	$(CARGO) test --workspace
 endif
 	@echo "checked: format, lints (of the library alone and of the harness without Embree too), documentation; all tests, the documentation's examples"
+
+# Compiled as the tests are.
+examples: packages
+	for example in build_and_trace choose_preset compare_builders follow_animation instances rebuild_per_frame spheres; do \
+		echo "$$example:" && $(CARGO) run --quiet --profile test --example $$example || exit 1; \
+	done
+	printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > target/triangle.obj
+	$(CARGO) run --quiet --profile test --example pathtracer -- target/triangle.obj -o target/triangle.png --width 64 --samples 4
 
 fuzz:
 	sh .ci/fuzz
