@@ -149,7 +149,7 @@ pages: program
 	$(PROGRAM) plot $(REFERENCE)
 	$(PROGRAM) plot $(REFERENCE)/growth
 	$(PROGRAM) plot $(REFERENCE)/threads
-	$(PROGRAM) readme README.md RESULTS.md METHODOLOGY.md FINDINGS.md
+	$(PROGRAM) readme README.md RESULTS.md METHODOLOGY.md FINDINGS.md BIAS.md
 
 bench-builders: program
 	$(call runs,$(JUDGED))
