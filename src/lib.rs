@@ -131,8 +131,8 @@
 //! # Features
 //!
 //! All but `peers` are on unless `default-features = false`: `files` (scene files; brings `serde`), `serde`
-//! (configurations as JSON), `embree` (Debian's Embree 3 or Embree 4), `graft` (Embree's kernel over our trees), `harness`
-//! (the program `phr`). `peers` has builders of other crates.
+//! (configurations as JSON), `embree` (Debian's Embree 3 or Embree 4), `graft` (Embree's kernel over our trees),
+//! `harness` (the program `phr`). `peers` has builders of other crates.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(missing_docs)]

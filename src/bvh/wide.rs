@@ -131,8 +131,8 @@ impl<const N: usize, B: LeafBlock> WideBvh<N, B> {
 }
 
 impl<const N: usize> WideBvh<N> {
-    /// Whether the tree's box is finite and holds those of the root's children, or the first corners in a root that is a
-    /// leaf. Links are in range.
+    /// Whether the tree's box is finite and holds those of the root's children, or the first corners in a root that is
+    /// a leaf. Links are in range.
     pub(crate) fn is_bounded(&self) -> bool {
         let holds = |bounds: Aabb| bounds.is_empty() || self.bounds.contains(bounds);
         let is_held = match self.root.get() {

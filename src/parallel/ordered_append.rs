@@ -124,8 +124,8 @@ pub(crate) fn append<C: Chunk, R: Send>(
     // Once a chunk has no room, none after it has: offsets only grow.
     let written = left_over.first().map_or(end, |&(offset, _)| offset);
     assert!(!failed.into_inner(), "a thread left its work");
-    // SAFETY: each thread ended its work, as just seen, so that each chunk was written or left over; those below `written`
-    // were written.
+    // SAFETY: each thread ended its work, as just seen, so that each chunk was written or left over; those below
+    // `written` were written.
     unsafe {
         a.set_len(written[0]);
         b.set_len(written[1]);

@@ -109,8 +109,8 @@ impl Bvh {
     /// has room for 32 bytes of the builder's name.
     ///
     /// # Errors
-    /// Another mesh, or one that was moved since; a foreign tree that lacks a triangle or holds nodes that nothing leads
-    /// to; an unwritable place, or one that is no regular file.
+    /// Another mesh, or one that was moved since; a foreign tree that lacks a triangle or holds nodes that nothing
+    /// leads to; an unwritable place, or one that is no regular file.
     pub fn save(&self, mesh: &Mesh, path: impl AsRef<Path>) -> Result<(), SavedError> {
         self.write(mesh, path.as_ref())
     }

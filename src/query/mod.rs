@@ -1,6 +1,6 @@
 //! The library's front door: [`Bvh`] is built from a mesh and answers rays; [`PrimitiveBvh`] from anything that has
-//! boxes, with tests of the caller's; [`InstanceBvh`] from many places of such meshes; through a [`WatertightBvh`] no ray
-//! slips.
+//! boxes, with tests of the caller's; [`InstanceBvh`] from many places of such meshes; through a [`WatertightBvh`] no
+//! ray slips.
 //!
 //! What is fixed, and tested in `tests/library/query`:
 //!
@@ -20,8 +20,8 @@
 //!   itself.
 //! * **Invalid rays** miss, those that are not [`Ray::is_valid`](crate::geometry::Ray::is_valid): a NaN, a component of
 //!   origin or direction beyond 1.844e18 (Embree's limit), a `tnear` that is negative or infinite. No ray panics.
-//! * **Filters**: [`Bvh::intersect_filtered`], [`Bvh::occluded_filtered`] and those of [`InstanceBvh`] ask a closure about
-//!   hits that they would report, and go on where it turns one down.
+//! * **Filters**: [`Bvh::intersect_filtered`], [`Bvh::occluded_filtered`] and those of [`InstanceBvh`] ask a closure
+//!   about hits that they would report, and go on where it turns one down.
 //! * **Threads**: a [`Bvh`] is `Send` and `Sync`. A query runs on the thread that calls it and allocates nothing
 //!   per ray; a batch takes some 100 KiB of its stack.
 

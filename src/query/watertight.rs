@@ -33,8 +33,8 @@ pub struct WatertightBvh {
 }
 
 impl WatertightBvh {
-    /// Copies the corners of the triangles of `mesh`, over which `bvh` was built, on the current rayon pool: 160 bytes for
-    /// each leaf block. After the `Bvh` was rebuilt or fitted, make it anew.
+    /// Copies the corners of the triangles of `mesh`, over which `bvh` was built, on the current rayon pool: 160 bytes
+    /// for each leaf block. After the `Bvh` was rebuilt or fitted, make it anew.
     ///
     /// # Errors
     /// [`BvhError::NotOfMesh`], [`BvhError::OutOfMemory`].

@@ -110,10 +110,6 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         (&["advise", "scalable-2k", "--kernel", "embree"], "--kernel embree"),
         (&["advise", "nowhere"], "nowhere"),
         (&["advise", "--judge", "nowhere"], "nowhere"),
-        (&["advise", "--judge", "nowhere", "--rays", "1M"], "--rays"),
-        (&["advise", "--fit", "nowhere", "--model", "m.json", "--seconds", "3"], "--seconds"),
-        (&["advise", "scalable-2k", "--instant", "--threads", "1"], "--threads"),
-        (&["tune", "--judge", "nowhere", "--seed", "2"], "--seed"),
         (&["tune", "scalable-2k", "--seconds", "0"], "--seconds 0"),
         (
             &["tune", "scalable-2k", "--builder", "embree-sah"],
@@ -128,6 +124,17 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         let told = text(&output.stderr);
         assert_eq!((output.status.code(), told.lines().count()), (Some(2), 1), "{arguments:?}: {told}");
         assert!(told.contains(reason), "{arguments:?}: {told}");
+    }
+    for (arguments, useless) in [
+        (&["advise", "--judge", "nowhere", "--rays", "1M"][..], "--rays"),
+        (&["advise", "--fit", "nowhere", "--model", "m.json", "--seconds", "3"], "--seconds"),
+        (&["advise", "scalable-2k", "--instant", "--threads", "1"], "--threads"),
+        (&["tune", "--judge", "nowhere", "--seed", "2"], "--seed"),
+    ] {
+        let output = phr(folder.path(), arguments);
+        let told = text(&output.stderr);
+        let is_told = told.contains("cannot be used with") && told.contains(useless);
+        assert!(output.status.code() == Some(2) && is_told, "{arguments:?}: {told}");
     }
     let output = phr(folder.path(), &["advise", "scalable-2k", "--rays", "many"]);
     assert!(text(&output.stderr).contains("50M"), "{}", text(&output.stderr));

@@ -193,6 +193,21 @@ fn trees_follow_a_moving_scene_and_every_frame_is_verified() {
 }
 
 #[test]
+fn what_says_how_to_measure_has_no_place_where_nothing_is_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, useless) in [
+        (["experiment", "grid", "--redraw", "--rounds", "2"], "--rounds"),
+        (["experiment", "grid", "--check", "--seed", "2"], "--seed"),
+        (["animate", "--redraw", "--width", "8", "--out=a"], "--width"),
+    ] {
+        let output = phr(folder.path(), &arguments);
+        let told = String::from_utf8_lossy(&output.stderr);
+        let is_told = told.contains("cannot be used with") && told.contains(useless);
+        assert!(output.status.code() == Some(2) && is_told, "{arguments:?}: {told}");
+    }
+}
+
+#[test]
 fn what_cannot_be_done_is_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("empty")).unwrap();
@@ -201,8 +216,6 @@ fn what_cannot_be_done_is_refused_in_one_line() {
         (&["experiment", "grid", "missing.ply"], &["missing.ply"]),
         (&["experiment", "grid", "scalable-2k", "--width", "5"], &["--width", "4 or 8"]),
         (&["experiment", "grid", "--redraw", "--out", "empty"], &[ROWS]),
-        (&["experiment", "grid", "--redraw", "--rounds", "2"], &["--rounds", "--redraw"]),
-        (&["animate", "--redraw", "--width", "8"], &["--width", "--redraw"]),
         (&["experiment", "cut-size", "--redraw", "--out", "empty"], &["cut-size.csv", "--redraw"]),
         (&["experiment", "split", "scalable-2k", "scalable-3k"], &["one scene"]),
         (&["experiment", "cut-size", "--rounds", "3"], &["--rounds has no effect", "leave it out"]),

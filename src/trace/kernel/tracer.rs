@@ -45,7 +45,8 @@ impl<'a, const N: usize> BvhTracer<'a, N> {
     ///
     /// # Panics
     /// If `tree` is malformed (a builder's bug): links out of range, shared or cyclic nodes, more than
-    /// [`crate::bvh::MAX_DEPTH`] inner levels. If there is no memory to find that out; [`ProvenTree`] tells it as an error.
+    /// [`crate::bvh::MAX_DEPTH`] inner levels. If there is no memory to find that out, which [`ProvenTree`] tells as an
+    /// error.
     pub fn new(tree: &'a WideBvh<N>) -> Self {
         Self::with_isa(tree, Isa::best())
     }
