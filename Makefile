@@ -11,7 +11,7 @@
 # make test         everything that is checked before a change is taken: formatting, lints (of the library without any
 #                   feature and of the harness without Embree too), documentation, all tests and its examples
 #
-# make examples     runs each of the library's examples once: a minute
+# make examples     runs each of the library's examples once: two minutes
 #
 # make faults       kills a run fifty times at random moments and resumes it, fills its disk, and cuts its results at every
 #                   byte: some minutes (the tests have a short version)
