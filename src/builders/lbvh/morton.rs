@@ -58,7 +58,7 @@ impl MortonEncoder {
         let bits_of = |axis: &[[u32; 256]; 2]| axis[0][255] | axis[1][255];
         let all = [bits_of(&spread[0]), bits_of(&spread[1]), bits_of(&spread[2])];
         let cells = Vec3A::from_array(bits.map(|b| (1u32 << b) as f32));
-        // An extent whose square is none gets one cell: areas are none there, too. A subnormal one would give an
+        // An extent whose square underflows gets one cell: areas are zero there, too. A subnormal one would give an
         // infinite scale, and infinity times zero is no cell.
         let scale = Vec3A::select(extent.cmpgt(Vec3A::splat(1e-30)), cells / extent, Vec3A::ZERO);
         Self { origin: centers.min, scale, last_cell: cells - 1.0, spread, bits: all }
