@@ -97,10 +97,7 @@ where
     }
 }
 
-impl<P: Peer + Send + Sync, const N: usize> Measured<P, N>
-where
-    P::Input: Send,
-{
+impl<P: Peer, const N: usize> Measured<P, N> {
     fn widened(&self, built: &P::Built, mesh: &Mesh) -> Result<WideBvh<N>, String> {
         widened(&self.0.tree(built), mesh)
     }
