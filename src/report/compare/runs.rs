@@ -12,6 +12,7 @@ use crate::bench::samples::{CellSamples, SAMPLES, Samples};
 use crate::bench::statistics::{Ratio, Summary};
 use crate::bench::turns::paired::PairedMean;
 use crate::bench::visit_times::{all_ms, times};
+use crate::report::figures::interval::LEAST_ROUNDS;
 use crate::report::grid::{Grid, short};
 use crate::trace::RayKind;
 use std::collections::HashSet;
@@ -223,10 +224,8 @@ impl Outcome {
                 grid.push(vec![one.name.clone(), short(one.a), short(one.b), ratio, interval, verdict]);
             }
         }
-        let mut text = if grid.is_empty() { String::new() } else { grid.markdown() + "\n" };
-        for failure in &self.failures {
-            text += &format!("failed in B: {failure}\n");
-        }
+        let mut text = if grid.is_empty() { String::new() } else { grid.markdown() + "\n" + LEGEND };
+        text.extend(self.failures.iter().map(|failure| format!("failed in B: {failure}\n")));
         text.extend(self.remarks.iter().map(|remark| format!("{remark}\n")));
         text + &self.summary(threshold) + "\n"
     }
@@ -241,11 +240,13 @@ impl Outcome {
     }
 }
 
-/// `new` relative to `old`: paired where both have rounds in common, which were made in the same order; else by
-/// resampling both.
+const LEGEND: &str = "A ms, B ms: medians. B / A: geometric mean of the ratios of rounds that both have, of three at least, else the \
+    ratio of the medians. The interval does not hold drift between two runs: `--against` makes them by turns.\n\n";
+
+/// `new` relative to `old`, as [`LEGEND`] has it.
 fn ratio(new: &Measure, old: &Measure, seed: u64) -> Ratio {
     let pairs = paired(&new.times, &old.times);
-    if pairs.len() > 1 {
+    if pairs.len() >= LEAST_ROUNDS {
         let logs: Vec<f64> = pairs.iter().map(|[new, old]| (new / old).ln()).collect();
         return PairedMean::of([&logs[..]].into_iter()).ratio();
     }
