@@ -11,7 +11,7 @@ const FAR: f64 = 1.2;
 
 /// Geometric means of build time, trace time and SAH cost of the trees of `builders`, of every width that `rows`
 /// have or of the one named (`phr-speed/8`), and the scene whose trace time is worst. With rows of `withheld`
-/// scenes, their means and worst scenes stand beside these, where they have the tree.
+/// scenes, their means stand beside these, where they have the tree.
 ///
 /// # Errors
 /// One line, if a builder has no such figure in `rows`.
@@ -22,7 +22,6 @@ pub fn summary(
     under: &Under,
 ) -> Result<String, String> {
     let mut header = vec!["tree"];
-    let runs: Vec<&[Row]> = [Some(rows), withheld].into_iter().flatten().collect();
     for figure in ["build time", "trace time"] {
         header.push(figure);
         header.extend(withheld.map(|_| "withheld"));
@@ -46,7 +45,7 @@ pub fn summary(
                     cells.push(mean(rows, figure)?);
                     cells.extend(withheld.map(|rows| mean(rows, figure).unwrap_or_else(|| "-".into())));
                 }
-                let traces = Ratios(runs.iter().flat_map(|rows| ratios(rows, Figure::Trace).0).collect());
+                let traces = ratios(rows, Figure::Trace);
                 cells.extend(traces.worst_shown().filter(|_| !is_base).unwrap_or_default());
                 cells.push(mean(rows, Figure::Cost)?);
                 Some(cells)

@@ -4,7 +4,8 @@ use super::speed::{ALL, OURS, Speed};
 use crate::bench::kernels::row::{KernelRow, PORTABLE, ROBUST, SINGLE, WATERTIGHT};
 use crate::report::figures::interval::Interval;
 use crate::report::means::Ratios;
-use crate::report::targets::judge::Verdict;
+use crate::report::targets::judge::{Verdict, of_each};
+use std::collections::HashSet;
 
 /// Our batches.
 pub(super) const BATCH: &str = "phr-batch";
@@ -113,21 +114,33 @@ impl Target {
         }
     }
 
-    /// The verdict on the mean in its interval and the worst of all scenes in its own.
-    pub fn verdict(&self, mean: Interval, worst: Interval) -> Verdict {
+    /// The verdict on the mean in its interval and on every scene in its own, and how many scenes may be below the
+    /// limit.
+    pub fn verdict(&self, mean: Interval, scenes: &Ratios) -> (Verdict, usize) {
         let of_mean = Verdict::at_least(self.at_least, mean);
-        self.worst.map_or(of_mean.clone(), |limit| of_mean.and(Verdict::at_least(limit, worst)))
+        let Some(limit) = self.worst else { return (of_mean, 0) };
+        let (of_scenes, may_miss) = of_each(scenes, |interval| Verdict::at_least(limit, interval));
+        (of_mean.and(of_scenes), may_miss)
+    }
+
+    /// Whether a row is of our kernel.
+    fn has(&self, row: &KernelRow, threads: u32) -> bool {
+        (row.builder.as_str(), row.kernel.as_str(), row.threads) == (self.ours.0, self.ours.1, threads)
+            && self.width.is_none_or(|width| row.width == width)
+            && (self.kind == ALL || row.ray_kind == self.kind)
     }
 }
 
 /// The first scene in which our kernel's hits are wrong.
 pub(super) fn failed<'a>(rows: &'a [KernelRow], target: &Target, threads: u32) -> Option<&'a str> {
-    let is_of_target = |row: &&KernelRow| {
-        (row.builder.as_str(), row.kernel.as_str(), row.threads) == (target.ours.0, target.ours.1, threads)
-            && target.width.is_none_or(|width| row.width == width)
-            && (target.kind == ALL || row.ray_kind == target.kind)
-    };
-    rows.iter().filter(is_of_target).find(|row| !row.verified).map(|row| row.scene.as_str())
+    let of_target = rows.iter().filter(|row| target.has(row, threads));
+    of_target.filter(|row| !row.verified).map(|row| row.scene.as_str()).next()
+}
+
+/// Scenes that our kernel was measured in.
+pub(super) fn scenes_of(rows: &[KernelRow], target: &Target, threads: u32) -> usize {
+    let of_target = rows.iter().filter(|row| target.has(row, threads));
+    of_target.map(|row| row.scene.as_str()).collect::<HashSet<_>>().len()
 }
 
 /// Our speed relative to the other by scene; without scenes where hits of one are wrong.

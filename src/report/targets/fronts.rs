@@ -6,7 +6,7 @@ use crate::bench::cell::is_saved;
 use crate::bench::row::Row;
 use crate::bench::statistics::median;
 use crate::random::SplitMix64;
-use crate::report::figures::interval::{Interval, LEAST_ROUNDS};
+use crate::report::figures::interval::{Interval, LEAST_ROUNDS, wider};
 use crate::report::figures::{Figure, SceneFigures, Tree, Under, tree_name, trees};
 use crate::report::grid::Grid;
 use crate::report::plot::pareto::front;
@@ -26,7 +26,8 @@ fn comparisons(rows: &[Row]) -> [(&'static str, Under, bool); 3] {
 
 /// The table; empty where no tree of Embree's is beside another.
 pub fn fronts(rows: &[Row]) -> String {
-    let header = ["compared with", "target", "most scenes", "95 %", "by", "others beyond", "scenes", ""];
+    let header =
+        ["compared with", "target", "most scenes", "95 %", "by", "others that may be beyond", "scenes", ""];
     let mut grid = Grid::new(header);
     let scenes = SceneFigures::all(rows);
     // A saved tree was loaded, not built.
@@ -41,15 +42,16 @@ pub fn fronts(rows: &[Row]) -> String {
             scenes.iter().map(|scene| Points::of(scene, &of_rows, &under)).collect();
         let mut counted: Vec<(Tree<'_>, usize, Interval)> =
             embrees.iter().map(|&tree| counted(&points, tree, same_width)).collect();
-        counted.sort_by_key(|(_, count, _)| std::cmp::Reverse(*count));
+        counted.sort_by_key(|(_, count, interval)| std::cmp::Reverse((*count, interval.high as usize)));
         let Some((tree, most, interval)) = counted.first().cloned() else { continue };
         let verdict = counted
             .iter()
             .map(|(_, _, interval)| Verdict::at_most(MOST_ON_FRONT as f64, *interval))
             .reduce(Verdict::and);
-        let beyond = counted.iter().skip(1).filter(|(_, count, _)| *count > MOST_ON_FRONT);
-        let beyond: Vec<String> =
-            beyond.map(|(tree, count, _)| format!("{}: {count}", tree_name(*tree))).collect();
+        let beyond = counted.iter().skip(1).filter(|(_, _, interval)| interval.high > MOST_ON_FRONT as f64);
+        let beyond: Vec<String> = beyond
+            .map(|(tree, count, interval)| format!("{}: {count} {}", tree_name(*tree), interval.shown(0)))
+            .collect();
         grid.push(vec![
             name.into(),
             format!("≤ {MOST_ON_FRONT}"),
@@ -111,14 +113,13 @@ impl<'a> Points<'a> {
 }
 
 impl Times {
-    /// The median of the rounds `drawn`, its deviation enlarged, since few rounds differ too little; of trees that
-    /// have not all rounds, that of all.
+    /// The median of the rounds `drawn`, its deviation enlarged, since few rounds differ too little and tell little of
+    /// how much they do; of trees that have not all rounds, that of all.
     fn of(&self, drawn: Option<&[usize]>) -> f64 {
         let Some(drawn) = drawn.filter(|_| self.by_round.len() > 1) else { return self.median };
         let times: Option<Vec<f64>> = drawn.iter().map(|&round| self.by_round.get(round).copied()).collect();
         let Some(drawn) = times.and_then(|times| median(&times)) else { return self.median };
-        let count = self.by_round.len() as f64;
-        self.median * (drawn / self.median).powf((count / (count - 1.0)).sqrt())
+        self.median * (drawn / self.median).powf(wider(self.by_round.len()))
     }
 }
 

@@ -11,7 +11,7 @@ use crate::scene::scalable_triangles;
 /// Whether a target is met.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Mean and worst scene are within their limits, with their whole 95 % intervals.
+    /// The mean and every scene are within their limits, with their whole 95 % intervals.
     Met,
     /// One of them is not.
     NotMet,
@@ -77,6 +77,8 @@ pub struct Judged {
     pub under_phr: Option<f64>,
     /// The worst scene and its value.
     pub worst: Option<SceneRatio>,
+    /// Scenes whose intervals reach over the limit of the worst.
+    pub may_exceed: usize,
     /// Scenes behind the figures.
     pub scenes: usize,
     /// Scenes that could be.
@@ -121,6 +123,8 @@ impl Judge {
         let mean = mean(target.measure, &values);
         let worst = if is_at_least(target.measure) { values.least() } else { values.worst() }.cloned();
         let interval = values.interval(Over::ScenesAndRounds).filter(|_| !is_of_bytes(target.measure));
+        let (of_scenes, may_exceed) =
+            of_each(&values, |interval| verdict_on(target.measure, target.worst, Some(interval)));
         let verdict = match (failed, mean) {
             _ if target.mean.is_none() && target.worst.is_none() => Verdict::NoTarget,
             (Some(scene), _) => Verdict::Failed(scene),
@@ -128,8 +132,7 @@ impl Judge {
             (None, Some(mean)) => {
                 let exact = Interval { low: mean, high: mean };
                 let of_mean = verdict_on(target.measure, target.mean, interval.or(Some(exact)));
-                let of_worst = worst.as_ref().map(SceneRatio::interval);
-                let verdict = of_mean.and(verdict_on(target.measure, target.worst, of_worst));
+                let verdict = of_mean.and(of_scenes);
                 // The scenes that are missing may be the slow ones.
                 if values.0.len() < names.len() { verdict.and(Verdict::Undecided) } else { verdict }
             }
@@ -142,6 +145,7 @@ impl Judge {
             noise: if is_of_bytes(target.measure) { String::new() } else { values.noise() },
             under_phr: self.under_phr(target, &names),
             worst,
+            may_exceed,
             scenes,
             of_scenes: names.len(),
             verdict,
@@ -238,6 +242,14 @@ pub fn is_at_least(measure: Measure) -> bool {
 pub fn within(value: f64, limit: f64) -> bool {
     const ROUNDING: f64 = 1e-9;
     value <= limit * (1.0 + ROUNDING)
+}
+
+/// The verdict on every scene: that of the largest ratio alone would let noise in another pass. And of how many it is
+/// not [`Verdict::Met`].
+pub fn of_each(ratios: &Ratios, verdict: impl Fn(Interval) -> Verdict) -> (Verdict, usize) {
+    let verdicts: Vec<Verdict> = ratios.0.iter().map(|scene| verdict(scene.interval())).collect();
+    let beyond = verdicts.iter().filter(|verdict| **verdict != Verdict::Met).count();
+    (verdicts.into_iter().fold(Verdict::Met, Verdict::and), beyond)
 }
 
 /// A limit that is not set is met.

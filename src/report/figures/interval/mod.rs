@@ -7,10 +7,10 @@ mod arithmetic;
 mod noise;
 
 pub use arithmetic::of_arithmetic_mean;
-pub use noise::{LEAST_ROUNDS, Noise, Pairs};
+pub use noise::{LEAST_ROUNDS, Noise, Pairs, wider};
 
 use crate::random::SplitMix64;
-use noise::{student, wider};
+use noise::student;
 
 /// Draws behind an interval.
 const DRAWS: usize = 2000;
@@ -44,7 +44,8 @@ pub struct Interval {
 }
 
 impl Interval {
-    const UNKNOWN: Self = Self { low: 0.0, high: f64::INFINITY };
+    /// Nothing is known.
+    pub const UNKNOWN: Self = Self { low: 0.0, high: f64::INFINITY };
 
     /// The middle 95 % of `drawn`, made to hold `value`; unknown if some draw is no number.
     fn of(mut drawn: Vec<f64>, value: f64) -> Self {

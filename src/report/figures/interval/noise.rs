@@ -86,9 +86,9 @@ pub(super) fn normal(random: &mut SplitMix64) -> f64 {
     radius * angle.cos()
 }
 
-/// By how much deviations of `count` scenes drawn again are to be enlarged: those of few from their own mean are too
-/// small, and their size is known from these few.
-pub(super) fn wider(count: usize) -> f64 {
+/// By how much deviations of `count` scenes or rounds drawn again are to be enlarged: those of few from their own mean
+/// are too small, and their size is known from these few.
+pub fn wider(count: usize) -> f64 {
     let others = count as f64 - 1.0;
     (count as f64 / others).sqrt() * student95(count - 1) / NORMAL95
 }
