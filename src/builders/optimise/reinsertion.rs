@@ -14,6 +14,9 @@ use rayon::prelude::*;
 
 /// Searches per task.
 const CHUNK: usize = 256;
+/// Pairs that a search looks into. Bounds tell nothing where many boxes hold the subtree's and none is a better place:
+/// each search would look at every node.
+const MOST_LOOKS: usize = 1 << 12;
 
 /// A better place for a subtree.
 #[derive(Clone, Copy, Debug, Default)]
@@ -84,7 +87,7 @@ impl Reinsertion {
 
 impl Tree {
     /// The best place for node `index`, of gain 0 if none is better than its own, by branch and bound: first below
-    /// its sibling, then level by level up, beside and below the siblings of its ancestors.
+    /// its sibling, then level by level up, beside and below the siblings of its ancestors, until [`MOST_LOOKS`].
     ///
     /// On the way down `saved` is the area gained by removing the subtree, less the growth of the nodes above the
     /// place so far. The new node there costs at least the subtree's own area.
@@ -102,9 +105,15 @@ impl Tree {
             let grown = without.union(bounds).half_area() - without.half_area();
             stack.push((saved - grown, pair as u32));
         }
+        let mut looks = 0;
         loop {
             while let Some((saved, pair)) = stack.pop() {
                 if saved - own > best.gain {
+                    looks += 1;
+                    if looks > MOST_LOOKS {
+                        stack.clear();
+                        return best;
+                    }
                     let Pair(children) = &self.pairs[pair as usize];
                     for (half, child) in children.iter().enumerate() {
                         consider(child, 2 * pair + half as u32, saved, bounds, own, &mut best, stack);

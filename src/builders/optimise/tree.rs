@@ -120,10 +120,9 @@ impl Tree {
     pub fn finish(&mut self, root: LinkedNode) {
         let what = "parents in the tree to be optimised";
         huge_pages::resize_with(&mut self.parents, self.pairs.len(), AtomicU32::default, what);
-        *self.parents[0].get_mut() = ROOT;
         self.pairs[0].0[0] = root;
         let Self { pairs, parents, .. } = self;
-        // Every pair but the first has one parent.
+        // Every pair has one parent but the first, which the root's unused sibling takes for its own.
         parallel::for_each(pairs.chunks(CHUNK).enumerate(), |(chunk, pairs)| {
             for (index, node) in (2 * CHUNK * chunk..).zip(pairs.iter().flat_map(|pair| &pair.0)) {
                 if let Some(pair) = node.pair() {
@@ -131,6 +130,7 @@ impl Tree {
                 }
             }
         });
+        *self.parents[0].get_mut() = ROOT;
     }
 
     /// Node `index`.
