@@ -1,6 +1,7 @@
 //! Parallel building blocks: tasks over a slice, a recursion divided into tasks, an append in the order of the tasks, a
 //! radix sort. What builders do in parallel goes through here, so that a [`timeline`] can record it, but for the check
-//! of boxes and a library's sort in the reinsertion of `phr-best`.
+//! of boxes, a library's sort in the reinsertion of `phr-best`, and arrays that are filled with one value
+//! ([`resize`](crate::memory::huge_pages::resize)).
 
 pub(crate) mod awake;
 pub(crate) mod disjoint;

@@ -10,8 +10,6 @@ use crate::bvh::limits::FOLLOWED_DEPTH;
 use crate::geometry::Aabb;
 use crate::memory::huge_pages;
 use crate::parallel;
-use crate::parallel::timeline::{fork, task};
-use rayon::prelude::*;
 
 /// A reference with its box.
 type Item = (MortonKey, Aabb);
@@ -29,9 +27,10 @@ pub(crate) fn binned_sah<G: Geometry>(
 ) -> Option<Node> {
     huge_pages::resize(pairs, keys.len().saturating_sub(1), [Node::ZERO; 2], "pairs of nodes");
     let mut items: Vec<Item> = Vec::new();
-    huge_pages::reserve(&mut items, keys.len(), "references with their boxes");
-    let of_keys = keys.par_iter().with_min_len(GRAIN);
-    fork(|| items.par_extend(of_keys.map(|&key| task(|| (key, refs.bounds(reference(key)))))));
+    huge_pages::resize(&mut items, keys.len(), (0, Aabb::EMPTY), "references with their boxes");
+    parallel::for_each(items.chunks_mut(GRAIN).zip(keys.chunks(GRAIN)), |(items, keys)| {
+        items.iter_mut().zip(keys).for_each(|(item, &key)| *item = (key, refs.bounds(reference(key))));
+    });
     let root = (!items.is_empty()).then(|| build(config, &mut items, (0, 0), 0, pairs));
     keys.iter_mut().zip(&items).for_each(|(key, item)| *key = item.0);
     root
