@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Triangles of a mesh of which these are all blocks.
 pub(super) fn triangles(blocks: &[TriangleBlock]) -> Result<usize, BvhError> {
-    let last = blocks.par_iter().flat_map_iter(TriangleBlock::ids).max();
-    let length = last.map_or(0, |last| last as usize + 1);
+    let length_of = |block: &TriangleBlock| block.ids().fold(0, |length, prim| length.max(prim as usize + 1));
+    let length = blocks.par_iter().map(length_of).reduce(|| 0, usize::max);
     if length > Mesh::MAX_TRIANGLES {
         return Err(BvhError::Malformed(format!("triangle {} of no mesh", length - 1)));
     }

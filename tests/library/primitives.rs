@@ -86,7 +86,7 @@ fn leaves<const N: usize>(tree: &WideBvh<N, IdBlock>) -> Vec<(u32, Aabb)> {
             Child::Leaf { first, count } => {
                 let blocks = &tree.blocks[first..first + count];
                 assert!(blocks.iter().all(|block| block.ids().next().is_some()), "an empty block");
-                found.extend(blocks.iter().flat_map(IdBlock::ids).map(|id| (id, bounds)));
+                blocks.iter().for_each(|block| found.extend(block.ids().map(|id| (id, bounds))));
             }
         }
     }
