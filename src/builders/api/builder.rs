@@ -46,8 +46,8 @@ pub struct Build<const N: usize, B = TriangleBlock> {
 /// Builds a BVH of nodes of up to `N` children, 4 or 8. Builders are total: any [`Mesh`], empty ones included, has
 /// a tree. They run on the rayon pool they are called from (`pool.install(|| builder.build(&mesh))`), and the tree
 /// is the same at any number of threads. Until a build is over, idle threads of the pool look for work, a millisecond
-/// at most, before they sleep; a thread that waits for other work in that pool may take up parts of the build until it
-/// is over.
+/// at most, before they sleep; each of them is asked to, so none should be kept from the pool's work for ever. A thread
+/// that waits for other work in that pool may take up parts of the build until it is over.
 ///
 /// Builders of the list build over [`Boxes`] of anything, too:
 /// [`over_boxes`](crate::builders::over_boxes).

@@ -26,8 +26,8 @@ pub(crate) struct AreaScale {
 }
 
 impl AreaScale {
-    /// Those of a scene whose keys are in the order of its tree. With a calibration of `parts` the reference is so many
-    /// times the median area of parts of the scene, runs of [`PART`] references along the Morton curve.
+    /// Those of a scene whose keys are sorted, or in the order of its tree. With a calibration of `parts` the reference
+    /// is so many times the median area of parts of the scene, runs of [`PART`] references along the Morton curve.
     pub fn in_order<G: Geometry>(
         scene: Aabb,
         keys: &[MortonKey],

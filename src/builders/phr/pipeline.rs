@@ -63,12 +63,14 @@ impl<const N: usize, B: LeafBlock> Phr<N, B> {
 impl<const N: usize> Phr<N> {
     /// Builds again over `mesh`, that of the build before with vertices moved: the auxiliary tree is fitted to it
     /// and keeps its topology, so that nothing is sorted, and its cuts are refined as ever. A tree that has not
-    /// moved is built as before. (The paper, 5.6, leaves animation open.)
+    /// moved is built as before, but that a calibration ([`AuxiliaryConfig::calibration`]) measures parts of the scene
+    /// by other references, where the builder put keys into another order. (The paper, 5.6, leaves animation open.)
     ///
     /// # Errors
     /// A mesh of another number of triangles, and presplit needles ([`AuxiliaryConfig::presplit`]). No memory: the
     /// builder is of no use then.
     ///
+    /// [`AuxiliaryConfig::calibration`]: crate::builders::AuxiliaryConfig::calibration
     /// [`AuxiliaryConfig::presplit`]: crate::builders::AuxiliaryConfig::presplit
     pub fn refit(&mut self, mesh: &Mesh) -> Result<Build<N>, RefitError> {
         catch_out_of_memory(|| {

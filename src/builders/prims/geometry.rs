@@ -1,6 +1,7 @@
 //! What builders ask of what they build over: triangles of a mesh, or [`Boxes`](super::boxes::Boxes) of anything
 //! else. Each is compiled for itself, so that triangles pay nothing for the choice.
 
+use crate::bvh::limits::BLOCK;
 use crate::bvh::{LeafBlock, TriangleBlock};
 use crate::geometry::triangle_split::{split_triangle, visible};
 use crate::geometry::{Aabb, Mesh};
@@ -11,6 +12,9 @@ use std::ops::Range;
 /// Primitives, numbered from 0, each with a box. Implemented by [`Mesh`] and [`Boxes`](super::boxes::Boxes); what other
 /// libraries call custom or user geometry becomes boxes. Nobody else implements it: builders rely on boxes that were
 /// checked, finite and not empty.
+///
+/// # Panics
+/// Its functions do for a primitive that there is not, unless they say otherwise.
 pub trait Geometry: Sync + Checked {
     /// What leaves hold of up to four of them.
     type Block: LeafBlock + Vectors;
@@ -40,8 +44,12 @@ pub trait Geometry: Sync + Checked {
     fn block(&self, count: usize, prims: [u32; 4]) -> Self::Block;
 
     /// The block of one to four primitives.
+    ///
+    /// # Panics
+    /// If there are none, or more.
     #[inline]
     fn block_of(&self, prims: &[u32]) -> Self::Block {
+        assert!((1..=BLOCK as usize).contains(&prims.len()), "a block of {} primitives", prims.len());
         let last = prims.len() - 1;
         self.block(prims.len(), std::array::from_fn(|lane| prims[lane.min(last)]))
     }
