@@ -9,8 +9,8 @@ pub struct AacConfig {
     /// delta: runs of fewer triangles are not partitioned further; 1 to 64.
     pub delta: usize,
     /// epsilon of f(n) = delta^(0.5 + epsilon) / 2 * n^(0.5 - epsilon), rounded up: the clusters left of n triangles,
-    /// of fewer than delta those left of delta; 0 to 0.5. Where many boxes are equal, time grows with its cube: with a
-    /// large delta keep epsilon above 0.1.
+    /// of fewer than delta those left of delta; 0 to 0.5. Where many boxes are equal, time grows with the cube of
+    /// what it leaves.
     pub epsilon: f64,
 }
 
