@@ -28,6 +28,8 @@ pub fn summary(
     }
     header.extend(["worst trace", "in", "SAH cost"]);
     let mut grid = Grid::new(header);
+    let (of_open, of_withheld) = (scenes(rows).len(), withheld.map_or(0, |rows| scenes(rows).len()));
+    let mut are_whole = true;
     for builder in builders {
         let is_named = |tree: &Tree<'_>| tree.0 == *builder || format!("{}/{}", tree.0, tree.1) == *builder;
         let of_builder = trees(rows).into_iter().filter(is_named);
@@ -40,7 +42,13 @@ pub fn summary(
                     true => Some("1.00".to_owned()),
                     false => ratios(rows, figure).shown(),
                 };
-                let mut cells = vec![tree_name(tree)];
+                let has = |rows, all| {
+                    let mut figures = [Figure::Build, Figure::Trace, Figure::Cost].into_iter();
+                    figures.all(|figure| [0, all].contains(&ratios(rows, figure).0.len()))
+                };
+                let is_whole = has(rows, of_open) && withheld.is_none_or(|rows| has(rows, of_withheld));
+                are_whole &= is_whole;
+                let mut cells = vec![tree_name(tree) + if is_whole { "" } else { "*" }];
                 for figure in [Figure::Build, Figure::Trace] {
                     cells.push(mean(rows, figure)?);
                     cells.extend(withheld.map(|rows| mean(rows, figure).unwrap_or_else(|| "-".into())));
@@ -59,22 +67,21 @@ pub fn summary(
     let threads = rows.first().map_or(0, |row| row.threads);
     let withheld = withheld.map_or_else(String::new, |rows| {
         let revision = rows.first().map_or("", |row| &row.git_rev);
-        let scenes = scenes(rows).len();
         let reused = if rows.iter().any(|row| row.regime == WARM) {
             " There our builds reused memory and Embree's did not, which favours us."
         } else {
             ""
         };
         format!(
-            " Withheld: {scenes} other scenes, on another machine, by revision {revision}. Those who tuned did not see them, \
+            " Withheld: {of_withheld} other scenes, on another machine, by revision {revision}. Those who tuned did not see them, \
              except five in a probe for phr-speed.{reused}"
         )
     });
+    let fewer = if are_whole { "" } else { " * a mean over fewer scenes." };
     Ok(format!(
-        "{}\nRelative to Embree SAH, 4-wide: less is better. Geometric means over {} scenes, {threads} threads; in brackets \
-         95 % intervals. Trees are 4-wide, or 8-wide (/ 8). Traces: {}.{withheld} {WORST}\n",
+        "{}\nRelative to Embree SAH, 4-wide: less is better. Geometric means over {of_open} scenes, {threads} threads; in brackets \
+         95 % intervals. Trees are 4-wide, or 8-wide (/ 8). Traces: {}.{withheld} {WORST}{fewer}\n",
         grid.markdown(),
-        scenes(rows).len(),
         under.about()
     ))
 }

@@ -237,6 +237,12 @@ impl<'a> Marker<'a> {
             tree_named(builder).ok_or_else(|| self.wrong(format!("{builder}: write NAME or NAME/WIDTH")))?;
         let ratios = Ratios::of(rows, tree, figure, under);
         let none = || self.wrong(format!("the rows have no such figure of {builder} beside Embree SAH"));
+        let (some, all) = (ratios.0.len(), scenes(rows).len());
+        if (1..all).contains(&some) {
+            return Err(self.wrong(format!(
+                "{builder} has such a figure in {some} of {all} scenes; a mean over fewer is another mean: take a table, which says so"
+            )));
+        }
         let value = match mean {
             "arithmetic" => ratios.arithmetic(),
             "geometric" => {

@@ -40,6 +40,7 @@ fn markers_are_told_by_line() {
     );
     assert!(wrong("<!-- value: . mean trace phr-hq -->1<!-- end -->").contains("no mean mean"));
     assert!(wrong("<!-- value: . geometric trace aac -->1<!-- end -->").contains("no such figure of aac"));
+    assert!(wrong("<!-- value: . geometric trace lbvh -->1<!-- end -->").contains("in 1 of 2 scenes"));
     assert!(wrong("<!-- means: nowhere -->\n<!-- end -->").starts_with("line 1: "));
     assert!(wrong("<!-- a comment -->\n").starts_with("no marker"));
 }

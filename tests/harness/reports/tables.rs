@@ -89,7 +89,11 @@ fn the_summary_has_the_means_and_the_worst_trace() {
         ]
     );
     assert_eq!(cells(&text, "<!--", "embree-sah")[1..], ["1.00", "1.00", "", "", "1.00"]);
-    assert!(text.contains("over 2 scenes, 2 threads"), "{text}");
+    assert!(text.contains("over 2 scenes, 2 threads") && !text.contains("fewer"), "{text}");
+    // It failed in one.
+    let text = made("lbvh phr-hq").unwrap();
+    assert_eq!(cells(&text, "<!--", "lbvh*")[4], "conference-like");
+    assert!(text.contains("| phr-hq ") && text.contains("* a mean over fewer scenes."), "{text}");
     for unknown in ["aac", "phr-hq/8", "phr-hq/wide"] {
         assert!(made(unknown).unwrap_err().contains(&format!("trace and cost of {unknown}")));
     }
