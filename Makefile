@@ -106,7 +106,7 @@ faults: packages
 # asks for more memory than there is. Under Miri, a thousand times as slow, tests of thousands of rays are left out; by its
 # stacked borrows rayon's queues are at fault (crossbeam-epoch), by its tree borrows they are not; rayon's threads outlive the
 # tests.
-sanitize: SLOW_IN_MIRI = a_bvh_is_a_tracer a_loaded_tree a_tree_is_built batches_hit lengths_of_slanted no_ray_panics normals_are \
+sanitize: SLOW_IN_MIRI = a_bvh_is_a_tracer a_loaded_tree a_tree_ batches_hit lengths_of_slanted no_ray_panics normals_are \
 	what_is_turned_down a_filter_that
 sanitize: PACKAGES = valgrind
 sanitize: packages
