@@ -98,7 +98,8 @@
 //!
 //! **A mesh that moves** keeps its triangles, and its tree may keep its nodes: boxes are fitted to where the
 //! vertices are now ([`Bvh::refit`]). When they have moved far, a tree built again traces faster ([`Bvh::rebuild`]);
-//! [`builders::Phr::refit`] is in between, and [`builders::MergedPhr`] for scenes of which a part stands still.
+//! [`builders::Phr::refit`] is in between, for configurations that presplit nothing, and [`builders::MergedPhr`] for
+//! scenes of which a part stands still.
 //!
 //! ```
 //! let animation = phr::scene::animated_by_name("wrung").expect("a name of the list").generate(5000);

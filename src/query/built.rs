@@ -30,6 +30,8 @@ impl<const N: usize> Built<N> {
         let mut builder = match self.builder.take() {
             Some(kept) => kept.0,
             None if name.is_empty() => return Err(BvhError::NoBuilder),
+            // A file has room for the beginning of a long name.
+            None if name.contains('[') && !name.ends_with(']') => return Err(BvhError::NoBuilder),
             None => by_name(name).ok_or_else(|| BvhError::of_name(name))?,
         };
         let (tree, old) = (take(&mut self.tree), take(found));

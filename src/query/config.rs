@@ -1,14 +1,12 @@
 //! What tree to build, and why it could not be built.
 
-#[cfg(not(feature = "serde"))]
-use crate::builders::on_request;
-use crate::builders::{BoxesError, NAMES, OutOfMemory};
+use crate::builders::{BoxesError, NAMES, OutOfMemory, on_request};
 
 /// What tree to build: `BvhConfig::new("phr-quality", 8)`, or `BvhConfig { width: 4, ..BvhConfig::default() }`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BvhConfig<'a> {
     /// Name of a builder, one that [`by_name`](crate::builders::by_name) knows: of [`NAMES`], a variant, or, with the
-    /// feature `serde`, one with changes, `phr-hq[delta=8]`.
+    /// feature `serde`, one with changes, `phr-hq[delta=8]` or `phr-hq[delta=8+alpha=0.4]`.
     pub builder: &'a str,
     /// Most children of a node: 4 or 8.
     pub width: usize,
@@ -35,8 +33,10 @@ pub enum BvhError {
     /// No builder has the name.
     #[error("no builder is called {0}; there are {list}", list = NAMES.join(", "))]
     NoSuchBuilder(String),
-    /// A tree that is to be rebuilt does not tell by whom.
-    #[error("nobody has told the builder of this tree; make it by Bvh::build, or build another")]
+    /// A tree that is to be rebuilt does not tell by whom, or but the beginning of a long name, as its file has it.
+    #[error(
+        "the builder of this tree is not told, or not to the end; make it by Bvh::build, or build another"
+    )]
     NoBuilder,
     /// A builder is to be changed in a way that cannot be, or at all where the feature `serde` is off.
     #[error("{0}")]
@@ -69,20 +69,19 @@ pub enum BvhError {
 impl BvhError {
     /// Why there is no builder called `name`.
     pub(super) fn of_name(name: &str) -> Self {
+        let base = name.split_once('[').map(|(base, _)| base);
+        if base.is_none_or(|base| !NAMES.iter().copied().chain(on_request()).any(|known| known == base)) {
+            return Self::NoSuchBuilder(name.to_owned());
+        }
         #[cfg(feature = "serde")]
-        if let (true, Err(error)) = (name.contains('['), crate::builders::Recipe::parse(name)) {
-            return Self::Changes(error.to_string());
-        }
+        let why =
+            crate::builders::Recipe::parse(name).map_or_else(|error| error.to_string(), |known| known.name());
         #[cfg(not(feature = "serde"))]
-        if let Some((base, _)) = name.split_once('[')
-            && NAMES.iter().copied().chain(on_request()).any(|known| known == base)
-        {
-            return Self::Changes(format!(
-                "{name}: builders are changed by name where phr is compiled with its feature `serde`; ask for it, or \
-                 make the builder of a configuration"
-            ));
-        }
-        Self::NoSuchBuilder(name.to_owned())
+        let why = format!(
+            "{name}: builders are changed by name where phr is compiled with its feature `serde`; ask for it, or give \
+             the tree of a `builders::Phr` to `Bvh::try_from`"
+        );
+        Self::Changes(why)
     }
 }
 

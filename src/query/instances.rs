@@ -39,7 +39,7 @@ pub struct InstanceHit {
 }
 
 /// A tree over instances. A ray is taken to the space of each object that it may hit, its direction not to unit
-/// length, so that distances stay the world's.
+/// length, so that distances stay the world's. Objects are traced as a [`Bvh`]: a ray may slip through their edges.
 ///
 /// ```
 /// use phr::geometry::{Mesh, Ray};

@@ -11,8 +11,10 @@
 //! * **Direction**: any length from 1e-10 on, of components of up to 1.844e18; `t` is in units of it, so that the
 //!   hit lies at `org + t * dir`. Components may be zero, of either sign, or denormal; a ray whose direction is
 //!   zero misses. Boxes see components below 1e-18 as 1e-18, as Embree's do, so that shorter rays may miss. Where
-//!   the products of direction and edges leave the range of `f32` (all components below 1e-38, say) closest hits
-//!   are missed, though any hit may be found; no hit has a distance that is infinite, zero or NaN.
+//!   products leave the range of `f32` closest hits are missed, though any hit may be found: those of direction and
+//!   edges (all components below 1e-38, say), and those of two edges and the distance from the origin. The latter
+//!   stay within it where edges and distances are all between 1e-12 and 5e12. No hit has a distance that is infinite,
+//!   zero or NaN.
 //! * **Faces**: both sides of a triangle are hit. The normal is not turned towards the ray.
 //! * **Edges** belong to their triangles, but rounding decides: a ray at an edge may slip between the two triangles
 //!   that share it, or past a triangle that it touches at the border of a box it runs along. Of hits at the same

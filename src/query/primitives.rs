@@ -14,6 +14,9 @@ use std::panic::AssertUnwindSafe;
 /// [`Bvh`](super::Bvh), with the best instructions of the machine, and the caller's test is compiled into the
 /// traversal.
 ///
+/// Builders are made for triangles, of which a test is cheap: `phr-quality` and `phr-best` make leaves of up to eight, and
+/// may call a test of yours twice as often as `phr-fast` and `phr-draft`. Where it is costly, count its calls.
+///
 /// ```
 /// use phr::geometry::{Aabb, Ray};
 /// use phr::{BvhConfig, PrimitiveBvh};
@@ -90,7 +93,7 @@ impl PrimitiveBvh {
 
     /// The closest hit of `ray`. `test` is given a primitive and the ray, which ends (`tfar`) at the closest hit so
     /// far; it returns the distance at which the ray hits the primitive. Only a distance in the ray's interval,
-    /// `tnear < t <= tfar` and finite, is a hit. Primitives come about nearest first, all of a leaf (mostly four)
+    /// `tnear < t <= tfar` and finite, is a hit. Primitives come about nearest first, all of a leaf (three to five)
     /// where the ray meets its box (always where the tree is one leaf), so that some come whose own boxes it misses;
     /// one that was split may come more than once.
     #[inline]

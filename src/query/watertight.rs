@@ -9,8 +9,8 @@ use std::slice::{from_mut, from_ref};
 
 /// A [`Bvh`] whose rays slip through no edge and no vertex that triangles share, as with Embree's
 /// `RTC_SCENE_FLAG_ROBUST`. Its conventions are those of the [module](crate::query); distances differ from those of the
-/// `Bvh` by rounding, and rays take longer. Sound for meshes and origins within 1e12 of the scene's origin and for
-/// triangles of 1e-12 and larger.
+/// `Bvh` by rounding, and rays take longer. It answers batches as a [`Tracer`], without normals. Sound for meshes and
+/// origins within 1e12 of the scene's origin and for triangles of 1e-12 and larger.
 ///
 /// ```
 /// use phr::geometry::{Mesh, Ray};

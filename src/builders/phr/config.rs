@@ -53,8 +53,7 @@ pub struct Extensions {
     /// small they are: in a scene of a few huge triangles all else is smaller than a threshold taken from the scene's
     /// area.
     pub cut_share: Option<f32>,
-    /// Large parts of the scene are opened by their own area too.
-    // The name in JSON is that of committed results.
+    /// Large parts of the scene are opened by their own area too. `own_threshold` in JSON, as in committed results.
     #[cfg_attr(feature = "serde", serde(rename = "own_threshold"))]
     pub local_threshold: Option<LocalThreshold>,
     /// Where a spatial split cuts a node of a single triangle, the triangle is clipped and not only its box.
@@ -136,7 +135,7 @@ impl Extensions {
         auxiliary.check()?;
         auxiliary_tree.check().map_err(|error| error.within("auxiliary_tree"))?;
         check_option("cut_share", self.cut_share, 0.0..=1.0)?;
-        check_option("own_threshold.area", local_threshold.map(|local| local.area), 0.0..=f32::MAX)?;
+        check_option("local_threshold.area", local_threshold.map(|local| local.area), 0.0..=f32::MAX)?;
         check_option("subtree_sweep", self.subtree_sweep, 0..=SUBTREE_MOST as u32)?;
         collapse.map_or(Ok(()), |costs| costs.check().map_err(|error| error.within("collapse")))
     }

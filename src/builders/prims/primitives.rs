@@ -31,12 +31,13 @@ pub trait Primitives: Sync {
         self.len() == 0
     }
 
-    /// The box of primitive `id`: not empty, though it may be flat, and within 1.844e18 of the origin.
+    /// The box of primitive `id`: not empty, though it may be flat, and within 1.844e18 of the origin. A ray within the
+    /// plane of flat boxes misses them where a node holds nothing else: give a flat scene some depth.
     fn bounds(&self, id: u32) -> Aabb;
 
-    /// Whether primitives may be split where a builder splits space: `phr-quality` and `phr-best` by
-    /// [`Primitives::split`], `phr-turbo`, `phr-speed` and the paper's presets at the plane alone. One that is split is
-    /// in several leaves, and may be tested more than once by a ray.
+    /// Whether primitives may be split where a builder splits space: at the plane, and by [`Primitives::split`] where
+    /// `phr-quality` or `phr-best` cuts a node that holds a single one. One that is split is in several leaves, and may
+    /// be tested more than once by a ray.
     fn splits(&self) -> bool {
         false
     }

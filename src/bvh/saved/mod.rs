@@ -54,7 +54,7 @@ pub enum SavedError {
         source: std::io::Error,
     },
     /// No such file at all: a scene, perhaps.
-    #[error("{}: {what}; give a file that `phr build -o` wrote", path.display())]
+    #[error("{}: {what}; give a file that `Bvh::save` or `phr build -o` wrote", path.display())]
     NotATree {
         /// The file.
         path: PathBuf,

@@ -53,13 +53,15 @@ fn open(path: &Path) -> Result<(File, Header), SavedError> {
     let mut file = File::open(path).map_err(&io)?;
     // Of the file that is open: another may have taken its place.
     let metadata = file.metadata().map_err(&io)?;
-    let mut bytes = [0; BYTES];
-    let (magic, rest) = bytes.split_at_mut(MAGIC.len());
-    if file.read_exact(magic).is_err() || *magic != MAGIC {
+    let mut bytes = Vec::with_capacity(BYTES);
+    file.by_ref().take(BYTES as u64).read_to_end(&mut bytes).map_err(&io)?;
+    if bytes.is_empty() || bytes.iter().zip(&MAGIC).any(|(byte, magic)| byte != magic) {
         return Err(SavedError::not_a_tree(path, "not a saved tree"));
     }
-    file.read_exact(rest).map_err(|_| SavedError::unusable(path, "shorter than a saved tree"))?;
-    let header = Header::of_bytes(&bytes).map_err(|what| SavedError::unusable(path, what))?;
+    let bytes = bytes
+        .first_chunk::<BYTES>()
+        .ok_or_else(|| SavedError::unusable(path, "shorter than a saved tree"))?;
+    let header = Header::of_bytes(bytes).map_err(|what| SavedError::unusable(path, what))?;
     let node = match header.width {
         4 => 128,
         8 => 256,

@@ -91,14 +91,17 @@ fn other_meshes_and_widths_are_refused() {
         std::fs::write(folder.path().join("x.obj"), content).unwrap();
         let message = said(header_of(folder.path().join("x.obj")).map(|_| ()));
         assert!(
-            message.ends_with("x.obj: not a saved tree; give a file that `phr build -o` wrote"),
+            message
+                .ends_with("x.obj: not a saved tree; give a file that `Bvh::save` or `phr build -o` wrote"),
             "{message}"
         );
     }
     let whole = std::fs::read(&path).unwrap();
-    std::fs::write(folder.path().join("cut"), &whole[..100]).unwrap();
-    let message = said(header_of(folder.path().join("cut")).map(|_| ()));
-    assert!(message.ends_with("cut: shorter than a saved tree; save the tree again"), "{message}");
+    for length in [1, 7, 8, 100] {
+        std::fs::write(folder.path().join("cut"), &whole[..length]).unwrap();
+        let message = said(header_of(folder.path().join("cut")).map(|_| ()));
+        assert!(message.ends_with("cut: shorter than a saved tree; save the tree again"), "{message}");
+    }
     assert!(said(chain(&mesh).save(&mesh, "", folder.path().join("no/x"))).contains("No such file"));
 }
 

@@ -55,8 +55,15 @@ fn a_tree_of_an_unknown_builder_is_not_rebuilt() {
     let path = folder.path().join("x.phrtree");
     median_tree::<4>(&mesh, 4).save(&mesh, "median", &path).unwrap();
     let of_median = Bvh::load(&mesh, &path).unwrap();
+    // A file has room for 32 bytes of a name.
+    median_tree::<4>(&mesh, 4).save(&mesh, "phr-hq[presplit=none+max_cut=4096]", &path).unwrap();
+    let of_long_name = Bvh::load(&mesh, &path).unwrap();
     let [of_nobody, _] = both(&mesh);
-    let told = [(of_median, "no builder is called median; "), (of_nobody, "nobody has told the builder ")];
+    let told = [
+        (of_median, "no builder is called median; "),
+        (of_long_name, "the builder of this tree is not told"),
+        (of_nobody, "the builder of this tree is not told"),
+    ];
     for (mut bvh, words) in told {
         let before = bvh.as_bvh4().cloned();
         let error = bvh.rebuild(&soup(300, 4)).unwrap_err().to_string();

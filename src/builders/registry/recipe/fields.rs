@@ -36,13 +36,8 @@ fn fill(value: &mut Value, from: &Value) {
     }
 }
 
-/// The names of all single fields of `template`.
-pub fn names(template: &Value) -> Vec<String> {
-    paths(template).into_iter().filter(|path| !at(template, path).is_object()).collect()
-}
-
 /// All names, those of fields that hold others among them.
-fn paths(template: &Value) -> Vec<String> {
+pub fn paths(template: &Value) -> Vec<String> {
     let mut found = Vec::new();
     for (name, value) in template.as_object().into_iter().flatten() {
         found.push(name.clone());
@@ -51,9 +46,9 @@ fn paths(template: &Value) -> Vec<String> {
     found
 }
 
-/// The full name of `field`: it, or the only one that ends so.
+/// The full name of `field`: it, or the only one that ends so. One field has another name in Rust.
 pub fn find(template: &Value, field: &str) -> Option<String> {
-    let all = paths(template);
+    let (all, field) = (paths(template), &field.replace("local_threshold", "own_threshold")[..]);
     if all.iter().any(|path| path == field) {
         return Some(field.into());
     }
@@ -89,7 +84,8 @@ pub fn changed(config: &Config, template: &Value, path: &str, value: &Value) -> 
         (Value::Bool(false), Value::Object(_) | Value::Number(_) | Value::Null) => Value::Null,
         _ => value.clone(),
     };
-    let of = |error: serde_json::Error| error.to_string();
+    let of =
+        |error: serde_json::Error| format!("{error}; give a number, on or off, and + between two changes");
     Ok(match config {
         Config::Lbvh => Config::Lbvh,
         Config::Aac(_) => Config::Aac(serde_json::from_value(all).map_err(of)?),

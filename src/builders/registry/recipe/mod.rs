@@ -76,7 +76,7 @@ impl Recipe {
         let path = fields::find(&template, field).ok_or_else(|| RecipeError::Field {
             builder: self.base,
             field: field.into(),
-            known: fields::names(&template).join(", "),
+            known: fields::paths(&template).join(", "),
         })?;
         if let (Value::Object(inner), Value::Object(_)) = (value, fields::at(&template, &path)) {
             // All of them, or none.

@@ -69,7 +69,9 @@ fn objects_set_what_is_within() {
 #[test]
 fn what_cannot_be_set_is_refused_with_the_fields_that_can() {
     let listed = |text: &str| {
-        ["delta", "presplit.filled", "own_threshold.area"].iter().all(|name| text.contains(name))
+        ["delta, ", "presplit, ", "presplit.filled", "own_threshold.area"]
+            .iter()
+            .all(|name| text.contains(name))
     };
     let unknown = error("phr-hq[gamma=1]");
     assert!(unknown.contains("phr-hq has no single field gamma") && listed(&unknown), "{unknown}");
@@ -80,10 +82,17 @@ fn what_cannot_be_set_is_refused_with_the_fields_that_can() {
         ("phr-hq[max_cut=-1]", "expected usize"),
         ("phr-hq[delta=none]", "phr-hq.delta=none: invalid type: null"),
         ("phr-hq[presplit=3]", "phr-hq.presplit=3: invalid type"),
+        ("phr-hq[delta=8,alpha=0.4]", "give a number, on or off, and + between two changes"),
+        ("phr-speed[local_threshold.area=-1]", "local_threshold.area = -1.0 is out of range"),
     ] {
         let text = error(name);
         assert!(text.contains(reason) && !listed(&text), "{name}: {text}");
     }
+    // By its name in Rust, too.
+    assert_eq!(
+        Recipe::parse("phr-speed[local_threshold=off]").unwrap().name(),
+        "phr-speed[own_threshold=off]"
+    );
     assert!(error("phr-best[max_leaf=8]").contains("phr.max_leaf, "), "several fields end so");
     assert_eq!(error("lbvh[delta=8]"), "lbvh has no single field delta; lbvh has none");
     assert!(error("phr[delta=8]").contains("no builder of ours is called phr; there are lbvh, "));
@@ -101,7 +110,9 @@ fn every_field_of_every_builder_can_be_set_to_what_it_is() {
     for base in NAMES.iter().copied().chain(on_request()) {
         let plain = Recipe::of(base).unwrap();
         let template = fields::with_everything_on(&plain.config);
-        for field in fields::names(&template) {
+        for field in
+            fields::paths(&template).into_iter().filter(|path| !fields::at(&template, path).is_object())
+        {
             let mut changed = plain.clone();
             let set = changed.set(&field, fields::at(&template, &field));
             // `phr-best` collapses its tree once, after optimization.
