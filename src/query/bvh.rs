@@ -106,8 +106,8 @@ impl Bvh {
     }
 
     /// Saves the tree, which was built over `mesh`, at `path`: [`saved`](crate::bvh::saved) describes the format, which
-    /// has room for 32 bytes of the builder's name. Whether it is of `mesh` is told by its triangles alone; [`Bvh::load`]
-    /// asks for the mesh that was given here, to its last vertex.
+    /// has room for 32 bytes of the builder's name. Whether it is of `mesh` is told by its triangles alone;
+    /// [`Bvh::load`] asks for the mesh that was given here, to its last vertex.
     ///
     /// # Errors
     /// Another mesh, or one that was moved since; a foreign tree that lacks a triangle or holds nodes that nothing

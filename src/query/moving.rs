@@ -24,8 +24,8 @@ impl Bvh {
     /// ```
     ///
     /// # Errors
-    /// [`BvhError::NoBuilder`] of a tree that `Bvh::try_from` was given (there keep the builder, and give it the tree of
-    /// [`Bvh::into_bvh8`] to recycle) or whose file holds but the beginning of a long name,
+    /// [`BvhError::NoBuilder`] of a tree that `Bvh::try_from` was given (there keep the builder, and give it the tree
+    /// of [`Bvh::into_bvh8`] to recycle) or whose file holds but the beginning of a long name,
     /// [`BvhError::NoSuchBuilder`] or [`BvhError::Changes`] of one whose file names a builder that is not known here;
     /// the tree is as before then.
     /// [`BvhError::OutOfMemory`]; it is of no triangle then, every ray misses, and it may be rebuilt.

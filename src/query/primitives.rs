@@ -14,8 +14,8 @@ use std::panic::AssertUnwindSafe;
 /// [`Bvh`](super::Bvh), with the best instructions of the machine, and the caller's test is compiled into the
 /// traversal.
 ///
-/// Builders are made for triangles, of which a test is cheap: `phr-quality` and `phr-best` make leaves of up to eight, and
-/// may call a test of yours twice as often as `phr-fast` and `phr-draft`. Where it is costly, count its calls.
+/// Builders are made for triangles, of which a test is cheap: `phr-quality` and `phr-best` make leaves of up to eight,
+/// and may call a test of yours twice as often as `phr-fast` and `phr-draft`. Where it is costly, count its calls.
 ///
 /// ```
 /// use phr::geometry::{Aabb, Ray};
