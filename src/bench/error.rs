@@ -135,7 +135,7 @@ pub enum RunError {
     #[error("{}: another run is writing there; wait for its end, or give another folder with --out", .0.display())]
     Held(PathBuf),
     /// `--resume` with other settings.
-    #[error("{}: made with another {what}; give the same, or run without --resume", folder.display())]
+    #[error("{}: made with another {what}; give the same, or another folder with --out", folder.display())]
     Resume {
         /// The folder.
         folder: PathBuf,

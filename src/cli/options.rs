@@ -37,11 +37,11 @@ pub fn pools(threads: usize) -> Result<Pools, Failure> {
 /// Builders that are made from others; alone they stand in place of the default.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Made {
-    /// Also a builder with this field of its configuration changed (repeatable): BUILDER.FIELD=VALUE, as
-    /// phr-hq.delta=8; it is called phr-hq[delta=8]
+    /// A builder with this field of its configuration changed (repeatable), beside those of --builder or alone:
+    /// BUILDER.FIELD=VALUE, as phr-hq.delta=8; it is called phr-hq[delta=8]
     #[arg(long = "set", value_name = "CHANGE")]
     pub changes: Vec<String>,
-    /// Also the builder of this file (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
+    /// The builder of this file, likewise (repeatable): {"name": NAME, "base": BUILDER, "fields": {"FIELD": VALUE}}
     #[arg(long = "config", value_name = "FILE")]
     pub configs: Vec<PathBuf>,
 }

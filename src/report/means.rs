@@ -148,7 +148,7 @@ pub fn means(rows: &[Row], under: &Under) -> String {
         "## Means relative to Embree SAH at width 4\n\n{text}{}\
          arith.: arithmetic mean, as in the paper's Figure 6. geo.: geometric mean. 95 %: its interval over scenes and \
          rounds, what it would be over other scenes of the kind. noise: half its interval over rounds alone, what \
-         another measurement of these scenes would change. {WORST} paper: the same mean over \
+         another measurement of these scenes would change (±?: of too few rounds, or too far apart). {WORST} paper: the same mean over \
          the paper's nine scenes, 16 threads, Embree 2.11; its trace time is that of frames.\n",
         by_kernel(rows),
     )

@@ -278,7 +278,7 @@ fn same(old: &Environment, new: &Environment, folder: &Path) -> Result<(), RunEr
     match new.iter().find(|(key, value)| must_agree(key) && old.get(*key) != Some(value)) {
         Some((key, _)) => {
             let option = if matches!(&**key, "width" | "height") { "size" } else { key };
-            differs(format!("{option} ({})", old.get(key).unwrap_or(&serde_json::Value::Null)))
+            differs(format!("value of {option} ({})", old.get(key).unwrap_or(&serde_json::Value::Null)))
         }
         None => Ok(()),
     }

@@ -86,7 +86,7 @@ fn results(arguments: &Arguments, a: &Path, b: &Path) -> Result<(), Failure> {
     let count = |verdict| outcome.count(verdict);
     let slower = count(Change::Slower) + outcome.failures.len();
     // What B lacks may be what got slower.
-    verdict(slower, count(Change::Inconclusive) + outcome.missing, &outcome.summary(threshold))
+    verdict(slower, count(Change::Inconclusive) + outcome.unmatched[0], &outcome.summary(threshold))
 }
 
 fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {

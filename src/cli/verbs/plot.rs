@@ -115,6 +115,10 @@ pub fn check(drawings: &[Drawing], folder: &Path) -> Result<(), Failure> {
 }
 
 fn stale(file: &Path) -> Failure {
+    let is_there = file.exists();
     let file = file.display();
+    if !is_there {
+        return Failure::Wrong(format!("{file}: no such figure; draw it with `phr plot` or --redraw"));
+    }
     Failure::Wrong(format!("{file}: not the figure of these rows; draw it again with `phr plot` or --redraw"))
 }

@@ -127,8 +127,8 @@ pub struct Outcome {
     pub remarks: Vec<String>,
     /// What works in A but not in B.
     pub failures: Vec<String>,
-    /// Figures that A has and B lacks.
-    pub missing: usize,
+    /// Figures that A alone has, and B alone.
+    pub unmatched: [usize; 2],
 }
 
 impl Outcome {
@@ -163,10 +163,11 @@ impl Outcome {
         }
         let known: HashSet<&str> = ours.iter().map(|measure| measure.name.as_str()).collect();
         let only_b = theirs.iter().filter(|new| !known.contains(new.name.as_str())).map(|new| new.of.clone());
+        let only_b: Vec<String> = only_b.collect();
         outcome.note_errors(a, b);
-        outcome.missing = only_a.len();
+        outcome.unmatched = [only_a.len(), only_b.len()];
         outcome.note("only in A", only_a);
-        outcome.note("only in B", only_b.collect());
+        outcome.note("only in B", only_b);
         outcome.note("other geometry or other rays", changed);
         outcome
     }
@@ -233,10 +234,12 @@ impl Outcome {
     /// One line of counts.
     pub fn summary(&self, threshold: f64) -> String {
         let counts = Change::ALL.map(|verdict| format!("{} {}", self.count(verdict), verdict.name()));
-        let some = |count, what| if count == 0 { String::new() } else { format!(", {count} {what}") };
-        let others = some(self.failures.len(), "failed") + &some(self.missing, "only in A");
+        let [only_a, only_b] = self.unmatched;
+        let others = [(self.failures.len(), "failed"), (only_a, "only in A"), (only_b, "only in B")];
+        let others =
+            others.map(|(count, what)| if count == 0 { String::new() } else { format!(", {count} {what}") });
         let (figures, threshold) = (self.comparisons.len(), short(100.0 * threshold));
-        format!("{figures} figures, threshold {threshold} %: {}{others}", counts.join(", "))
+        format!("{figures} figures, threshold {threshold} %: {}{}", counts.join(", "), others.concat())
     }
 }
 
@@ -257,7 +260,9 @@ fn ratio(new: &Measure, old: &Measure, seed: u64) -> Ratio {
 fn measures(run: &Recorded, totals: bool) -> Vec<Measure> {
     let mut measures: Vec<Measure> = Vec::new();
     let mut names = HashSet::new();
-    for row in run.rows.iter().filter(|row| row.is_good() && (!totals || row.is_total())) {
+    // Rows over all rays first: they alone have the rounds of their build.
+    let (of_all, of_some): (Vec<&Row>, Vec<&Row>) = run.rows.iter().partition(|row| row.is_total());
+    for row in of_all.into_iter().chain(of_some).filter(|row| row.is_good() && (!totals || row.is_total())) {
         let tree = format!("{} {}/{}, {} threads", row.scene, row.builder, row.width, row.threads);
         let cell = run.cell(row);
         let mut add = |figure: String, of: String, summary: Option<Summary>, rays, times: Option<ByRound>| {
@@ -270,13 +275,8 @@ fn measures(run: &Recorded, totals: bool) -> Vec<Measure> {
             }
         };
         // Builds stand in the rows of every kernel, but are one figure.
-        add(
-            format!("{} build", row.regime),
-            tree.clone(),
-            row.build_ms(),
-            None,
-            Some(row.by_round.build.clone()),
-        );
+        let build = Some(row.by_round.build.clone());
+        add(format!("{} build", row.regime), tree.clone(), row.build_ms(), None, build);
 
         let view = if row.view == ALL { None } else { row.view.parse().ok() };
         let kind = RayKind::ALL.into_iter().find(|kind| kind.name() == row.ray_kind);

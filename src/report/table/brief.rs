@@ -97,7 +97,9 @@ pub fn legend(rows: &[Row]) -> String {
     // Without it there is no such column, nor a mean.
     let relative = if has_baseline(rows) {
         let base = BASELINE.0;
-        format!(" /SAH: relative to {base}, {WIDTH}-wide; ± half the 95 % interval over rounds{means}.")
+        format!(
+            " /SAH: relative to {base}, {WIDTH}-wide; ± half the 95 % interval over rounds (±?: too few, or too far apart){means}."
+        )
     } else {
         String::new()
     };
@@ -112,7 +114,9 @@ pub fn legend(rows: &[Row]) -> String {
 
 /// A text in lines that fit a terminal.
 pub fn filled(text: &str) -> String {
-    textwrap::fill(text, COLUMNS) + "\n"
+    // Names of options stay whole.
+    let whole = textwrap::Options::new(COLUMNS).word_splitter(textwrap::WordSplitter::NoHyphenation);
+    textwrap::fill(text, whole) + "\n"
 }
 
 #[cfg(test)]

@@ -84,7 +84,9 @@ fn legend(rows: &[Row]) -> String {
     // Without it there is no such column.
     let relative = if has_baseline(rows) {
         let (base, width) = BASELINE;
-        format!(" /SAH: relative to {base} at width {width}, {kernel}; ± half the 95 % interval.")
+        format!(
+            " /SAH: relative to {base} at width {width}, {kernel}; ± half the 95 % interval (±?: of too few rounds, or too far apart)."
+        )
     } else {
         String::new()
     };

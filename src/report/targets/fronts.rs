@@ -44,10 +44,11 @@ pub fn fronts(rows: &[Row]) -> String {
             embrees.iter().map(|&tree| counted(&points, tree, same_width)).collect();
         counted.sort_by_key(|(_, count, interval)| std::cmp::Reverse((*count, interval.high as usize)));
         let Some((tree, most, interval)) = counted.first().cloned() else { continue };
-        let verdict = counted
-            .iter()
-            .map(|(_, _, interval)| Verdict::at_most(MOST_ON_FRONT as f64, *interval))
-            .reduce(Verdict::and);
+        let verdicts =
+            counted.iter().map(|(_, _, interval)| Verdict::at_most(MOST_ON_FRONT as f64, *interval));
+        // Of no more scenes than the limit none could be beyond it.
+        let none_can_be = (scenes.len() <= MOST_ON_FRONT).then_some(Verdict::Undecided);
+        let verdict = verdicts.chain(none_can_be).reduce(Verdict::and);
         let beyond = counted.iter().skip(1).filter(|(_, _, interval)| interval.high > MOST_ON_FRONT as f64);
         let beyond: Vec<String> = beyond
             .map(|(tree, count, interval)| format!("{}: {count} {}", tree_name(*tree), interval.shown(0)))
@@ -65,7 +66,7 @@ pub fn fronts(rows: &[Row]) -> String {
     }
     format!(
         "{}\nNumbers of scenes in which no other tree builds and traces as fast; 95 %: over rounds. Met if no tree of Embree's can \
-         be beyond, not met if one surely is, else undecided.\n",
+         be beyond, not met if one surely is, else undecided, as over no more scenes than the target.\n",
         grid.markdown()
     )
 }
@@ -186,6 +187,8 @@ mod tests {
         assert_eq!(verdict(&of(&[ahead, ahead, ahead, behind])), ("3 [3, 3]".into(), "not met".into()));
         assert_eq!(verdict(&of(&[ahead, behind, behind, behind])), ("1 [1, 1]".into(), "met".into()));
         assert_eq!(verdict(&of(&[ahead, ahead, unsure, behind])), ("3 [2, 3]".into(), "undecided".into()));
+        // Of so few none could be more.
+        assert_eq!(verdict(&of(&[behind, behind])), ("0 [0, 0]".into(), "undecided".into()));
         assert_eq!(fronts(&of(&[ahead])[..1]), "");
         // A single round decides nothing.
         let one = |row: Row| Row {

@@ -1,6 +1,7 @@
 //! One run against another.
 
 use super::*;
+use phr::report::compare::{Change, Outcome, Recorded};
 
 #[test]
 fn comparisons_exit_with_their_verdict() {
@@ -40,6 +41,22 @@ fn comparisons_exit_with_their_verdict() {
     let (code, text, error) = compare(scaled(1.05).path(), &[]);
     assert_eq!((code, error.lines().count()), (3, 1), "{text}{error}");
     assert!(text.contains("0 slower, 12 inconclusive, 0 faster"), "{text}");
+}
+
+#[test]
+fn a_run_has_no_difference_from_itself() {
+    // Rounds that differ widely, told in rows over all rays alone; those of a view stand first.
+    let mut rows = rows();
+    for row in rows.iter_mut().filter(|row| row.view == ALL && row.is_total()) {
+        row.by_round.build = (0..3).zip([1.0, 10.0, 2.0]).collect();
+    }
+    let run = Recorded { rows, ..Recorded::default() };
+    let outcome = Outcome::of(&run, &run, 0.05, false);
+    assert!(!outcome.comparisons.is_empty());
+    assert_eq!(outcome.count(Change::Same), outcome.comparisons.len(), "{}", outcome.document(0.05, false));
+    let fewer: Vec<Row> = run.rows.iter().filter(|row| row.builder != "phr-hq").cloned().collect();
+    let fewer = Recorded { rows: fewer, ..Recorded::default() };
+    assert!(Outcome::of(&fewer, &run, 0.05, false).summary(0.05).ends_with(" only in B"));
 }
 
 #[test]
