@@ -47,8 +47,11 @@ fn comparisons_exit_with_their_verdict() {
 fn a_run_has_no_difference_from_itself() {
     // Rounds that differ widely, told in rows over all rays alone; those of a view stand first.
     let mut rows = rows();
-    for row in rows.iter_mut().filter(|row| row.view == ALL && row.is_total()) {
-        row.by_round.build = (0..3).zip([1.0, 10.0, 2.0]).collect();
+    for row in &mut rows {
+        row.build_ms_mad = row.build_ms_median;
+        if row.is_total() {
+            row.by_round.build = (0..3).zip([1.0, 10.0, 2.0]).collect();
+        }
     }
     let run = Recorded { rows, ..Recorded::default() };
     let outcome = Outcome::of(&run, &run, 0.05, false);
