@@ -15,23 +15,28 @@ const EQUAL: u8 = 0;
 const MIDDLE: u8 = 126;
 /// Deltas beyond either end, so that windows may reach over it.
 const PAD: usize = MOST - 1;
-/// Most references of a leaf.
-const MOST: usize = 4;
+/// Most references of a subtree that is looked for.
+const MOST: usize = 16;
+/// Deltas that are compared at a time.
+const ABREAST: usize = 32;
 
 /// The deltas of a run.
 #[derive(Default)]
 pub(crate) struct Deltas {
     /// `padded[PAD + i]`: of references i - 1 and i.
     padded: Vec<u8>,
-    /// Whether a leaf begins with reference i, or all leaves end before it.
+    /// Whether a subtree begins with reference i, or all end before it.
     begins: Vec<bool>,
+    /// References, and one more.
+    ends: usize,
 }
 
 impl Deltas {
     /// Computes the deltas of sorted keys.
     pub fn of_codes(&mut self, keys: &[MortonKey]) {
+        self.ends = keys.len() + 1;
         self.padded.clear();
-        self.padded.resize(keys.len() + 1 + 2 * PAD, END);
+        self.padded.resize(self.ends.next_multiple_of(ABREAST) + 2 * PAD, END);
         let deltas = &mut self.padded[PAD + 1..];
         for ((delta, &before), &after) in deltas.iter_mut().zip(keys).zip(&keys[1..]) {
             *delta = delta_of(code(before) ^ code(after));
@@ -62,32 +67,59 @@ impl Deltas {
         self.padded[PAD + reference]
     }
 
-    /// Finds where leaves begin, the largest subtrees of at most `most` references, and where the last one ends.
+    /// Those before `reference` and the references after it.
+    pub fn from(&self, reference: usize) -> &[u8; MOST] {
+        self.padded[PAD + reference..].first_chunk().expect("there are more beyond the end")
+    }
+
+    /// Finds the largest subtrees of at most `most` references, which are no more than `WINDOW`.
     ///
     /// On either side of a delta, its subtree has one reference more than there are lower deltas in a row. No branch
     /// depends on a delta.
-    pub fn leaves(&mut self, most: u32, leaves: &mut Vec<u32>) {
-        debug_assert!((1..=MOST as u32).contains(&most));
-        let ends = self.padded.len() - 2 * PAD;
-        self.begins.resize(ends, true);
-        let [a, b, c, own, d, e, f] = std::array::from_fn(|i| &self.padded[i..i + ends]);
-        for (i, begins) in self.begins.iter_mut().enumerate() {
-            let lower = |delta: u8| delta < own[i];
-            let left = [lower(c[i]), lower(c[i]) & lower(b[i]), lower(c[i]) & lower(b[i]) & lower(a[i])];
-            let right = [lower(d[i]), lower(d[i]) & lower(e[i]), lower(d[i]) & lower(e[i]) & lower(f[i])];
-            let count = 2 + left.iter().chain(&right).map(|&is| u8::from(is)).sum::<u8>();
-            *begins = count > most as u8;
+    #[inline(always)]
+    pub fn find_subtrees<const WINDOW: usize>(&mut self, most: u32) {
+        const { assert!(WINDOW <= MOST) };
+        debug_assert!((1..=WINDOW as u32).contains(&most));
+        self.begins.clear();
+        self.begins.resize(self.ends.next_multiple_of(ABREAST), true);
+        let (chunks, _) = self.begins.as_chunks_mut::<ABREAST>();
+        for (chunk, begins) in chunks.iter_mut().enumerate() {
+            let padded = self.padded[chunk * ABREAST..].first_chunk();
+            let window: &[u8; ABREAST + 2 * PAD] = padded.expect("there are more beyond the end");
+            let mut count = [2; ABREAST];
+            for side in [-1, 1] {
+                let mut is_below = [1; ABREAST];
+                for distance in 1..WINDOW {
+                    let other = PAD.wrapping_add_signed(side * distance as isize);
+                    for i in 0..ABREAST {
+                        is_below[i] &= u8::from(window[other + i] < window[PAD + i]);
+                        count[i] += is_below[i];
+                    }
+                }
+            }
+            *begins = count.map(|count| count > most as u8);
         }
+        self.begins.truncate(self.ends);
         // Both ends, whatever lies between.
         self.begins[0] = true;
-        self.begins[ends - 1] = true;
-        leaves.resize(ends, 0);
+        *self.begins.last_mut().expect("an end") = true;
+    }
+
+    /// Separates a subtree that was found in front of `reference`.
+    pub fn separate(&mut self, reference: u32) {
+        self.begins[reference as usize] = true;
+    }
+
+    /// Where the subtrees that were found begin, and where the last one ends.
+    #[inline(always)]
+    pub fn begins(&self, subtrees: &mut Vec<u32>) {
+        subtrees.resize(self.begins.len(), 0);
         let mut found = 0;
         for (i, &begins) in self.begins.iter().enumerate() {
-            leaves[found] = i as u32;
+            subtrees[found] = i as u32;
             found += usize::from(begins);
         }
-        leaves.truncate(found);
+        subtrees.truncate(found);
     }
 }
 

@@ -79,7 +79,8 @@ impl LbvhTreelet {
         equal_codes.partition(deltas, keys.len(), [depth, rule.always], |i| bounds[i].center2());
         equal_codes.reorder(keys, copied_keys);
         equal_codes.reorder(bounds, copied_bounds);
-        deltas.leaves(rule.always, leaves);
+        deltas.find_subtrees::<{ BLOCK as usize }>(rule.always);
+        deltas.begins(leaves);
         if rule.always == 1 {
             self.merge::<1>(first, rule)
         } else {

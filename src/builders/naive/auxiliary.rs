@@ -153,6 +153,15 @@ impl Tree {
 
 /// The tree over the triangles of `mesh`, and the half area that thresholds are relative to; `None` without triangles.
 pub fn lbvh(mesh: &Mesh, config: &AuxiliaryConfig) -> Option<(Rc<Tree>, f32)> {
+    lbvh_of(mesh, config, |run, depth| subtree(run, depth, config.auxiliary_leaf.unwrap_or(1)))
+}
+
+/// The same, of the given trees over a run of sorted codes that has been partitioned so many times by the middle.
+pub fn lbvh_of(
+    mesh: &Mesh,
+    config: &AuxiliaryConfig,
+    subtree: impl Fn(&[Item], u32) -> Rc<Tree>,
+) -> Option<(Rc<Tree>, f32)> {
     let triangles = (0..mesh.len() as u32).map(|prim| Reference { prim, bounds: mesh.bounds_of(prim) });
     let mut references: Vec<Reference> = triangles.collect();
     let mut centers: Aabb = references.iter().fold(Aabb::EMPTY, |all, r| all.grow(r.bounds.center2()));
@@ -182,7 +191,7 @@ pub fn lbvh(mesh: &Mesh, config: &AuxiliaryConfig) -> Option<(Rc<Tree>, f32)> {
     }
     let scene = mesh.bounds().half_area();
     let reference = config.calibration.map_or(scene, |parts| scene.min(parts * area_of_parts(&run)));
-    let root = subtree(&run, depth, config.auxiliary_leaf.unwrap_or(1));
+    let root = subtree(&run, depth);
     let root = match &config.clusters {
         None => root,
         Some(Clusters { most, area }) => root.clustered(*most, area * reference),

@@ -1,7 +1,8 @@
 //! The builders: how each refines the cuts of the one recursion.
 
-use super::auxiliary::{Tree, lbvh};
+use super::auxiliary::{Tree, lbvh, lbvh_of};
 use super::cut::{self, Cut};
+use super::full_leaves::with_full_leaves;
 use super::ploc;
 use super::recursion::Naive;
 use super::wide::Wide;
@@ -29,7 +30,8 @@ pub fn phr(mesh: &Mesh, config: &PhrConfig, width: usize) -> Option<Wide> {
 pub fn clustered_phr(mesh: &Mesh, config: &ClusteredPhrConfig, width: usize) -> Option<Wide> {
     let config = config.of_cuts().unwrap();
     let Clusters { most, area } = config.extensions.auxiliary.clusters.unwrap();
-    let (root, scale) = lbvh(mesh, &AuxiliaryConfig { clusters: None, ..config.extensions.auxiliary })?;
+    let (root, scale) =
+        lbvh_of(mesh, &AuxiliaryConfig { clusters: None, ..config.extensions.auxiliary }, with_full_leaves)?;
     cuts(mesh, &root.finished(most.max(4), area * scale), scale, &config, (width, FINISHED_CUT_DEPTH))
 }
 
@@ -76,8 +78,7 @@ fn cuts(
 
 /// The LBVH itself.
 pub fn wide_lbvh(mesh: &Mesh, width: usize) -> Option<Wide> {
-    lbvh(mesh, &AuxiliaryConfig { auxiliary_leaf: Some(4), ..AuxiliaryConfig::PAPER })
-        .map(|(root, _)| root.packed(width))
+    lbvh_of(mesh, &AuxiliaryConfig::PAPER, with_full_leaves).map(|(root, _)| root.packed(width))
 }
 
 /// The method of Hunt et al. 2007 with cuts of constant length.

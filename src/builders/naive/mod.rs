@@ -7,6 +7,7 @@ mod builders;
 mod cheapest;
 mod compare;
 mod cut;
+mod full_leaves;
 mod member;
 mod meshes;
 mod ploc;

@@ -2,5 +2,6 @@
 
 mod cluster_treelet;
 pub(crate) mod clusters;
+mod full_leaves;
 pub(crate) mod pipeline;
 mod treelet;

@@ -1,6 +1,7 @@
 //! One treelet of the builder `lbvh`, widened at once. As [`crate::builders::lbvh::treelet`], but its leaves are
 //! blocks and nobody opens it: corners are fetched once, for leaf blocks and boxes together.
 
+use super::full_leaves::FullLeaves;
 use crate::builders::lbvh::cartesian::cartesian_tree;
 use crate::builders::lbvh::deltas::Deltas;
 use crate::builders::lbvh::equal_codes::EqualCodes;
@@ -23,6 +24,7 @@ pub(crate) struct DirectTreelet<I, const N: usize> {
     copied_items: Vec<I>,
     pub deltas: Deltas,
     pub equal_codes: EqualCodes,
+    full_leaves: FullLeaves,
     /// Where the leaves begin, and where the last one ends.
     pub leaves: Vec<u32>,
     /// The leaves.
@@ -66,7 +68,7 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
         has_block: impl Fn(Aabb) -> bool,
         blocks: &mut Vec<G::Block>,
     ) {
-        let Self { items, copied_items, deltas, equal_codes, leaves, slots, .. } = self;
+        let Self { items, copied_items, deltas, equal_codes, full_leaves, leaves, slots, .. } = self;
         let geometry = refs.geometry;
         items.clear();
         items.extend(keys.iter().enumerate().map(|(i, &key)| {
@@ -79,10 +81,12 @@ impl<I: Copy + Default, const N: usize> DirectTreelet<I, N> {
             refs.fragment(reference(keys[i])).map_or_else(whole, |piece| piece.bounds).center2()
         });
         equal_codes.reorder(items, copied_items);
-        deltas.leaves(BLOCK, leaves);
         isa.run(
             #[inline(always)]
-            || emit_leaves(geometry, items, leaves, has_block, (slots, blocks)),
+            || {
+                full_leaves.find(deltas, leaves);
+                emit_leaves(geometry, items, leaves, has_block, (slots, blocks));
+            },
         );
     }
 
