@@ -18,17 +18,24 @@ pub fn all_threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
+/// Refuses a number of threads that none could run on, or that no machine has.
+///
+/// # Errors
+/// That it is.
+pub fn check_threads(threads: usize) -> Result<(), Failure> {
+    match threads {
+        0 => Err(Failure::Bad("--threads 0: nothing could run; give 1 or more".into())),
+        1..=MOST_THREADS => Ok(()),
+        _ => Err(Failure::Bad(format!("--threads {threads}: more than {MOST_THREADS}; give fewer"))),
+    }
+}
+
 /// The thread pool that `--threads` asks for.
 ///
 /// # Errors
 /// No threads, or more than the system has.
 pub fn pools(threads: usize) -> Result<Pools, Failure> {
-    if threads == 0 {
-        return Err(Failure::Bad("--threads 0: nothing could run; give 1 or more".into()));
-    }
-    if threads > MOST_THREADS {
-        return Err(Failure::Bad(format!("--threads {threads}: more than {MOST_THREADS}; give less")));
-    }
+    check_threads(threads)?;
     let build = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = build.map_err(|error| Failure::Bad(format!("--threads {threads}: {error}; give fewer")))?;
     Ok(pool.into())
@@ -251,8 +258,8 @@ pub fn held(scene: &Scene) -> String {
 pub fn percent(text: &str) -> Result<f64, String> {
     let value = text.strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());
     match value {
-        Some(value) if value > 0.0 && value.is_finite() => Ok(0.01 * value),
-        _ => Err("give a percentage above 0, as 5%".into()),
+        Some(value) if value > 0.0 && value < 100.0 => Ok(0.01 * value),
+        _ => Err("give a percentage above 0 and below 100, as 5%".into()),
     }
 }
 

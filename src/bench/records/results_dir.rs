@@ -4,7 +4,7 @@
 use super::environment::{self, ENVIRONMENT, Environment, State};
 use super::files::{RecordsError, new_folder, read_json, write_json};
 use super::phases;
-use super::row::{self, ROWS, Row};
+use super::row::{self, ROWS, Row, SCHEMA};
 use super::samples::SAMPLES;
 use crate::bench::error::ReduceError;
 use std::collections::HashSet;
@@ -21,11 +21,18 @@ pub const FIGURES: [&str; 7] =
 /// The environment of the results in `place`, a folder or its rows; `None` where there is none, as beside a lone CSV.
 ///
 /// # Errors
-/// A file of another content.
+/// A file of another content or schema.
 pub fn environment(place: &Path) -> Result<Option<Environment>, RecordsError> {
     let is_rows = place.file_name().is_some_and(|name| name == ROWS) && place.is_file();
     let path = if is_rows { place.with_file_name(ENVIRONMENT) } else { place.join(ENVIRONMENT) };
-    path.is_file().then(|| read_json(&path, environment::REMEDY)).transpose()
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let found: Environment = read_json(&path, environment::REMEDY)?;
+    match found.schema {
+        SCHEMA => Ok(Some(found)),
+        found => Err(RecordsError::Schema { path, found, expected: SCHEMA, remedy: environment::REMEDY }),
+    }
 }
 
 /// False if the environment is that of a stopped run. For a lone CSV only the warnings can tell.
@@ -133,7 +140,7 @@ pub fn remove_made_of_rows(folder: &Path, records: &[&str]) -> Result<(), Record
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::row::{ALL, SCHEMA};
+    use crate::bench::row::ALL;
 
     fn row(scene: &str, view: &str, ray_kind: &str) -> Row {
         Row {
@@ -169,6 +176,19 @@ mod tests {
         assert!(environment(&folder.path().join(ROWS)).is_err(), "it is that beside the file");
         std::fs::remove_file(folder.path().join(ENVIRONMENT)).unwrap();
         assert!(matches!(all_of(&folder.path().join("empty")), Err(RecordsError::Io { .. })));
+    }
+
+    #[test]
+    fn an_environment_of_another_schema_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let committed = concat!(env!("CARGO_MANIFEST_DIR"), "/results/reference/environment.json");
+        let text = std::fs::read_to_string(committed).unwrap();
+        std::fs::write(folder.path().join(ENVIRONMENT), &text).unwrap();
+        assert!(environment(folder.path()).unwrap().is_some());
+        let other = text.replace("\"schema\": 1,", "\"schema\": 9,");
+        std::fs::write(folder.path().join(ENVIRONMENT), other).unwrap();
+        let error = environment(folder.path()).unwrap_err().to_string();
+        assert!(error.contains(ENVIRONMENT) && error.contains("schema 9") && error.contains(';'), "{error}");
     }
 
     #[test]

@@ -51,8 +51,6 @@ pub struct Measured {
     pub rows: Vec<TurnRow>,
     /// False if the time was over before the precision was reached.
     pub is_precise: bool,
-    /// Time spent.
-    pub spent: Duration,
 }
 
 /// Why two programs were not measured to the end.
@@ -105,7 +103,7 @@ impl Turns<'_> {
                 break false;
             }
         };
-        Ok(Measured { rows, is_precise, spent: start.elapsed() })
+        Ok(Measured { rows, is_precise })
     }
 
     /// One session in `scene`: for each cell the medians of its rounds.

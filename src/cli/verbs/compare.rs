@@ -6,7 +6,7 @@ use crate::bench::planned_scene::PlannedScene;
 use crate::bench::run::Progress;
 use crate::bench::turns::{Measured, Turns};
 use crate::cli::failure::Failure;
-use crate::cli::options::{Made, all_threads, cells, percent, seconds, width};
+use crate::cli::options::{Made, all_threads, cells, check_threads, percent, seconds, width};
 use crate::cli::output::say;
 use crate::cli::progress::Bar;
 use crate::report::compare::by_turns::{ByTurns, THRESHOLD};
@@ -91,6 +91,8 @@ fn results(arguments: &Arguments, a: &Path, b: &Path) -> Result<(), Failure> {
 
 fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
     let threshold = arguments.threshold.unwrap_or(THRESHOLD);
+    let threads = arguments.threads.unwrap_or_else(all_threads);
+    check_threads(threads)?;
     let scenes = PlannedScene::find_all(&arguments.places)?;
     let names: Vec<String> = scenes.into_iter().map(|scene| scene.name).collect();
     let widths = if arguments.widths.is_empty() { &[4][..] } else { &arguments.widths };
@@ -109,7 +111,7 @@ fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
         scenes: &arguments.places,
         names: &names,
         cells: &cells,
-        threads: arguments.threads.unwrap_or_else(all_threads),
+        threads,
         precision: 0.5 * threshold,
         limit: Duration::from_secs(arguments.seconds),
         out: arguments.out.as_deref(),
@@ -123,13 +125,13 @@ fn by_turns(arguments: &Arguments, before: &Path) -> Result<(), Failure> {
         shown = spent.as_secs();
     });
     bar.finish();
-    let Measured { rows, is_precise, spent } = measured?;
+    let Measured { rows, is_precise } = measured?;
     let judged = ByTurns::of(&rows, threshold);
     say(&judged.document())?;
     if !is_precise {
-        let seconds = spent.as_secs();
+        let seconds = arguments.seconds;
         say(&format!(
-            "The time was over after {seconds} s, before every interval was narrow; --seconds N gives more.\n"
+            "The {seconds} s were over before every interval was narrow; --seconds N gives more.\n"
         ))?;
     }
     verdict(judged.count(Change::Slower), judged.count(Change::Inconclusive), &judged.summary())

@@ -31,6 +31,7 @@ fn bad_input_is_one_line_and_code_2() {
         (&["bench", "sheet.ply", "--threads", "2", "--one-thread"], &["--one-thread", "--build-only"]),
         (&["bench", "sheet.ply", "--threads", "99999"], &["--threads 99999"]),
         (&["bench", "sheet.ply", "--rounds", "0"], &["--rounds 0"]),
+        (&["bench", "sheet.ply", "--until", "200%"], &["200%", "below 100"]),
         (&["bench", "sheet.ply", "--views", "0"], &["--views 0"]),
         (&["bench", "sheet.ply", "--size", "0"], &["--size 0"]),
         (&["bench", "sheet.ply", "--filter", "("], &["--filter (", "unclosed"]),
@@ -280,7 +281,9 @@ fn two_programs_are_measured_by_turns() {
         page.contains("| lbvh / 4 |") && page.contains("| lbvh / 8 |") && page.contains(&rows[0].cpu),
         "{page}"
     );
-    let refused: [(&str, &[&str]); 6] = [
+    let refused: [(&str, &[&str]); 8] = [
+        (this, &["--threads", "0"]),
+        (this, &["--threads", "99999"]),
         (this, &["--out", "sheet.ply"]),
         ("/bin/true", &[]),
         ("/no/such/program", &[]),

@@ -126,6 +126,40 @@ pub enum RecordsError {
         /// Scene, builder and width.
         row: String,
     },
+    /// A figure that is not that of its rounds.
+    #[error(
+        "{}: line {line}: {column} is {told}, but {of_rounds} by its rounds in rounds.csv; one of the two files was \
+         changed: fetch both again, or measure again",
+        path.display()
+    )]
+    Changed {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The column.
+        column: String,
+        /// What the row says.
+        told: f64,
+        /// What its rounds say.
+        of_rounds: f64,
+    },
+    /// Rows of a scene from two runs.
+    #[error(
+        "{}: line {line}: {scene} is of run {}, above of {}; keep each run in a folder of its own (`phr compare` \
+         compares two, `phr merge` joins shards)",
+        path.display(), runs[1], runs[0]
+    )]
+    TwoRuns {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The scene.
+        scene: String,
+        /// The runs, of the rows above and of this one.
+        runs: [String; 2],
+    },
     /// A figure that none can be.
     #[error("{}: line {line}: {column} is {value:e}; {remedy}", path.display())]
     Figure {

@@ -1,6 +1,6 @@
 //! Reading and writing `rows.csv`: as a whole or not at all, also where a file was cut at a row's end.
 
-use super::{ROWS, Row, SCHEMA};
+use super::{ROWS, Row, SCHEMA, agreement};
 use crate::bench::environment::{self, ENVIRONMENT, State};
 use crate::bench::files::{MEASURE, MOST, RecordsError, Written};
 use crate::bench::files::{check_count, read_json, read_lines, without_last_line, write_csv};
@@ -12,7 +12,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// Missing, malformed, cut or empty files, those that tell nowhere how many rows they have, those of another
-/// [`SCHEMA`], and figures that cannot be.
+/// [`SCHEMA`], figures that cannot be or are not those of their rounds, and rows of two runs of one scene.
 pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
     let path = if path.is_dir() { path.join(ROWS) } else { path.to_owned() };
     let remedy = MEASURE;
@@ -56,11 +56,15 @@ pub fn read(path: &Path) -> Result<Vec<Row>, RecordsError> {
     check_count(&path, rows.len(), told, written.filter(|_| is_of_run).map(|written| written.rows))?;
     let times = rounds::read(&rounds_file, written.map(|written| written.rounds))?;
     let mut by_round: HashMap<RowKey, RowRounds> = times.into_iter().collect();
-    for row in rows.iter_mut().filter(|row| row.is_total()) {
-        row.by_round = by_round.remove(&row.key()).unwrap_or_default();
-    }
     // Of a run under way, rounds may be newer than rows.
     let is_running = is_of_run && environment.is_some_and(|environment| environment.state == State::Running);
+    for (i, row) in rows.iter_mut().enumerate().filter(|(_, row)| row.is_total()) {
+        row.by_round = by_round.remove(&row.key()).unwrap_or_default();
+        if !is_running {
+            agreement::check_rounds(&path, i + 2, row)?;
+        }
+    }
+    agreement::check_runs(&path, &rows)?;
     match by_round.keys().next().filter(|_| !is_running) {
         Some(key) => {
             let row = format!("{} {}/{}", key.scene, key.builder, key.width);

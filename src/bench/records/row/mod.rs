@@ -1,6 +1,7 @@
 //! The records of a run: `rows.csv`, one row per scene x builder x width x kernel x threads x regime x view
 //! x ray kind. `results/README.md` describes the columns for readers of the files.
 
+mod agreement;
 mod file;
 
 use crate::bench::rounds::{RowKey, RowRounds};

@@ -176,3 +176,43 @@ fn without_a_last_line_the_environment_tells_the_number() {
     written(4, 3);
     assert!(told(ROWS).contains("where 4 were written"), "both are to agree");
 }
+
+#[test]
+fn figures_that_are_not_those_of_their_rounds_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let by_round = RowRounds {
+        build: vec![(0, 10.25), (1, 11.75)],
+        trace: vec![(0, 3.0), (1, 3.0)],
+        ..RowRounds::default()
+    };
+    let row = Row { by_round, ..Row::by_hand("lbvh", 4, "phr", 11.0, 3.0) };
+    let row = Row { build_ms_mad: Some(0.75), build_ms_min: Some(10.25), build_ms_max: Some(11.75), ..row };
+    write_all(folder.path(), std::slice::from_ref(&row)).unwrap();
+    assert_eq!(read(folder.path()).unwrap(), std::slice::from_ref(&row));
+    for changed in [
+        Row { build_ms_median: Some(10.9), ..row.clone() },
+        Row { build_ms_mad: Some(0.7), ..row.clone() },
+        Row { build_ms_min: Some(10.0), ..row.clone() },
+        Row { trace_ms_max: Some(3.1), ..row.clone() },
+    ] {
+        write(&folder.path().join(ROWS), &[changed]).unwrap();
+        let error = read(folder.path()).unwrap_err();
+        let text = error.to_string();
+        assert!(matches!(error, RecordsError::Changed { line: 2, .. }), "{text}");
+        assert!(text.contains(ROWS) && text.contains("by its rounds") && text.contains(';'), "{text}");
+    }
+}
+
+#[test]
+fn rows_of_two_runs_of_a_scene_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |scene: &str, run: &str| Row { scene: scene.into(), run_id: run.into(), ..row() };
+    let write = |rows: &[Row]| write(&folder.path().join(ROWS), rows).unwrap();
+    // Shards are runs of their own.
+    write(&[of("a", "1"), of("a", "1"), of("b", "2")]);
+    read(folder.path()).unwrap();
+    write(&[of("a", "1"), of("b", "2"), of("a", "2")]);
+    let error = read(folder.path()).unwrap_err();
+    assert!(matches!(&error, RecordsError::TwoRuns { line: 4, scene, .. } if scene == "a"), "{error}");
+    assert!(error.to_string().contains("phr merge"), "{error}");
+}
