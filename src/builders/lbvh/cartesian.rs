@@ -1,7 +1,8 @@
 //! The binary tree over a row of leaves with the deltas of neighbours: their Cartesian tree, in one pass with a
 //! stack (cf. Apetrei 2014).
 
-/// More than the levels at which neighbours are separated: each subtree on the stack has a delta of its own.
+/// More than the levels at which neighbours are separated: each subtree on the stack has a delta of its own, but for
+/// two within a subtree with full leaves.
 const STACK: usize = 128;
 
 /// Builds the tree over `leaves`, one or more, each with the delta to the leaf before. `merge` makes the

@@ -1,5 +1,5 @@
-//! The level at which an LBVH separates two neighbours in a run of sorted keys: all that its topology depends on (the
-//! deltas of Karras 2012).
+//! The level at which an LBVH separates two neighbours in a run of sorted keys (the deltas of Karras 2012): all that
+//! its topology depends on, with full leaves too.
 //!
 //! A delta is a byte, so that a vector holds many. Below a common ancestor two neighbours are separated once, where
 //! their codes differ in the highest bit, or, below that, where references of one code are partitioned by the
@@ -9,7 +9,7 @@ use super::key::{MortonKey, code};
 
 /// Before the first reference and after the last.
 const END: u8 = u8::MAX;
-/// Of neighbours of one code that are not separated.
+/// Of neighbours of one code that the radix tree does not separate; full leaves may.
 const EQUAL: u8 = 0;
 /// Neighbours that are partitioned by the middle have lower deltas than this.
 const MIDDLE: u8 = 126;
@@ -25,18 +25,18 @@ const ABREAST: usize = 32;
 pub(crate) struct Deltas {
     /// `padded[PAD + i]`: of references i - 1 and i.
     padded: Vec<u8>,
-    /// Whether a subtree begins with reference i, or all end before it.
-    begins: Vec<bool>,
-    /// References, and one more.
-    ends: usize,
+    /// Whether reference i is the first of a subtree, or all end before it.
+    is_first: Vec<bool>,
+    /// The number of deltas, those at both ends included.
+    count: usize,
 }
 
 impl Deltas {
     /// Computes the deltas of sorted keys.
     pub fn of_codes(&mut self, keys: &[MortonKey]) {
-        self.ends = keys.len() + 1;
+        self.count = keys.len() + 1;
         self.padded.clear();
-        self.padded.resize(self.ends.next_multiple_of(ABREAST) + 2 * PAD, END);
+        self.padded.resize(self.count.next_multiple_of(ABREAST) + 2 * PAD, END);
         let deltas = &mut self.padded[PAD + 1..];
         for ((delta, &before), &after) in deltas.iter_mut().zip(keys).zip(&keys[1..]) {
             *delta = delta_of(code(before) ^ code(after));
@@ -67,7 +67,7 @@ impl Deltas {
         self.padded[PAD + reference]
     }
 
-    /// Those before `reference` and the references after it.
+    /// The deltas before `reference` and before the references after it.
     pub fn from(&self, reference: usize) -> &[u8; MOST] {
         self.padded[PAD + reference..].first_chunk().expect("there are more beyond the end")
     }
@@ -80,10 +80,10 @@ impl Deltas {
     pub fn find_subtrees<const WINDOW: usize>(&mut self, most: u32) {
         const { assert!(WINDOW <= MOST) };
         debug_assert!((1..=WINDOW as u32).contains(&most));
-        self.begins.clear();
-        self.begins.resize(self.ends.next_multiple_of(ABREAST), true);
-        let (chunks, _) = self.begins.as_chunks_mut::<ABREAST>();
-        for (chunk, begins) in chunks.iter_mut().enumerate() {
+        self.is_first.clear();
+        self.is_first.resize(self.count.next_multiple_of(ABREAST), true);
+        let (chunks, _) = self.is_first.as_chunks_mut::<ABREAST>();
+        for (chunk, is_first) in chunks.iter_mut().enumerate() {
             let padded = self.padded[chunk * ABREAST..].first_chunk();
             let window: &[u8; ABREAST + 2 * PAD] = padded.expect("there are more beyond the end");
             let mut count = [2; ABREAST];
@@ -97,27 +97,30 @@ impl Deltas {
                     }
                 }
             }
-            *begins = count.map(|count| count > most as u8);
+            // Not by `map`, which is not always inlined.
+            for (is_first, count) in is_first.iter_mut().zip(count) {
+                *is_first = count > most as u8;
+            }
         }
-        self.begins.truncate(self.ends);
+        self.is_first.truncate(self.count);
         // Both ends, whatever lies between.
-        self.begins[0] = true;
-        *self.begins.last_mut().expect("an end") = true;
+        self.is_first[0] = true;
+        *self.is_first.last_mut().expect("an end") = true;
     }
 
-    /// Separates a subtree that was found in front of `reference`.
-    pub fn separate(&mut self, reference: u32) {
-        self.begins[reference as usize] = true;
+    /// Makes `reference` the first of a subtree: that which was found ends before it.
+    pub fn begin_at(&mut self, reference: u32) {
+        self.is_first[reference as usize] = true;
     }
 
-    /// Where the subtrees that were found begin, and where the last one ends.
+    /// Lists where subtrees begin, and where the last one ends.
     #[inline(always)]
-    pub fn begins(&self, subtrees: &mut Vec<u32>) {
-        subtrees.resize(self.begins.len(), 0);
+    pub fn list_subtrees(&self, subtrees: &mut Vec<u32>) {
+        subtrees.resize(self.is_first.len(), 0);
         let mut found = 0;
-        for (i, &begins) in self.begins.iter().enumerate() {
+        for (i, &is_first) in self.is_first.iter().enumerate() {
             subtrees[found] = i as u32;
-            found += usize::from(begins);
+            found += usize::from(is_first);
         }
         subtrees.truncate(found);
     }

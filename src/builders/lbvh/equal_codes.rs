@@ -34,7 +34,7 @@ pub(crate) struct EqualCodes {
 }
 
 impl EqualCodes {
-    /// Partitions the runs of equal codes among `len` references down to leaves of `leaf` references, where
+    /// Partitions the runs of equal codes among `len` references down to groups of at most `leaf` references, where
     /// `deltas` are those of the codes and `depth` counts earlier partitions by the middle. `center2` gives doubled
     /// centroids. [`EqualCodes::reorder`] then brings other arrays into the new order.
     pub fn partition(

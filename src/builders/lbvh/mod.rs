@@ -7,9 +7,9 @@
 //! 5. [`treelet`]: one task builds the tree of a treelet from [`deltas`], [`equal_codes`] and a [`cartesian`] tree;
 //! 6. [`auxiliary`]: all of it, by its [`config`].
 //!
-//! [`direct`] is the builder `lbvh`, which widens the same tree and refines nothing. [`area_scale`] gives the area
-//! that thresholds are relative to; [`prefetch`] fetches triangles ahead; `refit` fits the tree to a mesh that has
-//! moved.
+//! [`direct`] is the builder `lbvh`, which fills the leaves of the same tree, widens it and refines nothing.
+//! [`area_scale`] gives the area that thresholds are relative to; [`prefetch`] fetches triangles ahead; `refit` fits the
+//! tree to a mesh that has moved.
 
 pub(crate) mod area_scale;
 pub(crate) mod auxiliary;

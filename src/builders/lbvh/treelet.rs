@@ -80,7 +80,7 @@ impl LbvhTreelet {
         equal_codes.reorder(keys, copied_keys);
         equal_codes.reorder(bounds, copied_bounds);
         deltas.find_subtrees::<{ BLOCK as usize }>(rule.always);
-        deltas.begins(leaves);
+        deltas.list_subtrees(leaves);
         if rule.always == 1 {
             self.merge::<1>(first, rule)
         } else {

@@ -76,7 +76,7 @@ fn cuts(
     builder.subtree(&Cut::whole(members, config.max_references, mesh.len() * MAX_REFERENCES_PER_TRIANGLE))
 }
 
-/// The LBVH itself.
+/// The LBVH itself, with full leaves.
 pub fn wide_lbvh(mesh: &Mesh, width: usize) -> Option<Wide> {
     lbvh_of(mesh, &AuxiliaryConfig::PAPER, with_full_leaves).map(|(root, _)| root.packed(width))
 }

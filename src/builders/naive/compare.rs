@@ -124,6 +124,11 @@ fn small_meshes() -> Vec<(String, Mesh)> {
         meshes.push((format!("{n} concentric"), concentric(n)));
         meshes.push((format!("{n} geometric"), geometric(n)));
     }
+    // Around the numbers of references that are looked at together.
+    for n in [11, 13, 14, 31, 32, 63, 95] {
+        meshes.push((format!("soup of {n}"), soup(n, 0.1, 3)));
+        meshes.push((format!("{n} on a coarse grid"), coarse(n, 5.0, 3)));
+    }
     for scale in [1e-38, 1e-20, 1e-3, 1e9, 1e18] {
         meshes.push((format!("soup of size {scale}"), scaled(500, scale, 5)));
     }

@@ -1,5 +1,5 @@
-//! The builder `lbvh`: the auxiliary BVH as a wide tree, without refinement. Treelets are built, widened and written
-//! while they are in the cache; the tree over them is widened at the end.
+//! The builder `lbvh`: the auxiliary BVH, its leaves filled, as a wide tree, without refinement. Treelets are built,
+//! widened and written while they are in the cache; the tree over them is widened at the end.
 
 use super::treelet::DirectTreelet;
 use crate::builders::api::builder::{Build, Builder, Counts, Stopwatch};
@@ -19,7 +19,8 @@ use crate::simd::Isa;
 use arrayvec::ArrayVec;
 use std::fmt;
 
-/// Builds the LBVH of paper 4.7 as a tree of nodes of up to `N` children; memory is kept between builds.
+/// Builds the LBVH of paper 4.7 as a tree of nodes of up to `N` children, but fills its leaves: a subtree of up to 16
+/// primitives has as few blocks as hold them. Memory is kept between builds.
 pub struct Lbvh<const N: usize, B: LeafBlock = TriangleBlock, I = [u32; 4]> {
     order: MortonOrder,
     treelets: Pool<DirectTreelet<I, N>>,

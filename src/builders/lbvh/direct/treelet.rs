@@ -1,5 +1,5 @@
 //! One treelet of the builder `lbvh`, widened at once. As [`crate::builders::lbvh::treelet`], but its leaves are
-//! blocks and nobody opens it: corners are fetched once, for leaf blocks and boxes together.
+//! full blocks and nobody opens it: corners are fetched once, for leaf blocks and boxes together.
 
 use super::full_leaves::FullLeaves;
 use crate::builders::lbvh::cartesian::cartesian_tree;

@@ -27,6 +27,10 @@ pub const SCHEMA: u32 = 1;
 /// The model that this program carries, made by `phr advise --fit`.
 const COMMITTED: &str = include_str!("model.json");
 
+/// How many deviations of a fact a scene may be from the mean of the model's scenes before that is told: they
+/// themselves are up to 2.6.
+const FAR: f64 = 2.7;
+
 /// A fitted model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Model {
@@ -123,6 +127,19 @@ impl Model {
         std::iter::once(1.0).chain(self.facts.iter().map(scaled)).collect()
     }
 
+    /// What of a scene is far from the model's scenes, in words: beyond them lines are drawn, not known.
+    fn remark(&self, facts: &SceneFacts) -> String {
+        let scaled = self.scaled(facts);
+        let far = self.facts.iter().zip(scaled.iter().skip(1)).filter(|(_, scaled)| scaled.abs() > FAR);
+        let far: Vec<String> = far
+            .map(|(scale, scaled)| {
+                let side = if *scaled < 0.0 { "below" } else { "above" };
+                format!("{} far {side} its scenes' mean of {:.1e}", scale.fact.name(), scale.mean.exp())
+            })
+            .collect();
+        if far.is_empty() { String::new() } else { format!("; a guess: {}", far.join(", ")) }
+    }
+
     /// The total times of all trees, in the model's order.
     pub fn lines(&self, facts: &SceneFacts) -> Vec<TotalTime> {
         let scaled = self.scaled(facts);
@@ -155,8 +172,12 @@ impl Model {
             triangles: facts.triangles as usize,
             rays,
             origin: format!(
-                "not measured: a model of {} scenes, {} threads of the machine of run {}, {}",
-                self.scenes, self.threads, self.run_id, self.kernel
+                "not measured: a model of {} scenes, {} threads of the machine of run {}, {}{}",
+                self.scenes,
+                self.threads,
+                self.run_id,
+                self.kernel,
+                self.remark(facts)
             ),
             kernel: self.kernel.clone(),
             busy: 0.0,
@@ -176,6 +197,19 @@ mod tests {
         let made = choose::model_of(&rows).unwrap();
         assert_eq!(made.file(), COMMITTED, "run phr advise --fit results/reference");
         assert_eq!(Model::committed().kernel, KERNEL);
+    }
+
+    #[test]
+    fn a_scene_unlike_those_of_the_model_is_told() {
+        let model = Model::committed();
+        let origin = |triangles: f64| {
+            let facts = SceneFacts { triangles, sah: 40.0, epo: 5.0, leaf_fill: 0.75 };
+            model.advise("a", &facts, 1e8, &[4]).origin
+        };
+        let [small, usual, large] = [12.0, 5e5, 5e8].map(origin);
+        assert!(small.contains("; a guess: triangles far below its scenes' mean of 4."), "{small}");
+        assert!(!usual.contains("guess"), "{usual}");
+        assert!(large.contains("triangles far above"), "{large}");
     }
 
     #[test]
