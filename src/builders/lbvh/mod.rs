@@ -8,8 +8,8 @@
 //! 6. [`auxiliary`]: all of it, by its [`config`].
 //!
 //! [`direct`] is the builder `lbvh`, which fills the leaves of the same tree, widens it and refines nothing.
-//! [`area_scale`] gives the area that thresholds are relative to; [`prefetch`] fetches triangles ahead; `refit` fits the
-//! tree to a mesh that has moved.
+//! [`area_scale`] gives the area that thresholds are relative to; [`prefetch`] fetches triangles ahead; `refit` fits
+//! the tree to a mesh that has moved.
 
 pub(crate) mod area_scale;
 pub(crate) mod auxiliary;

@@ -36,7 +36,7 @@ fn in_order(run: &[Item], depth: u32, height: u32, neighbours: &mut Vec<Neighbou
     in_order(&right, below, between, neighbours);
 }
 
-/// That of two neighbours, by their codes; else by how often the middle was taken before, if it parts them.
+/// That of two neighbours, by their codes; else by how often the middle was taken before, if it divides them.
 fn height_of((before, _): Item, (after, _): Item, depth: Option<u32>) -> u32 {
     // More than halvings of a run of one code.
     const HALVINGS: u32 = MIDDLE_DEPTH + u32::BITS;
@@ -46,8 +46,8 @@ fn height_of((before, _): Item, (after, _): Item, depth: Option<u32>) -> u32 {
     }
 }
 
-/// The tree over neighbours that has no more blocks than hold them: parted where they are separated highest of where
-/// that takes no block more, first of equals.
+/// The tree over neighbours that has no more blocks than hold them: divided where they are separated highest, among the
+/// places that need no extra block; the first of equals.
 fn separated(neighbours: &[Neighbour]) -> Rc<Tree> {
     let len = neighbours.len();
     if len <= LEAF {
@@ -55,7 +55,8 @@ fn separated(neighbours: &[Neighbour]) -> Rc<Tree> {
     }
     let blocks = |references: usize| references.div_ceil(LEAF);
     let places = (1..len).filter(|&left| blocks(left) + blocks(len - left) == blocks(len));
-    let place = places.rev().max_by_key(|&left| neighbours[left].0).expect("full blocks are parted");
+    let place =
+        places.rev().max_by_key(|&left| neighbours[left].0).expect("more than a block can be divided");
     let (left, right) = neighbours.split_at(place);
     Tree::node(separated(left), separated(right))
 }

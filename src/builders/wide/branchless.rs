@@ -1,7 +1,7 @@
-//! Paper 4.5 without a branch that depends on the tree, for builders that know all areas and leaves in advance.
-//! As [`super::open_largest`], but a child with no more leaves than a node has slots is opened only if all its leaves
-//! fit into the slots that are free. Else it has a node of its own, which is fuller: opened in part it would leave
-//! several nodes of few children.
+//! The wide nodes of `lbvh` and of finished clusters, without a branch that depends on the tree, as their areas and
+//! leaves are known in advance. As [`super::open_largest`] (paper 4.5), but a child with no more leaves than a node has
+//! slots is opened only if all its leaves fit into the slots that are free. Else it has a node of its own, which is
+//! fuller: opened in part it would leave several nodes of few children.
 //!
 //! A child that cannot be opened is replaced by itself, and unused slots are children like others. Nodes are found
 //! level by level, so that the processor has many in flight; as nodes lie in the order of the pairs they are over,

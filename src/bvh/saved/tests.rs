@@ -42,6 +42,20 @@ fn trees_survive_the_file() {
     assert_eq!(header_of(&path).unwrap().builder.len(), 32);
 }
 
+/// The file may be mapped: after the header it is what goes to a GPU, nodes and blocks, at multiples of their sizes.
+#[test]
+fn a_file_is_laid_out_as_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.phrtree");
+    let mesh = mesh(50);
+    let four = chain(&mesh);
+    four.save(&mesh, "by-hand", &path).unwrap();
+    assert_eq!(std::fs::read(&path).unwrap()[128..], [four.node_bytes(), four.block_bytes()].concat());
+    let eight = crate::builders::by_name::<8>("lbvh").unwrap().build(&mesh).tree;
+    eight.save(&mesh, "lbvh", &path).unwrap();
+    assert_eq!(std::fs::read(&path).unwrap()[128..], [eight.node_bytes(), eight.block_bytes()].concat());
+}
+
 /// What is read from an open file is the tree that was there, whatever takes its place.
 #[test]
 fn an_open_tree_stays_what_it_was() {

@@ -93,8 +93,8 @@ fn claims(rows: &[Row], with: &[Row], without: &[Row]) -> String {
         return "No target of a build time is closer to its limit than that, and none is judged otherwise by it.\n".into();
     }
     format!(
-        "Targets of build times that are closer to their limit than the correction of the tree that they are against, or that it \
-         decides, by the mean alone. Corrected intervals hold what is not known of the correction:\n\n{}",
+        "Targets of build times that the correction could decide, or that by the mean alone it does. Corrected intervals \
+         hold what is not known of the correction:\n\n{}",
         grid.markdown()
     )
 }

@@ -69,8 +69,9 @@ const PAPER: [Target; 5] = [
 ];
 
 /// Of ours, at either width.
-const TIMES: [Target; 11] = [
+const TIMES: [Target; 12] = [
     both("lbvh", Build(MORTON), 0.6, 0.8),
+    beside("lbvh", Trace(MORTON)),
     beside("phr-draft", Build(MORTON)),
     beside("phr-draft", Trace(MORTON)),
     both("phr-turbo", Build(MORTON), 1.0, 1.25),
@@ -84,8 +85,11 @@ const TIMES: [Target; 11] = [
 ];
 
 /// Memory, at either width.
-const BYTES: [Target; 27] = [
+const BYTES: [Target; 30] = [
     mean("lbvh", PeakTo(MORTON), 0.8),
+    beside("phr-fast", PeakTo(MORTON)),
+    beside("phr-hq", PeakTo(MORTON)),
+    mean("phr-draft", PeakTo(MORTON), 0.8),
     mean("phr-turbo", PeakTo(MORTON), 0.8),
     mean("phr-speed", PeakTo(MORTON), 0.8),
     mean("phr-quality", PeakTo(MORTON), 0.8),

@@ -3,7 +3,8 @@
 //!
 //! A subtree is still separated where neighbours differ most, but only there where it takes no block more. What may
 //! separate a part of it could have separated all of it: so no delta is greater than the one above it, and the
-//! Cartesian tree of the leaves is the tree of these separations. Of equal deltas the first is above the others in both.
+//! Cartesian tree of the leaves is the tree of these separations. Of equal deltas the first is above the others in
+//! both.
 
 use crate::builders::lbvh::deltas::Deltas;
 use crate::bvh::limits::BLOCK;

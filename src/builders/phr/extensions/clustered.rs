@@ -19,7 +19,8 @@ use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::simd::Isa;
 use std::fmt;
 
-/// Parameters of [`ClusteredPhr`].
+/// Parameters of [`ClusteredPhr`]. No [`PhrConfig`], most of whose parameters its cuts do not have: clusters cannot be
+/// opened, clipped or swept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ClusteredPhrConfig {
