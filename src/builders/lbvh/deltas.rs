@@ -80,7 +80,6 @@ impl Deltas {
     pub fn find_subtrees<const WINDOW: usize>(&mut self, most: u32) {
         const { assert!(WINDOW <= MOST) };
         debug_assert!((1..=WINDOW as u32).contains(&most));
-        self.is_first.clear();
         self.is_first.resize(self.count.next_multiple_of(ABREAST), true);
         let (chunks, _) = self.is_first.as_chunks_mut::<ABREAST>();
         for (chunk, is_first) in chunks.iter_mut().enumerate() {
