@@ -56,7 +56,7 @@ pub use prims::primitives::Primitives;
 pub use registry::by_name::{by_name, over_boxes};
 #[cfg(feature = "serde")]
 pub use registry::recipe::{Recipe, error::RecipeError};
-pub use registry::{ABLATION, CutConfig, NAMES, OVER, WITHOUT, cuts_of, on_request};
+pub use registry::{ABLATION, CutConfig, NAMES, OVER, cuts_of, on_request};
 pub use wide::foreign::{ForeignTree, Opened, widened};
 pub use wide::optimal::CollapseCosts;
 pub use wide::refit::RefitError;

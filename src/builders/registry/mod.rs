@@ -118,67 +118,45 @@ pub const NAMES: &[&str] = ALL.split_at(IN_TABLES).0;
 /// are run on request.
 pub const ABLATION: &[&str] = ALL.split_at(IN_TABLES).1;
 
-/// Takes an extension out of a preset, or puts one in.
-type Change = fn(&mut Extensions);
-
-/// What is changed of presets, by the end of the name of the changed one.
-const CHANGES: [(&str, Change); 12] = [
-    ("-no-cut_share", |preset| preset.cut_share = None),
-    ("-no-local_threshold", |preset| preset.local_threshold = None),
-    ("-no-clip_triangles", |preset| preset.clip_triangles = false),
-    ("-no-subtree_sweep", |preset| preset.subtree_sweep = None),
-    ("-no-collapse", |preset| preset.collapse = None),
-    ("-no-auxiliary_leaf", |preset| preset.auxiliary.auxiliary_leaf = None),
-    ("-no-clusters", |preset| preset.auxiliary.clusters = None),
-    ("-no-calibration", |preset| preset.auxiliary.calibration = None),
-    ("-no-presplit", |preset| preset.auxiliary.presplit = None),
-    ("-aux-ploc", |preset| preset.auxiliary_tree = AuxiliaryTree::Ploc(PlocConfig::DEFAULT)),
-    ("-aux-aac", |preset| preset.auxiliary_tree = AuxiliaryTree::Aac(AacConfig::FAST)),
-    ("-aux-sah", |preset| preset.auxiliary_tree = AuxiliaryTree::BinnedSah(BinnedSahConfig::DEFAULT)),
-];
-
-/// Names of presets with some of [`CHANGES`].
-macro_rules! names {
-    ($($preset:literal: $($change:ident)*;)*) => { &[$($(concat!($preset, stringify!($change)),)*)*] };
-}
-
-/// Names of our presets without one extension each: what the rest of the preset does not make up for. They are run on
-/// request.
-pub const WITHOUT: [&[&str]; 2] = [
-    names!("phr-speed-no-": cut_share local_threshold auxiliary_leaf calibration presplit;),
-    names!("phr-quality-no-":
-        cut_share local_threshold clip_triangles subtree_sweep collapse clusters calibration
-        presplit;),
-];
-
 /// Names of PHR over other auxiliary trees (paper 5.5): `phr-hq-aux-ploc`, `-aux-aac`, `-aux-sah`. They are run on
 /// request.
-pub const OVER: &[&str] = names! {
-    "phr-fast-aux-": ploc aac sah;
-    "phr-hq-aux-": ploc aac sah;
-    "phr-speed-aux-": ploc aac sah;
-    "phr-quality-aux-": ploc aac sah;
-};
+pub const OVER: &[&str] = &[
+    "phr-fast-aux-ploc",
+    "phr-fast-aux-aac",
+    "phr-fast-aux-sah",
+    "phr-hq-aux-ploc",
+    "phr-hq-aux-aac",
+    "phr-hq-aux-sah",
+    "phr-speed-aux-ploc",
+    "phr-speed-aux-aac",
+    "phr-speed-aux-sah",
+    "phr-quality-aux-ploc",
+    "phr-quality-aux-aac",
+    "phr-quality-aux-sah",
+];
 
-/// Names of the builders that are run on request alone: [`ABLATION`], [`WITHOUT`] and [`OVER`].
+/// Names of the builders that are run on request alone: [`ABLATION`] and [`OVER`].
 pub fn on_request() -> impl Iterator<Item = &'static str> {
-    ABLATION.iter().chain(WITHOUT.into_iter().flatten()).chain(OVER).copied()
+    ABLATION.iter().chain(OVER).copied()
 }
 
-/// The configuration of the builder called `name`, one of [`NAMES`], [`ABLATION`], [`WITHOUT`] and [`OVER`].
+/// The configuration of the builder called `name`, one of [`NAMES`], [`ABLATION`] and [`OVER`].
 pub(crate) fn config(name: &str) -> Option<(&'static str, Config)> {
     let whole = REGISTRY.iter().find(|(known, _)| *known == name).copied();
-    whole.or_else(|| changed(name))
+    whole.or_else(|| over(name))
 }
 
-/// A preset with one change.
-fn changed(name: &str) -> Option<(&'static str, Config)> {
-    let name = *WITHOUT.into_iter().flatten().chain(OVER).find(|known| **known == name)?;
-    CHANGES.iter().find_map(|(end, change)| {
-        let Config::Phr(mut preset) = config(name.strip_suffix(end)?)?.1 else { return None };
-        change(&mut preset.extensions);
-        Some((name, Config::Phr(preset)))
-    })
+/// PHR over another auxiliary tree.
+fn over(name: &str) -> Option<(&'static str, Config)> {
+    let name = *OVER.iter().find(|known| **known == name)?;
+    let (preset, tree) = name.split_once("-aux-")?;
+    let Config::Phr(mut preset) = config(preset)?.1 else { return None };
+    preset.extensions.auxiliary_tree = match tree {
+        "ploc" => AuxiliaryTree::Ploc(PlocConfig::DEFAULT),
+        "aac" => AuxiliaryTree::Aac(AacConfig::FAST),
+        _ => AuxiliaryTree::BinnedSah(BinnedSahConfig::DEFAULT),
+    };
+    Some((name, Config::Phr(preset)))
 }
 
 /// The configuration of a builder over cuts.
@@ -211,8 +189,8 @@ mod tests {
         for name in NAMES.iter().copied().chain(on_request()) {
             assert_eq!(by_name::<4>(name).map(|builder| builder.name().to_owned()), Some(name.to_owned()));
         }
-        for name in WITHOUT.into_iter().flatten().chain(OVER) {
-            let preset = name.split_once("-no-").or_else(|| name.split_once("-aux-")).unwrap().0;
+        for name in OVER {
+            let preset = name.split_once("-aux-").unwrap().0;
             assert_ne!(cuts_of(name), cuts_of(preset), "{name}");
         }
         assert_eq!((NAMES.len(), ABLATION.len()), (12, 14));

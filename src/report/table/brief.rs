@@ -142,7 +142,7 @@ mod tests {
                 [
                     row(scene, "embree-sah", 4, NATIVE, 123_456.0, 98_765.0),
                     row(scene, "embree-fast-spatial", 8, NATIVE, 1_234_567.0, 8765.0),
-                    row(scene, "phr-quality-no-auxiliary_leaf", 8, PHR, 61_728.0, 1_197_530.0),
+                    row(scene, "phr-quality[auxiliary_leaf=off]", 8, PHR, 61_728.0, 1_197_530.0),
                 ]
             })
             .collect()
@@ -183,7 +183,7 @@ mod tests {
             .split('|')
             .map(str::trim)
             .collect();
-        assert_eq!(cells[1..4], ["phr-quality-no-auxiliary_leaf / 8", "61728", "0.50 ±0.00"], "{text}");
+        assert_eq!(cells[1..4], ["phr-quality[auxiliary_leaf=off] / 8", "61728", "0.50 ±0.00"], "{text}");
         assert_eq!(cells[4..9], ["1234", "1.00", "1197530", "0.001", "12.13 ±0.00"], "{text}");
         assert!(means(&rows()).contains(" 0.50 [0.50, 0.50] |"), "{}", means(&rows()));
     }

@@ -123,7 +123,7 @@ fn a_tree_knows_its_builder_also_from_a_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.phrtree");
     let mesh = soup(500, 3);
-    for (builder, width) in [("phr-quality", 8), ("phr-quality-no-local_threshold", 4)] {
+    for (builder, width) in [("phr-quality", 8), ("phr-hq-clip", 4)] {
         let bvh = Bvh::build(&mesh, &BvhConfig { builder, width }).unwrap();
         bvh.save(&mesh, &path).unwrap();
         assert_eq!(header_of(&path).unwrap().builder, builder);
