@@ -8,6 +8,7 @@ pub mod cell;
 pub mod contender;
 pub mod cpu_time;
 pub mod error;
+pub mod hardware_counters;
 pub mod kernels;
 pub mod memory;
 pub mod plan;

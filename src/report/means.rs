@@ -127,6 +127,7 @@ pub fn means(rows: &[Row], under: &Under) -> String {
         ("Build time, first of a new builder or device", Figure::First),
         ("Build time, all memory reused", Figure::Rebuild),
         ("Build time on processors, all threads, intervals over scenes alone", Figure::BuildCpu),
+        ("Instructions of builds, all threads, intervals over scenes alone", Figure::BuildInstructions),
         ("SAH cost", Figure::Cost),
         ("Frame time", Figure::Frame),
         ("Trace time, recorded rays", Figure::Trace),

@@ -30,7 +30,12 @@ impl PaperRow {
             Figure::Build => Some(self.build_ms),
             Figure::Cost => Some(self.sah_cost),
             Figure::Frame | Figure::Trace => Some(self.frame_ms),
-            Figure::BuildCpu | Figure::First | Figure::Overlap | Figure::Rebuild | Figure::Steps => None,
+            Figure::BuildCpu
+            | Figure::BuildInstructions
+            | Figure::First
+            | Figure::Overlap
+            | Figure::Rebuild
+            | Figure::Steps => None,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::bench::build_times::{WarmTimes, is_enough, ms};
 use crate::bench::cpu_time::{CpuClock, least_disturbed};
+use crate::bench::hardware_counters::HardwareCounters;
 use rayon::ThreadPool;
 use std::convert::Infallible;
 use std::time::{Duration, Instant};
@@ -21,15 +22,18 @@ pub fn timed<T: Send>(pool: &ThreadPool, build: impl FnOnce() -> T + Send) -> (D
 /// # Errors
 /// The first error of `build`.
 pub fn repeated<E>(mut build: impl FnMut() -> Result<Duration, E>) -> Result<WarmTimes, E> {
-    let (ms, cpu_time) = least_disturbed(|| {
+    let ((ms, counted), cpu_time) = least_disturbed(|| {
+        let counters = HardwareCounters::start();
         let clock = CpuClock::read();
         let mut builds = Vec::new();
         while !is_enough(&builds) {
             builds.push(build()?);
         }
-        Ok((builds.into_iter().map(ms).collect(), clock.since()))
+        let cpu_time = clock.since();
+        let counted = counters.and_then(HardwareCounters::counted);
+        Ok(((builds.into_iter().map(ms).collect(), counted), cpu_time))
     })?;
-    Ok(WarmTimes { ms, cpu_time })
+    Ok(WarmTimes { ms, cpu_time, counted })
 }
 
 /// As [`repeated`], of builds that cannot fail.

@@ -1,6 +1,7 @@
 //! How long the builds of one visit took.
 
 use crate::bench::cpu_time::CpuTime;
+use crate::bench::hardware_counters::Counted;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
@@ -30,6 +31,9 @@ pub struct WarmTimes {
     /// CPU time of these builds.
     #[serde(rename = "load")]
     pub cpu_time: CpuTime,
+    /// What the processor counted of these builds, where it does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counted: Option<Counted>,
 }
 
 /// Whether a visit has enough builds in a regime: five, or 60 ms of them.
@@ -48,7 +52,11 @@ mod tests {
 
     #[test]
     fn the_names_in_the_samples_stay() {
-        let warm = WarmTimes { ms: vec![1.5, 2.0], cpu_time: CpuTime::default() };
+        let warm = WarmTimes {
+            ms: vec![1.5, 2.0],
+            counted: Some(Counted { instructions: 7, cycles: 3 }),
+            ..WarmTimes::default()
+        };
         let times = BuildTimes {
             first_ms: 3.0,
             fresh: warm.clone(),
@@ -61,6 +69,8 @@ mod tests {
             assert!(json.get(key).is_some(), "{key}: {json}");
         }
         assert!(json["one_thread"]["ms"][0] == 1.5 && json["fresh"]["load"]["wall_s"] == 0.0);
+        assert_eq!(json["fresh"]["counted"]["instructions"], 7);
+        assert!(json["rebuild"].get("counted").is_none(), "{json}");
         assert_eq!(serde_json::from_value::<BuildTimes>(json).unwrap(), times);
     }
 }

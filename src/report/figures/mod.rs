@@ -66,6 +66,8 @@ pub enum Figure {
     Rebuild,
     /// Time on processors of fresh builds, all threads together.
     BuildCpu,
+    /// Instructions of fresh builds, all threads together.
+    BuildInstructions,
     /// SAH cost.
     Cost,
     /// End-point overlap.
@@ -187,7 +189,7 @@ impl<'a> SceneFigures<'a> {
         }
     }
 
-    /// A figure of a tree; times with their spread, but for processors' time, whose rounds are not kept; costs and
+    /// A figure of a tree; times with their spread, but for processors' time and instructions, whose rounds are not kept; costs and
     /// steps have none.
     pub fn figure(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Place<Summary> {
         let traced = || self.trace(tree, under.kernel_of(tree.0));
@@ -198,6 +200,9 @@ impl<'a> SceneFigures<'a> {
                 self.rebuild(tree).and_then(Row::build_ms).map_or(Place::Missing, Place::Value)
             }
             Figure::BuildCpu => self.build(tree).and_then(|row| row.build_cpu_ns_per_tri.map(exact)),
+            Figure::BuildInstructions => {
+                self.build(tree).and_then(|row| row.build_instructions_per_tri.map(exact))
+            }
             Figure::Cost => self.build(tree).and_then(|row| row.sah.map(exact)),
             Figure::Overlap => self.build(tree).and_then(|row| row.epo.map(exact)),
             Figure::Frame => traced().and_then(Row::frame_ms),
@@ -242,7 +247,9 @@ impl<'a> SceneFigures<'a> {
             Figure::Rebuild => self.rebuild(tree).map(|row| (row, &row.by_round.build)),
             Figure::Frame => traced().map(|row| (row, &row.by_round.frame)),
             Figure::Trace => traced().map(|row| (row, &row.by_round.trace)),
-            Figure::BuildCpu | Figure::Cost | Figure::Overlap | Figure::Steps => None,
+            Figure::BuildCpu | Figure::BuildInstructions | Figure::Cost | Figure::Overlap | Figure::Steps => {
+                None
+            }
         }?;
         Some((&row.run_id, times))
     }

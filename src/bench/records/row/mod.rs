@@ -81,6 +81,12 @@ pub struct Row {
     /// Time on processors per triangle of these builds, all threads together, ns.
     #[serde(default)]
     pub build_cpu_ns_per_tri: Option<f64>,
+    /// Instructions per triangle of these builds, all threads in user space, where the processor counts them.
+    #[serde(default)]
+    pub build_instructions_per_tri: Option<f64>,
+    /// Cycles, likewise.
+    #[serde(default)]
+    pub build_cycles_per_tri: Option<f64>,
     /// SAH cost: traversal and intersection cost 1, leaves in blocks of four triangles.
     pub sah: Option<f64>,
     /// End-point overlap (Aila et al. 2013).
@@ -168,7 +174,7 @@ impl Row {
     }
 
     /// The figures that are not counts, by column.
-    fn figures(&self) -> [(&'static str, Option<f64>); 22] {
+    fn figures(&self) -> [(&'static str, Option<f64>); 24] {
         [
             ("build_ms_median", self.build_ms_median),
             ("build_ms_mad", self.build_ms_mad),
@@ -176,6 +182,8 @@ impl Row {
             ("build_ms_max", self.build_ms_max),
             ("build_mtri_s", self.build_mtri_s),
             ("build_cpu_ns_per_tri", self.build_cpu_ns_per_tri),
+            ("build_instructions_per_tri", self.build_instructions_per_tri),
+            ("build_cycles_per_tri", self.build_cycles_per_tri),
             ("sah", self.sah),
             ("epo", self.epo),
             ("leaf_fill", self.leaf_fill),

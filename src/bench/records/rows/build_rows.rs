@@ -1,6 +1,7 @@
 //! The rows that tell of a cell's builds, one per regime.
 
 use crate::bench::build_times::WarmTimes;
+use crate::bench::hardware_counters::Counted;
 use crate::bench::rounds::{ByRound, RowRounds};
 use crate::bench::row::{FIRST, FRESH, REBUILD, Row};
 use crate::bench::samples::CellSamples;
@@ -32,7 +33,7 @@ impl BuildRows {
         let load = rebuilds(cell).into_iter().map(|of_round| of_round.1).collect();
         let warnings = of_times(&again, load, known.threads);
         let rebuild = with_builds(Row { regime: REBUILD.into(), ..known.clone() }, &again, &warnings);
-        let rebuild = with_cpu_time(rebuild, rebuilds(cell).into_iter().map(|of_round| of_round.1));
+        let rebuild = with_processors(rebuild, rebuilds(cell).into_iter().map(|of_round| of_round.1));
         let mut others = vec![first, rebuild];
         let visits = cell.visits.iter();
         let alone: Vec<(u32, &WarmTimes)> = visits
@@ -44,22 +45,37 @@ impl BuildRows {
             // The bytes are those of builds on all threads.
             let row = Row { threads: 1, bytes: None, peak_bytes: None, ..known.clone() };
             let row = with_builds(row, &times, &warnings);
-            others.push(with_cpu_time(row, alone.into_iter().map(|of_round| of_round.1)));
+            others.push(with_processors(row, alone.into_iter().map(|of_round| of_round.1)));
         }
         let times = builds(cell, FRESH);
         let fresh = || cell.visits.iter().map(|visit| &visit.builds.fresh);
         let warnings = of_times(&times, fresh().collect(), known.threads);
-        let compared = with_cpu_time(with_builds(known, &times, &warnings), fresh());
+        let compared = with_processors(with_builds(known, &times, &warnings), fresh());
         Self { compared, warnings, others }
     }
 }
 
-/// The row with the CPU time of its builds, where the system tells it.
-fn with_cpu_time<'a>(row: Row, builds: impl Iterator<Item = &'a WarmTimes>) -> Row {
-    let (count, ran_s) =
-        builds.fold((0, 0.0), |(count, ran_s), of| (count + of.ms.len(), ran_s + of.cpu_time.ran_s));
-    let per_triangle = figures(ran_s * 1e9 / (count as f64 * row.triangles as f64));
-    Row { build_cpu_ns_per_tri: Some(per_triangle).filter(|ns| *ns > 0.0 && ns.is_finite()), ..row }
+/// The row with what its builds took of processors, where system and machine tell it.
+fn with_processors<'a>(row: Row, builds: impl Iterator<Item = &'a WarmTimes>) -> Row {
+    let builds: Vec<&WarmTimes> = builds.collect();
+    let count: usize = builds.iter().map(|builds| builds.ms.len()).sum();
+    let per_triangle = |all: f64| {
+        let each = figures(all / (count as f64 * row.triangles as f64));
+        Some(each).filter(|each| *each > 0.0 && each.is_finite())
+    };
+    let counted: Option<Vec<Counted>> = builds.iter().map(|builds| builds.counted).collect();
+    let sum = |of: fn(&Counted) -> u64| {
+        let all = counted.as_ref()?.iter().map(of).sum::<u64>();
+        per_triangle(all as f64)
+    };
+    Row {
+        build_cpu_ns_per_tri: per_triangle(
+            1e9 * builds.iter().map(|builds| builds.cpu_time.ran_s).sum::<f64>(),
+        ),
+        build_instructions_per_tri: sum(|counted| counted.instructions),
+        build_cycles_per_tri: sum(|counted| counted.cycles),
+        ..row
+    }
 }
 
 fn with_builds(row: Row, times: &ByRound, warnings: &[Warning]) -> Row {

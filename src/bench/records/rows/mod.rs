@@ -122,7 +122,7 @@ mod tests {
     use crate::trace::RayKind;
 
     fn warm(ms: [f64; 3]) -> WarmTimes {
-        WarmTimes { ms: ms.into(), cpu_time: CpuTime::default() }
+        WarmTimes { ms: ms.into(), ..WarmTimes::default() }
     }
 
     /// Two views, shadow rays in the first only, three rounds of three passes, one of which is disturbed; primary
