@@ -123,7 +123,7 @@ const THREADS: [Target; 11] = [
     mean("lbvh", Threads, 1.85),
     mean("phr-fast", Threads, 1.85),
     mean("phr-hq", Threads, 1.85),
-    beside("phr-draft", Threads),
+    mean("phr-draft", Threads, 1.85),
     mean("phr-turbo", Threads, 1.85),
     mean("phr-speed", Threads, 1.85),
     mean("phr-quality", Threads, 1.85),
