@@ -19,9 +19,14 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=c");
     println!("cargo::rustc-check-cfg=cfg(embree4)");
-    for variable in
-        ["EMBREE_DIR", "EMBREE3_DIR", "LIBCLANG_PATH", "LLVM_CONFIG_PATH", "BINDGEN_EXTRA_CLANG_ARGS"]
-    {
+    for variable in [
+        "DOCS_RS",
+        "EMBREE_DIR",
+        "EMBREE3_DIR",
+        "LIBCLANG_PATH",
+        "LLVM_CONFIG_PATH",
+        "BINDGEN_EXTRA_CLANG_ARGS",
+    ] {
         println!("cargo::rerun-if-env-changed={variable}");
     }
     if let Err(complaint) = run() {
@@ -30,6 +35,9 @@ fn main() {
 }
 
 fn run() -> Result<(), String> {
+    if env::var_os("DOCS_RS").is_some() {
+        return without_embree();
+    }
     let embree = Embree::find()?;
     let version = embree.version()?;
     generate_bindings(&embree)?;
@@ -55,6 +63,18 @@ fn run() -> Result<(), String> {
     println!("cargo::metadata=major={}", embree.major);
     println!("cargo::metadata=version={version}");
     Ok(())
+}
+
+/// The registry's documentation is made where there is no Embree: without bindings.
+fn without_embree() -> Result<(), String> {
+    let bindings = bindings_path()?;
+    fs::write(&bindings, "").map_err(|why| format!("{}: {why}", bindings.display()))
+}
+
+/// Where the generated bindings go.
+fn bindings_path() -> Result<PathBuf, String> {
+    let out = env::var_os("OUT_DIR").ok_or("OUT_DIR is not set; build with cargo")?;
+    Ok(Path::new(&out).join("embree.rs"))
 }
 
 /// An installation.
@@ -169,8 +189,7 @@ fn generate_bindings(embree: &Embree) -> Result<(), String> {
     if libclang.is_err() {
         return Err(format!("libclang, which generates the bindings to Embree, was not found. {PACKAGES}"));
     }
-    let out =
-        Path::new(&env::var_os("OUT_DIR").ok_or("OUT_DIR is not set; build with cargo")?).join("embree.rs");
+    let out = bindings_path()?;
     bindgen::builder()
         .header("c/embree.h")
         .clang_arg(format!("-DEMBREE_MAJOR={}", embree.major))

@@ -7,6 +7,8 @@
 //! All functions, types and constants keep their C names. The functions that the headers define inline
 //! (`rtcInitIntersectContext` or `rtcInitIntersectArguments`, `rtcDefaultBuildArguments`, ...) are exported by a
 //! small C shim under the same names. So are `rtcGetRayFromRayN` and its like, which the headers define for C++ only.
+//!
+//! The registry's documentation has none of them, as it is made without Embree: `cargo doc -p embree-sys --open` has all.
 
 #![allow(unsafe_code)]
 
