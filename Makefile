@@ -19,8 +19,10 @@
 #                   AddressSanitizer (nightly toolchain and cargo-fuzz); SECONDS_EACH=600 for ten minutes each
 # make sanitize     the library's tests, those beside its code included, under AddressSanitizer and, where the nightly
 #                   toolchain has rust-src, under ThreadSanitizer; those of our kernels, of the library's queries and of
-#                   the containers with unsafe code under valgrind, and the portable kernel's under Miri where the
-#                   nightly toolchain has it: half an hour
+#                   the containers with unsafe code under valgrind, and, where the nightly toolchain has Miri, `make miri`:
+#                   half an hour and more
+# make miri         the tests of the library's queries through the portable kernel under Miri (rustup component add miri
+#                   --toolchain nightly): four minutes
 # make test-platforms
 #                   the library and the benchmark checked for aarch64 Linux and macOS, everything under the oldest compiler,
 #                   and the library's tests under qemu on aarch64 and on x86-64 with less than this machine has; the parts
@@ -49,13 +51,13 @@ KERNEL_TESTS = --test library -- trace_agreement trace_batches trace_kernel trac
 # The library's tests and those beside its code, but for those that take minutes without a sanitizer.
 LIBRARY_TESTS = --lib --test library -- $(addprefix --skip ,tree_hashes configurations_are_refused huge_scenes wide_trees_are_the_naive_ones)
 # Those of the containers with unsafe code.
-CONTAINER_TESTS = --lib -- parallel:: memory:: builders::lbvh:: builders::wide::
+CONTAINER_TESTS = --lib -- parallel:: memory:: builders::lbvh:: builders::wide:: bvh:: geometry::
 VALGRIND = CARGO_TARGET_$(shell echo $(HOST) | tr a-z- A-Z_)_RUNNER="valgrind --quiet --error-exitcode=1" \
 	$(CARGO) test -p phr --no-default-features --target $(HOST) --target-dir target/valgrind
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: bench bench-full report program test examples faults fuzz sanitize test-platforms audit package test-peers test-trixie test-slurm \
+.PHONY: bench bench-full report program test examples faults fuzz sanitize miri test-platforms audit package test-peers test-trixie test-slurm \
 	packages
 
 # The program alone: criterion's benchmarks are not built.
@@ -106,8 +108,6 @@ faults: packages
 # asks for more memory than there is. Under Miri, a thousand times as slow, tests of thousands of rays are left out; by its
 # stacked borrows rayon's queues are at fault (crossbeam-epoch), by its tree borrows they are not; rayon's threads outlive the
 # tests.
-sanitize: SLOW_IN_MIRI = a_bvh_is_a_tracer a_loaded_tree a_tree_ batches_hit lengths_of_slanted no_ray_panics normals_are \
-	what_is_turned_down a_filter_that
 sanitize: PACKAGES = valgrind
 sanitize: packages
 	ASAN_OPTIONS=allocator_may_return_null=1 RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address $(CARGO) test -p phr --no-default-features --target $(HOST) \
@@ -118,10 +118,14 @@ sanitize: packages
 	else echo "ThreadSanitizer left out: rustup component add rust-src --toolchain nightly"; fi
 	$(VALGRIND) $(KERNEL_TESTS)
 	$(VALGRIND) $(CONTAINER_TESTS)
-	if $(CARGO) +nightly miri --version; then \
-		PHR_ISA=scalar MIRIFLAGS="-Zmiri-disable-isolation -Zmiri-tree-borrows -Zmiri-ignore-leaks" $(CARGO) +nightly miri test -p phr --no-default-features \
-			--test library -- query:: $(addprefix --skip ,$(SLOW_IN_MIRI)); \
+	if $(CARGO) +nightly miri --version; then $(MAKE) miri; \
 	else echo "Miri is not installed: rustup component add miri --toolchain nightly"; fi
+
+miri: SLOW_IN_MIRI = a_bvh_is_a_tracer a_loaded_tree a_tree_ batches_hit lengths_of_slanted no_ray_panics normals_are \
+	what_is_turned_down a_filter_that
+miri:
+	PHR_ISA=scalar MIRIFLAGS="-Zmiri-disable-isolation -Zmiri-tree-borrows -Zmiri-ignore-leaks" $(CARGO) +nightly miri test -p phr --no-default-features \
+		--test library -- query:: $(addprefix --skip ,$(SLOW_IN_MIRI))
 
 test-platforms:
 	sh .ci/test-platforms
@@ -133,6 +137,7 @@ package: packages
 	$(CARGO) package --workspace
 	RUSTDOCFLAGS="--cfg docsrs -D warnings" $(CARGO) +nightly doc -p phr --lib --no-deps --no-default-features \
 		--features peers --target-dir target/docs
+	DOCS_RS=1 RUSTDOCFLAGS="--cfg docsrs -D warnings" $(CARGO) +nightly doc -p embree-sys --no-deps --target-dir target/docs
 
 test-peers: packages
 	$(CARGO) clippy --workspace --all-targets --features phr/peers -- -D warnings
