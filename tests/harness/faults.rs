@@ -70,37 +70,50 @@ fn checked(out: &Path, before: &Samples) -> Samples {
     samples
 }
 
+/// A run of two scenes, two builders and both widths, killed now in the one scene and now in the other.
 #[test]
 fn kills_at_any_moment_lose_no_finished_visit() {
     let kills: usize = std::env::var("PHR_KILLS").map_or(3, |kills| kills.parse().expect("a number"));
     let folder = workplace();
+    std::fs::write(folder.path().join("y.obj"), SCENE.replace("v 1 0 0", "v 2 0 0")).unwrap();
     let out = folder.path().join("out");
+    let run = |rounds: usize| {
+        let line = format!(
+            "bench x.obj y.obj --builder lbvh --builder phr-quality --size 8 --views 1 --threads 1 --rounds {rounds}"
+        );
+        let mut command = Command::new(env!("CARGO_BIN_EXE_phr"));
+        command.current_dir(folder.path()).args(line.split(' ')).args(["--out", "out"]);
+        if out.join(SAMPLES).exists() {
+            command.arg("--resume");
+        }
+        command
+    };
     let mut random = SplitMix64::new(7);
     let mut samples = Samples::default();
-    for _ in 0..kills {
-        let mut all = arguments("out", "60000");
-        if out.join(SAMPLES).exists() {
-            all.push("--resume");
-        }
-        let mut command = Command::new(env!("CARGO_BIN_EXE_phr"));
-        command.current_dir(folder.path()).args(&all).stdout(Stdio::null()).stderr(Stdio::null());
-        let mut child = command.spawn().unwrap();
+    let (mut killed, mut in_the_second, mut rounds) = (0, 0, 5);
+    while killed < kills {
+        let mut child = run(rounds).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         std::thread::sleep(Duration::from_millis(random.next_u64() % 900));
         child.kill().unwrap();
-        assert_eq!(child.wait().unwrap().code(), None, "killed, not ended");
+        let code = child.wait().unwrap().code();
         samples = checked(&out, &samples);
+        match code {
+            None => {
+                killed += 1;
+                in_the_second += usize::from(samples.scenes.len() == 2);
+            }
+            // It was done before.
+            Some(0) => rounds += 5,
+            Some(code) => panic!("a run that is resumed ends with {code}"),
+        }
     }
-    let mut last = arguments("out", "1");
-    if out.join(SAMPLES).exists() {
-        last.push("--resume");
-    }
-    let output = phr(folder.path(), &last);
+    let output = run(rounds).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let visits: usize =
-        samples.scenes.iter().flat_map(|scene| &scene.cells).map(|cell| cell.visits.len()).sum();
-    eprintln!("{kills} kills, {visits} visits before the last");
+    eprintln!("{kills} kills, {in_the_second} in the second scene, {rounds} rounds");
     samples = checked(&out, &samples);
-    assert!(!samples.scenes.is_empty());
+    let visits: Vec<usize> =
+        samples.scenes.iter().flat_map(|scene| &scene.cells).map(|cell| cell.visits.len()).collect();
+    assert_eq!(visits, [rounds; 8], "two scenes, two builders, two widths");
 }
 
 /// Files may not be larger than a limit, as if the disk were full.
