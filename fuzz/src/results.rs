@@ -6,10 +6,12 @@ use phr::bench::files::read_csv_file;
 use phr::bench::kernels::{leaks, row as kernels};
 use phr::bench::samples::Samples;
 use phr::bench::scaling::row as scaling;
+use phr::bench::turns::row as turns;
 use phr::bench::{phases, results_dir, rounds, row};
 use phr::experiments::{animation, cut_size, heatmap, split};
 use phr::report::advice::model::{Model, facts::SceneFacts};
 use phr::report::advice::{rows as advice, tuned_rows};
+use phr::report::compare::by_turns::{ByTurns, THRESHOLD};
 use phr::report::evidence::{constants::constants, scaling::page as scaling_page};
 use phr::report::figures::Under;
 use phr::report::kernels::page as kernels_page;
@@ -23,7 +25,7 @@ use std::path::Path;
 type Reader = fn(&Path) -> Result<(), String>;
 
 /// The files, each with who reads it.
-static FILES: [(&str, Reader); 18] = [
+static FILES: [(&str, Reader); 19] = [
     ("rows.csv", |path| {
         let rows = row::read(path).map_err(told)?;
         let _ = (document(&rows, true), plot::figures(&rows, &[], &Under::best(&rows)));
@@ -80,6 +82,11 @@ static FILES: [(&str, Reader); 18] = [
     ("chosen.csv", |path| {
         std::fs::write(folder(path).join("rows.csv"), NEIGHBOURS).unwrap();
         constants(folder(path)).map(drop)
+    }),
+    ("turns.csv", |path| {
+        let rows = turns::read(path).map_err(told)?;
+        let _ = ByTurns::of(&rows, THRESHOLD).document();
+        Ok(())
     }),
 ];
 

@@ -42,7 +42,7 @@ fn all_are_read(target: &str, count: usize, check: fn(&[u8]) -> bool) {
 
 #[test]
 fn seeds_are_read_whole() {
-    all_are_read("results", 18, results::check);
+    all_are_read("results", 19, results::check);
     all_are_read("scene_file", 10, scene_file::check);
     all_are_read("views", 1, views::check);
 }
