@@ -5,7 +5,7 @@ use super::optimiser::Optimiser;
 use crate::builders::api::builder::{Build, Builder};
 use crate::builders::api::config_error::ConfigError;
 use crate::builders::lbvh::config::AuxiliaryConfig;
-use crate::builders::phr::config::{Extensions, LocalThreshold, PhrConfig};
+use crate::builders::phr::config::{Extensions, PhrConfig};
 use crate::builders::phr::memory::CutMemory;
 use crate::builders::phr::pipeline::begin;
 use crate::builders::prims::geometry::Geometry;
@@ -37,7 +37,7 @@ impl OptimisedPhrConfig {
             extensions: Extensions {
                 auxiliary: AuxiliaryConfig { clusters: None, ..PhrConfig::QUALITY.extensions.auxiliary },
                 cut_share: Some(1.0 / 32.0),
-                local_threshold: Some(LocalThreshold { references: 1 << 14, area: 1.0 / 1024.0 }),
+                local_threshold: None,
                 subtree_sweep: Some(64),
                 collapse: None,
                 ..PhrConfig::QUALITY.extensions
