@@ -1,8 +1,7 @@
 //! What neighbours of the constants that were chosen by looking at scenes give: a line of CSV for each constant,
 //! value and scene, and a last one with their number. `cargo bench --bench constants -- [--rounds=N]
 //! [--only=PRESET] SCENE...`, generators' names or files; costs and counts are exact, build times are the least of
-//! N rounds (3) in which the preset and its variant take turns, none with `--rounds=0`. Trees are 4-wide; the costs
-//! of a collapse are those of a width, and looked at for 8-wide trees too.
+//! N rounds (3) in which the preset and its variant take turns, none with `--rounds=0`. Trees are 4-wide and 8-wide.
 
 #![allow(missing_docs)] // a program
 
@@ -66,11 +65,12 @@ fn needles(preset: &mut ClusteredPhrConfig) -> &mut PresplitConfig {
     preset.presplit.as_mut().expect("a preset that presplits")
 }
 
-const TURBO: [Constant<ClusteredPhrConfig>; 8] = [
+const TURBO: [Constant<ClusteredPhrConfig>; 9] = [
     ("alpha", &[0.4, 0.5], |c, v| c.alpha = v),
     ("delta", &[4.0, 6.0], |c, v| c.delta = v),
     ("max_cut", &[1024.0, 4096.0], |c, v| c.max_cut = v as usize),
     ("spatial_threshold", &[1.5e-2, 6e-2], |c, v| c.spatial_threshold = v),
+    ("presplit.filled", &[0.075, 0.3], |c, v| needles(c).filled = v),
     ("clusters.most", &[256.0, 1024.0], |c, v| c.clusters.most = v as u32),
     ("clusters.area", &[1.5e-3, 6e-3], |c, v| c.clusters.area = v),
     ("presplit.min_area", &[1.0 / 16384.0, 1.0 / 4096.0], |c, v| needles(c).min_area = v),
@@ -101,7 +101,11 @@ fn costs(preset: &mut Cuts) -> &mut CollapseCosts {
     }
 }
 
-const COSTS: [Constant<Cuts>; 3] = [
+/// Of presets that both presplit and collapse.
+const QUALITY_AND_BEST: [Constant<Cuts>; 6] = [
+    ("presplit.filled", &[0.075, 0.3], |c, v| presplit(c).filled = v),
+    ("presplit.min_area", &[1.0 / 65536.0, 1.0 / 16384.0], |c, v| presplit(c).min_area = v),
+    ("presplit.max_extra", &[0.125, 0.5], |c, v| presplit(c).max_extra = v),
     ("collapse.leaf", &[0.25, 1.0], |c, v| costs(c).leaf = v),
     ("collapse.block", &[0.175, 0.7], |c, v| costs(c).block = v),
     ("collapse.max_leaf", &[8.0, 28.0], |c, v| costs(c).max_leaf = v as u32),
@@ -113,11 +117,17 @@ fn max_cut(preset: &mut Cuts, most: f32) {
     extensions(preset).cut_share = Some(1.0 / 32.0);
 }
 
-const SPEED: [Constant<Cuts>; 11] = [
+const FAST: [Constant<Cuts>; 2] = [
+    ("max_leaf", &[4.0, 16.0], |c, v| c.config.phr.max_leaf = v as u32),
+    ("max_references", &[1.5, 4.0], |c, v| c.config.phr.max_references = v),
+];
+
+const SPEED: [Constant<Cuts>; 12] = [
     ("alpha", &[0.4, 0.5], |c, v| c.config.phr.alpha = v),
     ("delta", &[4.0, 6.0], |c, v| c.config.phr.delta = v),
     ("spatial_threshold", &[1.5e-2, 6e-2], |c, v| c.config.phr.spatial_threshold = v),
     ("max_cut", &[1024.0, 4096.0], max_cut),
+    ("cut_share", &[1.0 / 512.0, 1.0 / 128.0], |c, v| extensions(c).cut_share = Some(v)),
     ("auxiliary_leaf", &[1.0, 2.0], |c, v| extensions(c).auxiliary.auxiliary_leaf = Some(v as u32)),
     ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
     ("own_threshold.references", &[16384.0, 65536.0], |c, v| local(c).references = v as u32),
@@ -127,9 +137,10 @@ const SPEED: [Constant<Cuts>; 11] = [
     ("presplit.max_extra", &[0.125, 0.5], |c, v| presplit(c).max_extra = v),
 ];
 
-const QUALITY: [Constant<Cuts>; 8] = [
+const QUALITY: [Constant<Cuts>; 9] = [
     ("spatial_threshold", &[5e-4, 2e-3], |c, v| c.config.phr.spatial_threshold = v),
     ("max_cut", &[1024.0, 4096.0], max_cut),
+    ("cut_share", &[1.0 / 512.0, 1.0 / 128.0], |c, v| extensions(c).cut_share = Some(v)),
     ("clusters.most", &[16.0, 64.0], |c, v| clusters(c).most = v as u32),
     ("clusters.area", &[5e-5, 2e-4], |c, v| clusters(c).area = v),
     ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
@@ -138,15 +149,14 @@ const QUALITY: [Constant<Cuts>; 8] = [
     ("subtree_sweep", &[16.0, 64.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
 ];
 
-const BEST: [Constant<Cuts>; 10] = [
+const BEST: [Constant<Cuts>; 9] = [
     ("alpha", &[0.5, 0.6], |c, v| c.config.phr.alpha = v),
     ("delta", &[7.0, 9.0], |c, v| c.config.phr.delta = v),
+    ("max_cut", &[32768.0, 131072.0], |c, v| c.config.phr.max_cut = v as usize),
     ("cut_share", &[1.0 / 64.0, 1.0 / 16.0], |c, v| extensions(c).cut_share = Some(v)),
     ("spatial_threshold", &[1.5e-4, 6e-4], |c, v| c.config.phr.spatial_threshold = v),
     ("subtree_sweep", &[32.0, 128.0], |c, v| extensions(c).subtree_sweep = Some(v as u32)),
     ("calibration", &[500.0, 2000.0], |c, v| extensions(c).auxiliary.calibration = Some(v)),
-    ("own_threshold.references", &[8192.0, 32768.0], |c, v| local(c).references = v as u32),
-    ("own_threshold.area", &[1.0 / 2048.0, 1.0 / 512.0], |c, v| local(c).area = v),
     ("rounds", &[2.0, 8.0], |c, v| c.config.optimise.rounds = v as u32),
     ("share", &[0.05, 0.2], |c, v| c.config.optimise.share = v),
 ];
@@ -221,9 +231,10 @@ fn main() {
     let only = options.iter().find_map(|option| option.strip_prefix("--only="));
     let best = Cuts { config: OptimisedPhrConfig::DEFAULT, is_optimised: true };
     let presets = [
-        ("phr-speed", Cuts::of(PhrConfig::SPEED), &SPEED[..], &[][..]),
-        ("phr-quality", Cuts::of(PhrConfig::QUALITY), &QUALITY, &COSTS),
-        ("phr-best", best, &BEST, &COSTS),
+        ("phr-fast", Cuts::of(PhrConfig::FAST), FAST.to_vec()),
+        ("phr-speed", Cuts::of(PhrConfig::SPEED), SPEED.to_vec()),
+        ("phr-quality", Cuts::of(PhrConfig::QUALITY), [&QUALITY[..], &QUALITY_AND_BEST].concat()),
+        ("phr-best", best, [&BEST[..], &QUALITY_AND_BEST].concat()),
     ];
     let is_asked = |preset: &str| only.is_none_or(|only| only == preset);
     println!("scene,preset,width,constant,value,sah,refs_per_tri,node_visits,block_tests,build");
@@ -250,13 +261,13 @@ fn main() {
         for (name, preset, constants) in clustered {
             if is_asked(name) {
                 lines += compare::<4, _>(of_scene, (name, preset), constants, rounds);
+                lines += compare::<8, _>(of_scene, (name, preset), constants, rounds);
             }
         }
-        for (name, preset, constants, costs) in presets {
+        for (name, preset, constants) in &presets {
             if is_asked(name) {
-                lines += compare::<4, _>(of_scene, (name, preset), constants, rounds);
-                lines += compare::<4, _>(of_scene, (name, preset), costs, rounds);
-                lines += compare::<8, _>(of_scene, (name, preset), costs, rounds);
+                lines += compare::<4, _>(of_scene, (*name, *preset), constants, rounds);
+                lines += compare::<8, _>(of_scene, (*name, *preset), constants, rounds);
             }
         }
     }

@@ -13,7 +13,6 @@ use std::path::Path;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Chosen {
     preset: String,
-    width: usize,
     constant: String,
     value: String,
     place: String,
@@ -35,8 +34,8 @@ struct Neighbour {
     build: Option<f64>,
 }
 
-/// A line for each constant and neighbouring value: geometric means over the scenes, relative to the preset, and
-/// the scene whose node visits differ most.
+/// A line for each constant, neighbouring value and width of trees: geometric means over the scenes, relative to the
+/// preset, and the scene whose node visits differ most.
 ///
 /// # Errors
 /// One line: a file that cannot be read, or neighbours of a constant that is not listed.
@@ -47,21 +46,19 @@ pub fn constants(folder: &Path) -> Result<String, String> {
     let path = folder.join("rows.csv");
     let printed = "run `cargo bench --bench constants -- SCENE...`";
     let neighbours: Vec<Neighbour> = read_csv_file(&path, printed).map_err(told)?;
-    let is_of = |of: &Neighbour, c: &Chosen| {
-        (&of.preset, of.width, &of.constant) == (&c.preset, c.width, &c.constant)
-    };
+    let is_of = |of: &Neighbour, c: &Chosen| (&of.preset, &of.constant) == (&c.preset, &c.constant);
     if let Some(stray) = neighbours.iter().find(|of| !chosen.iter().any(|c| is_of(of, c))) {
         let (path, Neighbour { preset, constant, .. }) = (path.display(), stray);
         return Err(format!("{path}: {constant} of {preset} is not in chosen.csv; add it there"));
     }
     let mut grid = Grid::new([
         "preset",
-        "width",
         "constant",
         "value",
         "in",
         "chosen on",
         "neighbour",
+        "width",
         "build",
         "SAH cost",
         "references",
@@ -70,28 +67,21 @@ pub fn constants(folder: &Path) -> Result<String, String> {
         "most visits",
     ]);
     for constant in &chosen {
-        let width = constant.width.to_string();
-        let head = [
-            &constant.preset,
-            &width,
-            &constant.constant,
-            &constant.value,
-            &constant.place,
-            &constant.scenes,
-        ];
-        let head: Vec<String> = head.map(Clone::clone).into();
+        let Chosen { preset, constant: name, value, place, scenes } = constant;
+        let head: Vec<String> = [preset, name, value, place, scenes].map(Clone::clone).into();
         let of: Vec<&Neighbour> = neighbours.iter().filter(|of| is_of(of, constant)).collect();
-        let mut values: Vec<f64> = of.iter().map(|of| of.value).collect();
-        values.sort_by(f64::total_cmp);
+        let mut values: Vec<(f64, usize)> = of.iter().map(|of| (of.value, of.width)).collect();
+        values.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         values.dedup();
         if values.is_empty() {
             grid.push(head.clone());
         }
-        for (index, value) in values.into_iter().enumerate() {
-            let of: Vec<&Neighbour> = of.iter().copied().filter(|of| of.value == value).collect();
+        for (index, (value, width)) in values.into_iter().enumerate() {
+            let of: Vec<&Neighbour> =
+                of.iter().copied().filter(|of| (of.value, of.width) == (value, width)).collect();
             // The constant is told once.
             let mut cells = if index == 0 { head.clone() } else { vec![String::new(); head.len()] };
-            cells.push(shown(value));
+            cells.extend([shown(value), width.to_string()]);
             let mean = |figure: fn(&Neighbour) -> Option<f64>| {
                 let ratios: Vec<f64> = of.iter().filter_map(|of| figure(of)).collect();
                 geometric_mean(&ratios).map_or_else(|| "-".into(), |mean| format!("{mean:.3}"))
@@ -144,34 +134,24 @@ mod tests {
     fn neighbours_stand_beside_their_constant() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
-        let chosen = "preset,width,constant,value,place,scenes\nspeed,4,delta,6,config.rs,two\n# rows: 1\n";
+        let chosen = "preset,constant,value,place,scenes\nspeed,delta,6,config.rs,two\n# rows: 1\n";
         write("chosen.csv", chosen);
         let header = "scene,preset,width,constant,value,sah,refs_per_tri,node_visits,block_tests,build\n";
-        let lines = "a,speed,4,delta,3,1,1,0.5,1,2\nb,speed,4,delta,3,1,1,1,1,0.5\n";
-        let rows = format!("{header}{lines}# rows: 2\n");
+        let lines =
+            "a,speed,4,delta,3,1,1,0.5,1,2\nb,speed,8,delta,3,1,1,3,1,\nb,speed,4,delta,3,1,1,1,1,0.5\n";
+        let rows = format!("{header}{lines}# rows: 3\n");
         write("rows.csv", &rows);
         let text = constants(folder.path()).unwrap();
-        let line = text.lines().find(|line| line.contains("config.rs")).unwrap();
-        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
-        let expected = [
-            "speed",
-            "4",
-            "delta",
-            "6",
-            "config.rs",
-            "two",
-            "3",
-            "1.000",
-            "1.000",
-            "1.000",
-            "0.707",
-            "1.000",
-            "0.50 a",
-        ];
-        assert_eq!(&cells[1..14], expected, "{text}");
-        for stray in ["a,speed,4,alpha,3,1,1,0.5,1,2", "a,speed,8,delta,3,1,1,0.5,1,2"] {
+        let cells = |line: &str| -> Vec<String> { line.split('|').map(|cell| cell.trim().into()).collect() };
+        let mut lines = text.lines().skip_while(|line| !line.contains("config.rs")).map(cells);
+        let first = ["speed", "delta", "6", "config.rs", "two", "3", "4"];
+        let figures = ["1.000", "1.000", "1.000", "0.707", "1.000", "0.50 a"];
+        assert_eq!(lines.next().unwrap()[1..14], [&first[..], &figures].concat(), "{text}");
+        let second = ["", "", "", "", "", "3", "8", "-", "1.000", "1.000", "3.000", "1.000", "3.00 b"];
+        assert_eq!(lines.next().unwrap()[1..14], second, "{text}");
+        for stray in ["a,speed,4,alpha,3,1,1,0.5,1,2", "a,fast,4,delta,3,1,1,0.5,1,2"] {
             write("rows.csv", &format!("{header}{stray}\n# rows: 1\n"));
-            assert!(constants(folder.path()).unwrap_err().contains("of speed is not in chosen.csv"));
+            assert!(constants(folder.path()).unwrap_err().contains("is not in chosen.csv"));
         }
         for (name, whole) in [("chosen.csv", chosen), ("rows.csv", &rows)] {
             write("rows.csv", &rows);
