@@ -62,11 +62,15 @@ REFERENCE = results/reference
 TARGETED = lbvh|phr-fast|phr-hq|phr-draft|phr-turbo|phr-speed|phr-quality|phr-best|embree-[a-z-]+
 GROWING = lbvh|phr-fast|phr-speed|embree-morton|embree-sah
 GROWTH = $(foreach size,1 2 4 8 16 32,scalable-$(size)M)
-# PHR-Fast with one extension each, and our presets without one each (`phr ablation`).
+# PHR-Fast with one extension each, our presets without one each (`phr ablation`), and the costs of a collapse.
+COSTS = block=0.175 block=0.7 max_leaf=8 max_leaf=28
 ABLATED = phr-fast $(addprefix phr-fast-,bucket coarse clusters subtrees) \
-	phr-speed $(addprefix phr-speed-no-,auxiliary_leaf calibration cut_share local_threshold presplit)
-ABLATED_QUALITY = phr-quality $(addprefix phr-quality-no-,calibration clip_triangles clusters collapse cut_share \
-	local_threshold presplit subtree_sweep)
+	phr-turbo phr-turbo[presplit=off] phr-turbo[spatial_threshold=off] \
+	phr-speed $(patsubst %,phr-speed[%=off],auxiliary_leaf calibration cut_share own_threshold presplit) \
+	phr-quality $(patsubst %,phr-quality[%=off],calibration clip_triangles clusters collapse cut_share own_threshold \
+	presplit subtree_sweep) $(patsubst %,phr-quality[collapse.%],$(COSTS)) \
+	phr-best $(patsubst %,phr-best[%=off],calibration clip_triangles cut_share presplit subtree_sweep) \
+	phr-best[rounds=0] $(patsubst %,phr-best[costs.%],$(COSTS))
 SCALED = lbvh phr-fast phr-hq phr-draft phr-turbo phr-speed phr-quality phr-best
 # The paper's methods, its experiments, and where its protocol is run.
 METHODS = embree-morton hunt-50 aac embree-sah hunt-500 embree-fast-spatial phr-fast phr-hq
@@ -116,10 +120,8 @@ $(call measured,$(GROWTH) --build-only --filter ' ($(GROWING)) 4 ' --rounds $(RO
 $(call measured,--set builtin $(SCENES) --build-only --filter ' ($(TARGETED)) 4 ' \
 	--rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2 --one-thread,$(1)/threads)
 $(call measured,--set builtin $(SCENES) --size $(SIZE) --rounds $(ROUNDS) --seconds $(MIN_SECONDS) --threads 2,$(1))
-$(call measured,--set builtin $(SCENES) --size 64 $(addprefix --builder ,$(ABLATED)) --width 4 \
+$(call measured,--set builtin $(SCENES) --size 96 $(foreach builder,$(ABLATED),--builder '$(builder)') \
 	--rounds $(ROUNDS) --threads 2,$(1)-ablation)
-$(call measured,--set builtin $(SCENES) --size 64 $(addprefix --builder ,$(ABLATED_QUALITY)) --width 4 \
-	--rounds $(ROUNDS) --threads 2,$(1)-ablation-quality)
 endef
 
 bench-reference: program
@@ -135,7 +137,6 @@ $(DONE)/builders: | program
 	$(call runs,$(FULL))
 	$(PROGRAM) reduce $(FULL) $(REFERENCE)
 	$(PROGRAM) reduce $(FULL)-ablation $(REFERENCE)-ablation
-	$(PROGRAM) reduce $(FULL)-ablation-quality $(REFERENCE)-ablation-quality
 	mkdir -p $(DONE) && touch $@
 
 $(DONE)/%:
