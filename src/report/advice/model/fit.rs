@@ -52,6 +52,7 @@ pub fn weights(scenes: &[&Observed], facts: &[Fact], ridge: f64) -> Model {
         scenes: scenes.len(),
         ridge,
         facts: scales,
+        size: Some(scale(&Fact::Triangles)),
         trees: Vec::new(),
     };
     let inputs: Vec<Vec<f64>> = scenes.iter().map(|scene| model.scaled(&scene.facts)).collect();

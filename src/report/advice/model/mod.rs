@@ -48,6 +48,9 @@ pub struct Model {
     pub ridge: f64,
     /// The facts in use, with mean and deviation of their logarithms over the scenes.
     pub facts: Vec<Scale>,
+    /// The number of triangles likewise, in use or not: a scene of another size is unlike the model's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<Scale>,
     /// The trees.
     pub trees: Vec<TreeModel>,
 }
@@ -61,6 +64,13 @@ pub struct Scale {
     pub mean: f64,
     /// Deviation of its logarithm.
     pub deviation: f64,
+}
+
+impl Scale {
+    /// How many deviations of the model's scenes lie between their mean and a scene.
+    fn of(&self, facts: &SceneFacts) -> f64 {
+        (facts.log(self.fact) - self.mean) / self.deviation
+    }
 }
 
 /// The model of one tree.
@@ -123,17 +133,19 @@ impl Model {
 
     /// The facts scaled as the weights want them, after the 1 of the constant.
     fn scaled(&self, facts: &SceneFacts) -> Vec<f64> {
-        let scaled = |scale: &Scale| (facts.log(scale.fact) - scale.mean) / scale.deviation;
-        std::iter::once(1.0).chain(self.facts.iter().map(scaled)).collect()
+        std::iter::once(1.0).chain(self.facts.iter().map(|scale| scale.of(facts))).collect()
     }
 
     /// What of a scene is far from the model's scenes, in words: beyond them lines are drawn, not known.
     fn remark(&self, facts: &SceneFacts) -> String {
-        let scaled = self.scaled(facts);
-        let far = self.facts.iter().zip(scaled.iter().skip(1)).filter(|(_, scaled)| scaled.abs() > FAR);
-        let far: Vec<String> = far
-            .map(|(scale, scaled)| {
-                let side = if *scaled < 0.0 { "below" } else { "above" };
+        let others = self.facts.iter().filter(|scale| scale.fact != Fact::Triangles);
+        let size = self.facts.iter().chain(&self.size).find(|scale| scale.fact == Fact::Triangles);
+        let far: Vec<String> = size
+            .into_iter()
+            .chain(others)
+            .filter(|scale| scale.of(facts).abs() > FAR)
+            .map(|scale| {
+                let side = if scale.of(facts) < 0.0 { "below" } else { "above" };
                 format!("{} far {side} its scenes' mean of {:.1e}", scale.fact.name(), scale.mean.exp())
             })
             .collect();
