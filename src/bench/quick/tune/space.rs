@@ -30,7 +30,7 @@ const WIDTHS: Parameter = parameter(WIDTH, Scale::OneOf(&[Some(4.0), Some(8.0)])
 
 /// Of our presets over cuts, which lie in one space.
 const PRESETS: [&str; 3] = ["phr-quality", "phr-best", "phr-speed"];
-const OF_PRESETS: [Parameter; 17] = [
+const OF_PRESETS: [Parameter; 18] = [
     WIDTHS,
     parameter(ROUNDS, Scale::OneOf(&[None, Some(1.0), Some(2.0), Some(4.0), Some(8.0)])),
     parameter("alpha", Scale::Linear(0.3, 0.7)),
@@ -39,8 +39,17 @@ const OF_PRESETS: [Parameter; 17] = [
     parameter("spatial_threshold", Scale::Decimal(-5.0, 0.0)),
     parameter("max_references", Scale::Linear(1.0, 3.0)),
     parameter("cut_share", Scale::Binary(-10.0, -3.0)),
-    parameter("own_threshold.references", Scale::Binary(12.0, 18.0)),
-    parameter("own_threshold.area", Scale::Binary(-12.0, -6.0)),
+    parameter("own_threshold", Scale::Switch),
+    Parameter {
+        field: "own_threshold.references",
+        scale: Scale::Binary(12.0, 18.0),
+        needs: Some("own_threshold"),
+    },
+    Parameter {
+        field: "own_threshold.area",
+        scale: Scale::Binary(-12.0, -6.0),
+        needs: Some("own_threshold"),
+    },
     parameter("clip_triangles", Scale::Switch),
     parameter(
         "subtree_sweep",
