@@ -6,13 +6,12 @@
 
 pub mod cell;
 pub mod contender;
-pub mod cpu_time;
 pub mod error;
-pub mod hardware_counters;
 pub mod kernels;
 pub mod memory;
 pub mod plan;
 pub mod precision;
+pub mod processors;
 pub mod quick;
 pub mod rays;
 pub mod records;
@@ -23,6 +22,7 @@ pub mod visit;
 
 pub use contender::pools;
 pub use plan::{chosen, planned_scene, settings, shard};
+pub use processors::{cpu_time, hardware_counters};
 pub use quick::tune;
 pub use records::{
     build_times, environment, environment::moment, files, merge, phases, recorder, results_dir, rounds, row,

@@ -189,8 +189,8 @@ impl<'a> SceneFigures<'a> {
         }
     }
 
-    /// A figure of a tree; times with their spread, but for processors' time and instructions, whose rounds are not kept; costs and
-    /// steps have none.
+    /// A figure of a tree; times with their spread, but for processors' time and instructions, whose rounds are not
+    /// kept; costs and steps have none.
     pub fn figure(&self, tree: Tree<'_>, figure: Figure, under: &Under) -> Place<Summary> {
         let traced = || self.trace(tree, under.kernel_of(tree.0));
         match figure {
