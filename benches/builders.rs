@@ -1,4 +1,4 @@
-//! Build times of every builder on two built-in scenes: `cargo bench --bench builders`.
+//! Build times of every builder at both widths on two built-in scenes: `cargo bench --bench builders`.
 //! For comparisons with Embree see `cargo bench --bench table1`.
 
 #![allow(missing_docs)] // criterion's macros make undocumented functions
@@ -6,13 +6,13 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use phr::{builders, scene};
 
-fn builders(criterion: &mut Criterion) {
+fn of_width<const N: usize>(criterion: &mut Criterion) {
     for name in ["rooms", "hair"] {
         let scene = scene::generator(name).expect("a built-in scene").generate();
-        let mut group = criterion.benchmark_group(format!("build/{name}"));
+        let mut group = criterion.benchmark_group(format!("build/{name}/{N}"));
         group.sample_size(10).throughput(Throughput::Elements(scene.mesh.len() as u64));
         for builder in builders::NAMES {
-            let mut builder = builders::by_name::<4>(builder).expect("a name of the list");
+            let mut builder = builders::by_name::<N>(builder).expect("a name of the list");
             group.bench_function(BenchmarkId::from_parameter(builder.name()), |bencher| {
                 // In the memory of the last tree, as in the regime `rebuild`.
                 bencher.iter(|| {
@@ -25,5 +25,5 @@ fn builders(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, builders);
+criterion_group!(benches, of_width<4>, of_width<8>);
 criterion_main!(benches);

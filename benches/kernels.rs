@@ -1,4 +1,4 @@
-//! Trace times of our kernels over one tree, by ray kind and instruction set, one thread:
+//! Trace times of our kernels over a 4-wide and an 8-wide tree, by ray kind and instruction set, one thread:
 //! `cargo bench --bench kernels`.
 
 #![allow(missing_docs)] // criterion's macros make undocumented functions
@@ -8,15 +8,15 @@ use phr::geometry::{Hit, Tracer};
 use phr::trace::{BvhTracer, Isa, PathSettings, RayKind, record};
 use phr::{builders, scene};
 
-fn kernels(criterion: &mut Criterion) {
+fn over_width<const N: usize>(criterion: &mut Criterion) {
     for name in ["rooms", "hair"] {
         let scene = scene::generator(name).expect("a built-in scene").generate();
-        let tree = builders::by_name::<4>("phr-hq").expect("a name of the list").build(&scene.mesh).tree;
+        let tree = builders::by_name::<N>("phr-hq").expect("a name of the list").build(&scene.mesh).tree;
         let settings = PathSettings { width: 128, height: 128, ..PathSettings::default() };
         let batches = record(&BvhTracer::new(&tree), &scene.mesh, &scene.views[0], &settings).batches;
         for kind in RayKind::ALL {
             let rays = batches.get(kind);
-            let mut group = criterion.benchmark_group(format!("trace/{name}/{}", kind.name()));
+            let mut group = criterion.benchmark_group(format!("trace/{name}/{N}/{}", kind.name()));
             group.sample_size(10).throughput(Throughput::Elements(rays.len() as u64));
             for isa in [Isa::Scalar, Isa::best()] {
                 let tracer = BvhTracer::with_isa(&tree, isa);
@@ -36,5 +36,5 @@ fn kernels(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, kernels);
+criterion_group!(benches, over_width<4>, over_width<8>);
 criterion_main!(benches);
