@@ -8,8 +8,10 @@
 # cargo bench --bench steps
 #                   the steps of a build one by one (codes, sort, auxiliary tree, sweeps by length of the cut,
 #                   refining, leaf blocks, wide nodes), each beside a memcpy of as many bytes: some minutes
-# make test         everything that is checked before a change is taken: formatting, lints (of the library without any
-#                   feature and of the harness without Embree too), documentation, all tests and its examples
+# make test         all tests and the documentation's examples: eight minutes from an empty clone on two such cores
+# make lint         formatting, lints (of the library without any feature and of the harness without Embree too) and the
+#                   documentation
+# make check        both, with more trees and scenes compared: everything that is checked before a change is taken
 #
 # make examples     runs each of the library's examples once: two minutes
 #
@@ -57,7 +59,7 @@ VALGRIND = CARGO_TARGET_$(shell echo $(HOST) | tr a-z- A-Z_)_RUNNER="valgrind --
 # Cargo's own tests run by nextest where it is installed.
 NEXTEST := $(shell $(CARGO) nextest --version >/dev/null 2>&1 && echo yes)
 
-.PHONY: bench bench-full report program test examples faults fuzz sanitize miri test-platforms audit package test-peers test-trixie test-slurm \
+.PHONY: bench bench-full report program test lint check examples faults fuzz sanitize miri test-platforms audit package test-peers test-trixie test-slurm \
 	packages
 
 # The program alone: criterion's benchmarks are not built.
@@ -75,19 +77,26 @@ bench-full: program
 # The page's tests are left out, and say so, where the browser cannot be had; with PHR_BROWSER=1 they fail.
 test: packages
 	@sh .ci/packages chromium chromium-driver || echo "no Chromium: the page of a run is not tested"
-	$(CARGO) fmt --all --check
-	$(CARGO) clippy --workspace --all-targets -- -D warnings
-	$(CARGO) clippy -p phr --lib --no-default-features -- -D warnings
-	$(CARGO) clippy -p phr -p embree-sys --lib --bins --examples --no-default-features --features phr/harness -- -D warnings
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -p phr --lib --no-deps --document-private-items
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -p phr --lib --no-deps
 ifeq ($(NEXTEST),yes)
 	$(CARGO) nextest run --workspace --lib --tests --test-threads $$(($$(getconf _NPROCESSORS_ONLN) + 1))
 	$(CARGO) test --workspace --doc
 else
 	$(CARGO) test --workspace
 endif
-	@echo "checked: format, lints (of the library alone and of the harness without Embree too), documentation; all tests, the documentation's examples"
+	@echo "checked: all tests, the documentation's examples"
+
+# Trees by all instruction sets at any number of threads, and more scenes.
+check: lint
+	PHR_THOROUGH=1 $(MAKE) test
+
+lint: packages
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --workspace --all-targets -- -D warnings
+	$(CARGO) clippy -p phr --lib --no-default-features -- -D warnings
+	$(CARGO) clippy -p phr -p embree-sys --lib --bins --examples --no-default-features --features phr/harness -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -p phr --lib --no-deps --document-private-items
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -p phr --lib --no-deps
+	@echo "checked: format, lints (of the library alone and of the harness without Embree too), documentation"
 
 # Compiled as the tests are.
 examples: packages

@@ -4,6 +4,7 @@
 
 #![cfg(all(feature = "embree", feature = "files"))]
 
+use crate::thorough;
 use phr::builders;
 use phr::embree::{Config, Device, EmbreeBuilder, EmbreeScene, Width};
 use phr::geometry::{Hit, Ray, Tracer};
@@ -12,8 +13,10 @@ use phr::trace::verify::{compare_any, compare_closest, witness};
 use phr::trace::{BvhTracer, Isa, PathSettings, RayKind, record};
 use std::path::PathBuf;
 
-/// Scenes above this size are left to the command line's `verify`.
-const SMALL_FILE: u64 = 2_000_000;
+/// Scenes of larger files are left to the command line's `verify`; without time for more, all but the smallest.
+fn largest_file() -> u64 {
+    if thorough() { 2_000_000 } else { 1_000_000 }
+}
 
 fn shared_scenes() -> Vec<PathBuf> {
     let folder = std::env::var_os("PHR_SCENES")
@@ -26,7 +29,7 @@ fn shared_scenes() -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = entries
         .filter_map(|entry| entry.ok().map(|entry| entry.path()))
         .filter(|path| path.to_string_lossy().ends_with(".ply.zst"))
-        .filter(|path| path.metadata().is_ok_and(|meta| meta.len() < SMALL_FILE))
+        .filter(|path| path.metadata().is_ok_and(|meta| meta.len() < largest_file()))
         .collect();
     files.sort();
     files
