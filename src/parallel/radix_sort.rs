@@ -177,6 +177,7 @@ fn deal(keys: &[u64], next: &mut [u32], bucket: impl Fn(u64) -> usize, mut put: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random;
 
     /// Keys of these codes, whose lower halves do not ascend: those are none of the sort's business.
     fn is_sorted_as_by_the_standard_library(n: usize, code: impl Fn(u64) -> u64) {
@@ -196,7 +197,7 @@ mod tests {
 
     #[test]
     fn sorts_like_the_standard_library() {
-        let mix = |i: u64| i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
+        let mix = |i: u64| random::mix(i) >> 32;
         for n in [0, 1, 5, SMALL - 1, SMALL, 50_000, 300_000] {
             for mask in [u32::MAX, 0xff, 0, 0xffff_0000, 0xfff0_0000, 0x001f_ffff, 0x0000_0400] {
                 is_sorted_as_by_the_standard_library(n, |i| mix(i) & u64::from(mask));

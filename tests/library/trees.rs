@@ -1,12 +1,14 @@
 //! Every builder on every awkward input: the tree is whole, and the same at any number of threads.
 
 use crate::thorough;
+use glam::Vec3;
 use phr::builders::{
     self, Build, Builder as _, CollapseCosts, Extensions, OptimiseConfig, OptimisedPhr, OptimisedPhrConfig,
     Phr, PhrConfig,
 };
 use phr::bvh::{Bvh4, Child, Link, sah_cost};
 use phr::geometry::Mesh;
+use phr::random::SplitMix64;
 use rayon::ThreadPool;
 
 /// A mesh of separate triangles.
@@ -16,24 +18,11 @@ fn soup(triangles: impl IntoIterator<Item = [[f32; 3]; 3]>) -> Mesh {
     Mesh::new(vertices, triangles).unwrap().0
 }
 
-/// Deterministic numbers in [0, 1).
-fn random(seed: u32) -> impl FnMut() -> f32 {
-    let mut state = u64::from(seed) ^ 0x9e37_79b9_7f4a_7c15;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1u32 << 24) as f32
-    }
-}
-
 fn random_soup(n: usize, size: f32) -> Mesh {
-    let mut r = random(7);
-    let mut point = move |scale: f32| [r() * scale, r() * scale, r() * scale];
+    let mut random = SplitMix64::new(7);
     soup((0..n).map(|_| {
-        let at = point(100.0);
-        [0; 3].map(|_| {
-            let d = point(size);
-            [at[0] + d[0], at[1] + d[1], at[2] + d[2]]
-        })
+        let at = random.point(0.0, 100.0);
+        [0; 3].map(|_| (at + random.point(0.0, size)).to_array())
     }))
 }
 
@@ -60,10 +49,10 @@ fn coplanar_grid(n: u32) -> Mesh {
 
 /// Long diagonal needles that cross each other: much work for spatial splits.
 fn needles(n: usize) -> Mesh {
-    let mut r = random(3);
+    let mut random = SplitMix64::new(3);
     soup((0..n).map(|_| {
-        let (a, b) = ([r() * 100.0, r() * 100.0, r() * 100.0], [r() * 100.0, r() * 100.0, r() * 100.0]);
-        [a, b, [a[0] + 1e-3, a[1], a[2]]]
+        let [a, b] = [0; 2].map(|_| random.point(0.0, 100.0));
+        [a, b, a + Vec3::X * 1e-3].map(|corner| corner.to_array())
     }))
 }
 

@@ -217,10 +217,11 @@ fn partition_by_middle(centers: &mut [Vec4]) -> usize {
 mod tests {
     use super::*;
     use crate::builders::lbvh::partition;
+    use crate::random;
 
     #[test]
     fn partitions_are_those_of_the_definition_in_the_same_order() {
-        let mix = |i: u32| i.wrapping_mul(0x9e37_79b9) >> 20;
+        let mix = |i: u32| (random::mix(i.into()) >> 52) as u32;
         for len in 2..200usize {
             for spread in [1, 2, 5, 4096] {
                 let center =

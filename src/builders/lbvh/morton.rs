@@ -110,6 +110,7 @@ impl MortonEncoder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::SplitMix64;
 
     #[test]
     fn a_cube_interleaves_x_y_z() {
@@ -148,8 +149,7 @@ mod tests {
     fn codes_are_the_same_one_at_a_time_and_in_a_row() {
         let (low, high) = (Vec3A::new(-3.0, 0.5, 0.0), Vec3A::new(1.0, 700.0, 9.0));
         let encoder = MortonEncoder::new(Aabb::new(low, high));
-        let mix = |i: u32| i.wrapping_mul(0x9e37_79b9) as f32 / u32::MAX as f32;
-        let point = |i: u32| low + (high - low) * Vec3A::new(mix(i), mix(i + 1000), mix(i + 2000));
+        let point = |i: u32| low + (high - low) * Vec3A::from(SplitMix64::new(i.into()).point(0.0, 1.0));
         let (mut codes, expected) = (Vec::new(), (0..1000).map(|i| encoder.code(point(i))));
         encoder.codes((0..1000).map(point), |code| codes.push(code));
         assert!(codes.iter().copied().eq(expected));

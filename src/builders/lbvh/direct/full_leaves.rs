@@ -91,11 +91,12 @@ mod tests {
     use super::*;
     use crate::builders::lbvh::cartesian::cartesian_tree;
     use crate::builders::lbvh::key::key_of;
+    use crate::random::mix;
 
     /// Some sorted codes, no more than four alike.
     fn codes(len: usize, seed: u32) -> Vec<u32> {
         // Alike in many of their highest bits, or in few.
-        let code = |i: u32| (i.wrapping_mul(0x9e37_79b9) ^ seed.wrapping_mul(0x85eb_ca6b)) >> (seed * 5 % 28);
+        let code = |i: u32| mix(u64::from(i) << 32 | u64::from(seed)) as u32 >> (seed * 5 % 28);
         let mut codes: Vec<u32> = (0..len as u32).map(|i| code(code(i) ^ i)).collect();
         codes.sort_unstable();
         let firsts: Vec<bool> = (0..len).map(|i| i < 4 || codes[i - 4] != codes[i]).collect();
