@@ -105,6 +105,9 @@ fn verdict(advice: &Advice) -> String {
     let mut text =
         format!("For {} rays: {}, {} s in all.\n", rays_in_words(rays), best.name(), short(seconds));
     if !near.is_empty() {
+        let build = |known: &&Known| known.line.map_or(f64::INFINITY, |line: TotalTime| line.build_ms.value);
+        let all = near.iter().copied().chain([best]);
+        let shortest = all.min_by(|a, b| build(a).total_cmp(&build(b))).map(Known::name).unwrap_or_default();
         let more = near.len().saturating_sub(NEAR);
         let names: Vec<String> = near.into_iter().take(NEAR).map(Known::name).collect();
         let more = if more == 0 { String::new() } else { format!(" and {more} more") };
@@ -113,7 +116,8 @@ fn verdict(advice: &Advice) -> String {
         } else {
             "Not told apart from it, as intervals overlap"
         };
-        text += &format!("{how}: {}{more}.\n", names.join(", "));
+        text +=
+            &format!("{how}: {}{more}. Of all these {shortest} has the shortest build.\n", names.join(", "));
     }
     text
 }
@@ -132,6 +136,7 @@ fn ranges(advice: &Advice) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bench::quick::QuickVisit;
     use crate::report::advice::tests::advice;
 
     #[test]
@@ -163,6 +168,14 @@ mod tests {
         let told = "Other programs held the processors 43 % of the time: another tree may be best. Repeat when idle or with more --seconds.\n";
         assert!(text.contains(told) && !text.contains("dropped"), "{text}");
         assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
+
+        let mut unsure = advice();
+        unsure.trees[3].line = TotalTime::of(&[QuickVisit { build_ms: 90.0, ns_per_ray: 150.0 }]);
+        let text = page(&unsure);
+        assert!(
+            text.contains("as intervals overlap: aac. Of all these aac has the shortest build.\n"),
+            "{text}"
+        );
 
         let mut failed = advice();
         failed.trees[5].builder = "embree-fast-spatial".into();
