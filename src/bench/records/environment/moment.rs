@@ -44,8 +44,8 @@ impl Moment {
     }
 }
 
-/// How long each part of the spin check takes. On two processors, quiet or with another program on one, 40 ms and 120 ms
-/// tell no more.
+/// How long each part of the spin check takes. On two processors, quiet or with another program on one, 120 ms tell no
+/// more.
 const SPIN: Duration = Duration::from_millis(60);
 
 /// Largest share of the processors that other programs may use in a quiet hour.
