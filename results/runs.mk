@@ -8,7 +8,8 @@
 #                   is passed over by the next call, one that was stopped goes on. Needs an idle machine, 16 GiB of memory, 10 GB of
 #                   disk, and root for `apt` where embree-ndebug has to be compiled. Left as they are: rows of other
 #                   machines and of withheld scenes (results/README.md), sentences written by hand, the tables of
-#                   FINDINGS 5.1 and 5.2 over the scenes SCENES, and `make fuzz`.
+#                   FINDINGS 5.1 and 5.2 over the scenes SCENES, results/turns (which needs a changed program beside this
+#                   one), constants/presets.csv and moved.csv, and `make fuzz`.
 # make bench-builders
 #                   what the targets are judged by (`phr targets`), into results/targets: all builders on the files
 #                   SCENES and the built-in scenes with two threads, their builds with one thread beside two, their
@@ -40,8 +41,8 @@
 #                   into results/experiments-run; reduced into results/experiments, drawn and told; sizes of
 #                   cuts, a split, phases of builds and the heat map of Figure 1: two hours
 # make bench-constants
-#                   what neighbours of the constants chosen on scenes give, into results/constants/rows.csv: minutes; with
-#                   CONSTANTS_ROUNDS=3 what they do to builds too
+#                   what neighbours of the constants chosen on scenes give, to builds too, into results/constants/rows.csv:
+#                   ten minutes; with CONSTANTS_ROUNDS=0 nothing is timed
 # make bench-peers  the builders of other crates beside ours, into results/peers: half an hour
 # make bench-saved  saved trees of ten million triangles, loaded and built, into results/saved: minutes
 # make bench-instructions
@@ -53,7 +54,7 @@ SCENES ?= $(wildcard ../shared/scenes/*.ply.zst)
 ROUNDS ?= 3
 MIN_SECONDS ?= 60
 SIZE ?= 160
-CONSTANTS_ROUNDS ?= 0
+CONSTANTS_ROUNDS ?= 3
 PROGRAM = $(or $(CARGO_TARGET_DIR),./target)/release/phr
 JUDGED = results/targets
 FULL = results/full

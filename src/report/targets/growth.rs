@@ -69,23 +69,24 @@ impl Growth {
         line.ns[index].and_then(|ns| Some(ns / first?))
     }
 
+    /// The 95 % interval over rounds of what the target is for.
+    fn interval(&self, builder: &str) -> Option<Interval> {
+        let line = self.lines.iter().find(|line| line.builder == builder)?;
+        let at = |size| {
+            let index = self.sizes.iter().position(|other| *other == size)?;
+            Some((line.ns[index].value()?, line.errors[index]))
+        };
+        let (from, to) = GROWTH_SIZES;
+        let ((from, error_from), (to, error_to)) = at(from).zip(at(to))?;
+        let (growth, error) = (to / from, error_from.hypot(error_to));
+        Some(Interval { low: growth * (1.0 - error).max(0.0), high: growth * (1.0 + error) })
+    }
+
     /// Whether a builder's growth is within the target; `None` for builders without one.
     fn verdict(&self, builder: &str) -> Option<Verdict> {
         GROWTH_BUILDERS.contains(&builder).then(|| {
-            let (from, to) = GROWTH_SIZES;
-            let line = self.lines.iter().find(|line| line.builder == builder);
-            let at = |size| {
-                let index = self.sizes.iter().position(|other| *other == size)?;
-                Some((line?.ns[index].value()?, line?.errors[index]))
-            };
-            match at(from).zip(at(to)) {
-                Some(((from, error_from), (to, error_to))) => {
-                    let (growth, error) = (to / from, error_from.hypot(error_to));
-                    let (low, high) = (growth * (1.0 - error).max(0.0), growth * (1.0 + error));
-                    Verdict::at_most(GROWTH, Interval { low, high })
-                }
-                None => Verdict::NotMeasured,
-            }
+            let within = |interval| Verdict::at_most(GROWTH, interval);
+            self.interval(builder).map_or(Verdict::NotMeasured, within)
         })
     }
 }
@@ -102,7 +103,7 @@ pub fn growth(rows: &[Row]) -> String {
     let Some(&first) = growth.sizes.first() else { return String::new() };
     let header = ["builder".into(), format!("ns at {}", size_name(first))].into_iter();
     let sizes = growth.sizes.iter().skip(1).map(|&size| size_name(size));
-    let mut grid = Grid::new(header.chain(sizes).chain(["target".into(), String::new()]));
+    let mut grid = Grid::new(header.chain(sizes).chain(["95 %".into(), "target".into(), String::new()]));
     let lacking = GROWTH_BUILDERS.iter().filter(|name| growth.lines.iter().all(|l| l.builder != **name));
     let lacking = lacking.map(|name| Line {
         builder: (*name).into(),
@@ -112,6 +113,8 @@ pub fn growth(rows: &[Row]) -> String {
     for line in growth.lines.iter().cloned().chain(lacking) {
         let mut cells = vec![line.builder.clone(), line.ns[0].cell(short)];
         cells.extend((1..growth.sizes.len()).map(|i| growth.relative(&line, i).cell(|x| format!("{x:.3}"))));
+        let known = growth.interval(&line.builder).filter(|interval| interval.high.is_finite());
+        cells.push(known.map_or_else(|| "?".into(), |it| format!("[{:.2}, {:.2}]", it.low, it.high)));
         let verdict = growth.verdict(&line.builder);
         cells.push(verdict.as_ref().map_or_else(String::new, |_| format!("≤ {GROWTH:.2}")));
         cells.push(verdict.map_or_else(|| "-".into(), |verdict| verdict.cell()));
@@ -120,7 +123,7 @@ pub fn growth(rows: &[Row]) -> String {
     let (from, to) = GROWTH_SIZES;
     format!(
         "{}\nBuild time per triangle, 4-wide trees, {} threads: nanoseconds in the smallest scene, then relative to \
-         that. The target is for {} relative to {}, with the whole 95 % interval over rounds.\n",
+         that. The target is for {} relative to {}, with the whole 95 % interval over rounds, which stands beside it.\n",
         grid.markdown(),
         growth.threads,
         size_name(to),
