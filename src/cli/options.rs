@@ -10,6 +10,7 @@ use crate::bench::planned_scene::{PlannedScene, plain_name};
 use crate::bench::pools::Pools;
 use crate::bench::settings::{MOST_SECONDS, MOST_THREADS};
 use crate::scene::{Scene, View};
+use crate::trace::scale::check_size;
 use std::path::{Path, PathBuf};
 use std::slice::from_ref;
 
@@ -227,6 +228,16 @@ pub fn check_name(option: &str, name: &str) -> Result<(), Failure> {
 pub fn loaded(planned: &PlannedScene) -> Result<Scene, Failure> {
     let scene = planned.load()?;
     scene.remarks().iter().for_each(|remark| note(remark));
+    Ok(scene)
+}
+
+/// Loads a scene whose rays are to be traced, likewise.
+///
+/// # Errors
+/// Also one so large or small that single precision loses hits.
+pub fn traceable(planned: &PlannedScene) -> Result<Scene, Failure> {
+    let scene = loaded(planned)?;
+    check_size(&scene.mesh).map_err(|why| Failure::Bad(format!("{}: {why}", scene.name)))?;
     Ok(scene)
 }
 

@@ -17,6 +17,8 @@ mod lights;
 pub mod oracle;
 mod path;
 mod pixel_random;
+#[cfg(feature = "harness")]
+pub(crate) mod scale;
 mod segment;
 pub mod verify;
 

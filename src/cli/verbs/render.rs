@@ -6,7 +6,7 @@ use crate::bench::contender::saved::{check, offer};
 use crate::bench::contender::{BuildRequest, Contender, TreeUnderKernel};
 use crate::bench::planned_scene::PlannedScene;
 use crate::cli::failure::Failure;
-use crate::cli::options::{self, all_threads, held, loaded, pools};
+use crate::cli::options::{self, all_threads, held, pools, traceable};
 use crate::cli::output::say;
 use crate::cli::place::{FileKind, check_place};
 use crate::trace::{self, Image, PathSettings};
@@ -67,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             arguments.output.display()
         )));
     }
-    let scene = loaded(&PlannedScene::find(&arguments.scene)?)?;
+    let scene = traceable(&PlannedScene::find(&arguments.scene)?)?;
     check(&scene.mesh)?;
     let view = options::view(&scene, arguments.view)?;
     let kernel = *cell.kernels.first().ok_or_else(|| Failure::Bad(format!("{}: no kernel", cell.builder)))?;

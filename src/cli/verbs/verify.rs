@@ -7,7 +7,7 @@ use crate::bench::samples::KernelChecks;
 use crate::bench::settings::Settings;
 use crate::bench::visit::{Bench, SceneTraces};
 use crate::cli::failure::Failure;
-use crate::cli::options::{Made, all_threads, loaded, pools};
+use crate::cli::options::{Made, all_threads, pools, traceable};
 use crate::cli::output::say;
 use crate::report::grid::Grid;
 use std::sync::atomic::AtomicBool;
@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pools = pools(plan.settings.threads)?;
     let (mut wrong, mut failed) = (0, 0);
     for (planned, cells) in &plan.scenes {
-        let scene = loaded(planned)?;
+        let scene = traceable(planned)?;
         let mut grid =
             Grid::new([&scene.name, "kernel", "rays", "equal", "ties", "edges", "near", "verdict"]);
         let stop = AtomicBool::new(false);

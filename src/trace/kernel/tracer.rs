@@ -16,10 +16,9 @@ use std::ops::Add as _;
 /// Traces rays through a tree with our kernel. The interval is `tnear < t <= tfar`; among equal distances
 /// the triangle tested last wins. A ray that is not [`Ray::is_valid`] hits nothing.
 ///
-/// The test multiplies two edges and the direction in `f32`, as Embree's does: where such a product overflows or
-/// vanishes (scenes of 1e12 and more, or 1e-12 and less, traced with directions as long, or any with directions of
-/// 1e-38), closest hits are missed: none has a distance that is infinite, zero or NaN. Unit directions are safe
-/// over a far wider range.
+/// The test multiplies two edges and the distance, and two edges and the direction, in `f32`, as Embree's does: where
+/// such a product overflows or vanishes (scenes above some 5e12 or below 1e-12, whatever the direction, or any with
+/// directions of 1e-38), closest hits are missed: none has a distance that is infinite, zero or NaN.
 ///
 /// With AVX2 and AVX-512 the arithmetic is that of Embree's kernel for the same instructions, operation by operation,
 /// so that hits on the same tree are the same bits.

@@ -240,6 +240,34 @@ fn single_verbs_do_their_work() {
     assert!(verify.status.success(), "{}", text(&verify.stderr));
 }
 
+/// Their answers would all be alike: no hit has a distance.
+#[test]
+fn scenes_too_large_to_trace_are_refused_and_built_all_the_same() {
+    let (_guard, folder) = workplace();
+    std::fs::write(folder.join("huge.obj"), "v 0 0 0\nv 1e13 0 0\nv 0 1e13 1e12\nf 1 2 3\n").unwrap();
+    for arguments in [
+        &["verify", "huge.obj", "--size", "16"][..],
+        &["kernels", "huge.obj", "--size", "16"],
+        &["render", "huge.obj", "-o", "x.png", "--size", "16"],
+        &["advise", "huge.obj", "--seconds", "1"],
+        &tiny("huge.obj", &["--rounds", "1"]),
+    ] {
+        let output = phr(&folder, arguments);
+        let told = text(&output.stderr);
+        assert!(!output.status.success(), "{arguments:?}");
+        assert!(
+            told.contains("huge: ") && told.contains("1.0e13 across") && told.contains("scale"),
+            "{told}"
+        );
+    }
+    let built = phr(&folder, &["build", "huge.obj", "--builder", "phr-speed"]);
+    assert!(built.status.success(), "{}", text(&built.stderr));
+    let timed =
+        ["bench", "huge.obj", "--build-only", "--rounds", "1", "--builder", "lbvh", "--out", "builds"];
+    let timed = phr(&folder, &timed);
+    assert!(timed.status.success(), "{}", text(&timed.stderr));
+}
+
 #[test]
 fn an_unknown_instruction_set_is_refused() {
     let (_guard, folder) = workplace();

@@ -7,7 +7,7 @@ use crate::bench::files::{new_folder, write_whole};
 use crate::bench::planned_scene::PlannedScene;
 use crate::bench::row;
 use crate::cli::failure::Failure;
-use crate::cli::options::{Made, Widths, all_threads, loaded, pools, rays, seconds, widths};
+use crate::cli::options::{Made, Widths, all_threads, loaded, pools, rays, seconds, traceable, widths};
 use crate::cli::output::say;
 use crate::cli::place::{FileKind, check_place};
 use crate::cli::progress::Steps;
@@ -111,7 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = arguments.model.as_deref().map_or_else(|| Ok(Model::committed()), Model::read)?;
     let measurement = if arguments.instant { None } else { Some(measurement(arguments)?) };
     let planned = PlannedScene::find(arguments.scene.as_deref().unwrap_or_default())?;
-    let scene = loaded(&planned)?;
+    let scene = if arguments.instant { loaded(&planned)? } else { traceable(&planned)? };
     let advice = match measurement {
         Some(measurement) => {
             let steps = Steps::new(&scene.name);

@@ -6,7 +6,7 @@ use crate::bench::planned_scene::PlannedScene;
 use crate::bench::tune::search::Search;
 use crate::bench::tune::space::Space;
 use crate::cli::failure::Failure;
-use crate::cli::options::{all_threads, kernel, loaded, pools, rays, seconds, width};
+use crate::cli::options::{all_threads, kernel, pools, rays, seconds, traceable, width};
 use crate::cli::output::say;
 use crate::cli::place::{FileKind, check_place};
 use crate::cli::progress::Steps;
@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         limit: Duration::from_secs(arguments.seconds),
         seed: arguments.seed,
     };
-    let scene = loaded(&planned)?;
+    let scene = traceable(&planned)?;
     let named = || Path::new("results").join(format!("tune-{}", scene.name));
     let folder = arguments.out.clone().unwrap_or_else(named);
     new_folder(&folder)?;

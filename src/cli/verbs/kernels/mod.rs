@@ -67,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     results_place(&arguments.out.join(KERNELS), arguments.replace)?;
     let mut rows = Vec::new();
     for planned in scenes {
-        let scene = options::loaded(&planned)?;
+        let scene = options::traceable(&planned)?;
         if scene.mesh.len() < arguments.least {
             say(&format!("{}: {} triangles, left out\n", scene.name, scene.mesh.len()))?;
             continue;
