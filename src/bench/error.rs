@@ -70,7 +70,7 @@ pub enum PlanError {
     #[error("--{0} 0: nothing would be measured; give 1 or more")]
     Zero(&'static str),
     /// A count above its limit.
-    #[error("--{option} {value}: more than {most}; give less")]
+    #[error("--{option} {value}: more than {most}; give fewer")]
     TooMuch {
         /// The option's name.
         option: &'static str,

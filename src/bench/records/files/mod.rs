@@ -140,7 +140,7 @@ pub enum RecordsError {
         /// The column.
         column: String,
         /// What the row says.
-        told: f64,
+        told: String,
         /// What its rounds say.
         of_rounds: f64,
     },

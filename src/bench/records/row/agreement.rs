@@ -14,21 +14,19 @@ const ROUNDING: f64 = 1e-4;
 /// Refuses a row on the line `line` of the file `path` whose figures are not those of its rounds.
 pub(super) fn check_rounds(path: &Path, line: usize, row: &Row) -> Result<(), RecordsError> {
     let of = [
-        ("build", row.build_ms(), &row.by_round.build),
-        ("trace", row.trace_ms(), &row.by_round.trace),
-        ("frame", row.frame_ms(), &row.by_round.frame),
+        ("build", row.build_figures(), &row.by_round.build),
+        ("trace", row.trace_figures(), &row.by_round.trace),
+        ("frame", row.frame_figures(), &row.by_round.frame),
     ];
     of.into_iter().try_for_each(|(figure, told, rounds)| {
-        let (Some(told), Some(summary)) = (told, summary(rounds)) else { return Ok(()) };
-        let pairs = [
-            ("median", told.median, summary.median),
-            ("mad", told.mad, summary.mad),
-            ("min", told.min, summary.min),
-            ("max", told.max, summary.max),
-        ];
-        let other = pairs.into_iter().find(|(_, told, is)| (told - is).abs() > ROUNDING * summary.median);
-        other.map_or(Ok(()), |(what, told, of_rounds)| {
+        let Some(Summary { median, mad, min, max, .. }) = summary(rounds) else { return Ok(()) };
+        let of_rounds = [median, mad, min, max];
+        let mut pairs = ["median", "mad", "min", "max"].into_iter().zip(told.into_iter().zip(of_rounds));
+        let is_other =
+            |told: Option<f64>, is: f64| told.is_none_or(|told| (told - is).abs() > ROUNDING * median);
+        pairs.find(|(_, (told, is))| is_other(*told, *is)).map_or(Ok(()), |(what, (told, of_rounds))| {
             let column = format!("{figure}_ms_{what}");
+            let told = told.map_or_else(|| "empty".to_owned(), |told| told.to_string());
             Err(RecordsError::Changed { path: path.to_owned(), line, column, told, of_rounds })
         })
     })

@@ -227,12 +227,12 @@ impl Row {
 
     /// The build times, if there are any.
     pub fn build_ms(&self) -> Option<Summary> {
-        self.summary(self.build_ms_median, self.build_ms_mad, self.build_ms_min, self.build_ms_max)
+        self.summary(self.build_figures())
     }
 
     /// The trace times, if there are any.
     pub fn trace_ms(&self) -> Option<Summary> {
-        self.summary(self.trace_ms_median, self.trace_ms_mad, self.trace_ms_min, self.trace_ms_max)
+        self.summary(self.trace_figures())
     }
 
     /// Inner nodes visited and leaf blocks tested per ray, if they were counted.
@@ -242,16 +242,23 @@ impl Row {
 
     /// The frame times, if there are any.
     pub fn frame_ms(&self) -> Option<Summary> {
-        self.summary(self.frame_ms_median, self.frame_ms_mad, self.frame_ms_min, self.frame_ms_max)
+        self.summary(self.frame_figures())
     }
 
-    fn summary(
-        &self,
-        median: Option<f64>,
-        mad: Option<f64>,
-        min: Option<f64>,
-        max: Option<f64>,
-    ) -> Option<Summary> {
+    /// Median, deviation, minimum and maximum.
+    fn build_figures(&self) -> [Option<f64>; 4] {
+        [self.build_ms_median, self.build_ms_mad, self.build_ms_min, self.build_ms_max]
+    }
+
+    fn trace_figures(&self) -> [Option<f64>; 4] {
+        [self.trace_ms_median, self.trace_ms_mad, self.trace_ms_min, self.trace_ms_max]
+    }
+
+    fn frame_figures(&self) -> [Option<f64>; 4] {
+        [self.frame_ms_median, self.frame_ms_mad, self.frame_ms_min, self.frame_ms_max]
+    }
+
+    fn summary(&self, [median, mad, min, max]: [Option<f64>; 4]) -> Option<Summary> {
         let count = self.rounds.max(1) as usize;
         Some(Summary { count, median: median?, mad: mad?, min: min?, max: max? })
     }

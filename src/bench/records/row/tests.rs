@@ -104,6 +104,10 @@ fn with_rounds() -> [Row; 3] {
     let rounds = |scene: &str| Row {
         scene: scene.into(),
         by_round: RowRounds { build: vec![(0, 10.25), (1, 11.75)], ..RowRounds::default() },
+        build_ms_median: Some(11.0),
+        build_ms_mad: Some(0.75),
+        build_ms_min: Some(10.25),
+        build_ms_max: Some(11.75),
         ..row()
     };
     [rounds("a"), rounds("b"), Row { error: "an error\nin two lines".into(), ..rounds("c") }]
@@ -194,6 +198,8 @@ fn figures_that_are_not_those_of_their_rounds_are_refused() {
         Row { build_ms_mad: Some(0.7), ..row.clone() },
         Row { build_ms_min: Some(10.0), ..row.clone() },
         Row { trace_ms_max: Some(3.1), ..row.clone() },
+        Row { build_ms_median: None, ..row.clone() },
+        Row { build_ms_mad: None, build_ms_median: Some(10.9), ..row.clone() },
     ] {
         write(&folder.path().join(ROWS), &[changed]).unwrap();
         let error = read(folder.path()).unwrap_err();
