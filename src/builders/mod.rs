@@ -3,10 +3,10 @@
 //! * `prims`: references to triangles, or to boxes of anything; needles are presplit;
 //! * `binary`: binary trees; `wide`: wide trees (paper 4.5, 4.6), also of trees made elsewhere;
 //! * `lbvh`: the auxiliary BVH (4.7), and the builder `lbvh`;
+//! * `clusters`: binary trees of clusters, merged bottom-up by `aac` and `ploc`, widened;
 //! * `split`: object splits (4.2) and spatial splits (4.4) of a cut;
 //! * `phr`: cuts, their refinement (4.1, 4.3) and the recursion over them: the builders `phr-*`;
 //! * `hunt`: a method the paper compares with, as `aac`;
-//! * `clusters`: binary trees of clusters, merged bottom-up by `aac` and `ploc`, made wide;
 //! * `optimise`: `phr-best`;
 //! * `registry`: builders by name, with some fields of their configuration changed or none.
 //!

@@ -183,3 +183,12 @@ pub(crate) struct NodeRun {
     /// The position of its first triangle.
     pub first: u32,
 }
+
+impl NodeRun {
+    /// Two subtrees whose triangles follow each other from a position on.
+    #[inline(always)]
+    pub fn in_a_row([left, right]: [Node; 2], first: u32) -> [Self; 2] {
+        let after = first + left.count();
+        [Self { node: left, first }, Self { node: right, first: after }]
+    }
+}

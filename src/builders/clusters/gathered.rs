@@ -24,7 +24,7 @@ impl BinarySource for GatheredTree<'_> {
         // Clusters lie where they were merged, not in a row.
         self.tree.prefetch(left);
         self.tree.prefetch(right);
-        [NodeRun { node: *left, first: run.first }, NodeRun { node: *right, first: run.first + left.count() }]
+        NodeRun::in_a_row([*left, *right], run.first)
     }
 
     #[inline(always)]
@@ -44,13 +44,8 @@ impl GatheredTree<'_> {
         treelet: &mut WideTreelet<N, G::Block>,
     ) -> Option<WideRoot> {
         let levels = followed_levels(depth, node.count() as usize);
-        let checkpoint = [treelet.nodes.len(), treelet.blocks.len()];
         let (run, kind) = (NodeRun { node: *node, first: 0 }, Kind::of_count(node.count()));
         debug_assert_eq!(leaves.max_leaf, BLOCK);
-        let subtree = BinarySource::emit(self, (&run, kind), levels, leaves, treelet, &mut 0);
-        if subtree.is_none() {
-            treelet.rollback(checkpoint);
-        }
-        subtree
+        self.emit_or_roll_back((&run, kind), levels, leaves, treelet, &mut 0)
     }
 }

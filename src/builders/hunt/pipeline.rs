@@ -69,7 +69,8 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Hunt<N, G::Block> {
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let CutMemory { auxiliary, recursion: memory } = &mut self.memory;
         let mut watch = auxiliary.build(geometry, &self.cuts.extensions.auxiliary);
-        let (recursion, cut) = begin(auxiliary, geometry, (&self.cuts, self.config.cut_length), self.isa);
+        let (recursion, cut) =
+            recursion_and_cut(auxiliary, geometry, (&self.cuts, self.config.cut_length), self.isa);
         let tree = build::build(&recursion, cut, geometry, memory);
         watch.lap("cuts and nodes");
         self.memory.finish(tree, watch)
@@ -94,11 +95,11 @@ impl HuntConfig {
 }
 
 /// The recursion over a scene by cuts of constant length, and the initial cut that it begins with.
-pub(crate) fn begin<'a, G: Geometry>(
+pub(crate) fn recursion_and_cut<'a, G: Geometry>(
     auxiliary: &'a Auxiliary,
     geometry: &'a G,
     (cuts, length): (&'a PhrConfig, usize),
     isa: Isa,
 ) -> (CutRecursion<'a, ConstantLength, G>, Option<OwnedCut>) {
-    CutRecursion::new(auxiliary, geometry, cuts, ConstantLength(length), isa).begin((0.0, length))
+    CutRecursion::new(auxiliary, geometry, cuts, ConstantLength(length), isa).with_initial_cut((0.0, length))
 }

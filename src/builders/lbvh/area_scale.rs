@@ -22,12 +22,13 @@ pub(crate) struct AreaScale {
     pub scene: f32,
     /// What thresholds of clusters and of spatial splits are relative to: the scene's, or less with a calibration. That
     /// of equation 2 is relative to the scene's.
-    pub reference: f32,
+    pub relative_to: f32,
 }
 
 impl AreaScale {
-    /// Those of a scene whose keys are sorted, or in the order of its tree. With a calibration of `parts` the reference
-    /// is so many times the median area of parts of the scene, runs of [`PART`] references along the Morton curve.
+    /// Those of a scene whose keys are sorted, or in the order of its tree. With a calibration thresholds are
+    /// relative to so many times the median area of parts of the scene, runs of [`PART`] references along the Morton
+    /// curve.
     pub fn in_order<G: Geometry>(
         scene: Aabb,
         keys: &[MortonKey],
@@ -35,7 +36,7 @@ impl AreaScale {
         calibration: Option<f32>,
     ) -> Self {
         let scene = scene.half_area();
-        let Some(parts) = calibration else { return Self { scene, reference: scene } };
+        let Some(factor) = calibration else { return Self { scene, relative_to: scene } };
         let count = PARTS.min(keys.len() / PART);
         let area = |i: usize| {
             let first = i * keys.len() / count;
@@ -45,7 +46,7 @@ impl AreaScale {
         let mut measured: Vec<f32> = parallel::map(0..count, area);
         measured.sort_by(f32::total_cmp);
         let median = measured.get(count / 2).copied().unwrap_or(f32::INFINITY);
-        Self { scene, reference: scene.min(median * parts) }
+        Self { scene, relative_to: scene.min(median * factor) }
     }
 }
 
@@ -79,16 +80,16 @@ mod tests {
     fn areas_are_those_of_parts_where_the_scene_is_large_for_them() {
         let mesh = city(160, 10.0, 1.0);
         let scene = mesh.bounds().half_area();
-        assert_eq!(areas(&mesh, None), AreaScale { scene, reference: scene });
+        assert_eq!(areas(&mesh, None), AreaScale { scene, relative_to: scene });
         // A part of 2048 of the 160 x 160 is about a 12th of the scene, its box up to some times that.
-        let part = areas(&mesh, Some(1.0)).reference / scene;
+        let part = areas(&mesh, Some(1.0)).relative_to / scene;
         assert!((0.04..0.5).contains(&part), "{part}");
         let half = areas(&mesh, Some(0.5));
-        assert_eq!((half.scene, half.reference / scene), (scene, 0.5 * part));
+        assert_eq!((half.scene, half.relative_to / scene), (scene, 0.5 * part));
         // No more than the scene's area, nor anything without a part.
-        assert_eq!(areas(&mesh, Some(1e3)), AreaScale { scene, reference: scene });
+        assert_eq!(areas(&mesh, Some(1e3)), AreaScale { scene, relative_to: scene });
         let small = city(40, 10.0, 1.0);
         assert_eq!(areas(&small, Some(1e-6)), areas(&small, None));
-        assert_eq!(areas(&Mesh::new(vec![], vec![]).unwrap().0, Some(1.0)).reference, 0.0);
+        assert_eq!(areas(&Mesh::new(vec![], vec![]).unwrap().0, Some(1.0)).relative_to, 0.0);
     }
 }

@@ -53,7 +53,7 @@ impl Auxiliary {
         config: &AuxiliaryConfig,
         watch: &mut Stopwatch,
     ) {
-        self.order.presplit(geometry, prims.clone(), config.presplit.as_ref(), watch);
+        self.order.take_up(geometry, prims.clone(), config.presplit.as_ref(), watch);
         let references = prims.len() + self.order.extra_references();
         reserve_pairs(&mut self.tree.pairs, references, config.leaf());
         self.order.sort(geometry, prims, config.sort().0, &mut self.tree.pairs, watch);

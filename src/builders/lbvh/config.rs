@@ -61,7 +61,7 @@ impl AuxiliaryConfig {
     }
 
     pub(in crate::builders) fn rule(&self, scale: &AreaScale) -> LeafRule {
-        let area = self.clusters.map_or(0.0, |clusters| clusters.area * scale.reference);
+        let area = self.clusters.map_or(0.0, |clusters| clusters.area * scale.relative_to);
         LeafRule { always: self.leaf(), most: self.max_leaf(), area }
     }
 

@@ -48,7 +48,7 @@ pub(crate) struct MortonOrder {
 impl MortonOrder {
     /// Computes the bounds of `prims`, and splits needles where there is a configuration, which is for whole meshes
     /// alone.
-    pub fn presplit<G: Geometry>(
+    pub fn take_up<G: Geometry>(
         &mut self,
         geometry: &G,
         prims: Range<u32>,
@@ -105,7 +105,7 @@ impl MortonOrder {
 
     /// Sorts all primitives of a geometry by all bits of their codes, likewise.
     pub fn sort_all<G: Geometry, T>(&mut self, geometry: &G, spare: &mut Vec<T>, watch: &mut Stopwatch) {
-        self.presplit(geometry, geometry.prims(), None, watch);
+        self.take_up(geometry, geometry.prims(), None, watch);
         self.sort(geometry, geometry.prims(), SortBits::All, spare, watch);
     }
 

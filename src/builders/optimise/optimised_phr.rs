@@ -7,7 +7,7 @@ use crate::builders::api::config_error::ConfigError;
 use crate::builders::lbvh::config::AuxiliaryConfig;
 use crate::builders::phr::config::{Extensions, PhrConfig};
 use crate::builders::phr::memory::CutMemory;
-use crate::builders::phr::pipeline::begin;
+use crate::builders::phr::pipeline::recursion_and_cut;
 use crate::builders::prims::geometry::Geometry;
 use crate::bvh::limits::BLOCK;
 use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
@@ -109,7 +109,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for OptimisedPhr<N, G::Block> {
         let extensions = &self.phr.extensions;
         let all = (geometry, geometry.prims());
         let mut watch = extensions.auxiliary_tree.build(auxiliary, all, &extensions.auxiliary, self.isa);
-        let begun = begin(auxiliary, geometry, &self.phr, self.isa);
+        let begun = recursion_and_cut(auxiliary, geometry, &self.phr, self.isa);
         let tree = self.optimiser.build(begun, geometry, memory, &self.config.optimise, &mut watch);
         self.memory.finish(tree, watch)
     }

@@ -5,7 +5,7 @@ use super::reinsertion::Reinsertion;
 use super::tree::{ROOT, Tree};
 use crate::builders::lbvh::auxiliary::Auxiliary;
 use crate::builders::phr::config::PhrConfig;
-use crate::builders::phr::pipeline::begin;
+use crate::builders::phr::pipeline::recursion_and_cut;
 use crate::builders::testing::soup;
 use crate::builders::wide::build;
 use crate::builders::wide::memory::Memory;
@@ -20,7 +20,7 @@ fn recorded(mesh: &Mesh) -> Tree {
     let config = PhrConfig { max_leaf: BLOCK, ..PhrConfig::FAST };
     let mut auxiliary = Auxiliary::default();
     auxiliary.build(mesh, &config.extensions.auxiliary);
-    let (recursion, cut) = begin(&auxiliary, mesh, &config, Isa::best());
+    let (recursion, cut) = recursion_and_cut(&auxiliary, mesh, &config, Isa::best());
     let mut tree = Tree::default();
     assert!(tree.record(&recursion, cut.unwrap(), mesh, &Memory::<_, 4>::default(), &Default::default()));
     tree

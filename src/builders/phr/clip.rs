@@ -1,16 +1,37 @@
-//! Clipping of cuts by the planes of spatial splits (paper 4.4): which child of an opened node belongs to which side
-//! of a plane. The node of the cut that a plane cuts is clipped in [`super::split_cut`] (`pieces`). Finished leaves
-//! are never cut: they are on the side of their centroid.
+//! Clipping of cuts by the planes of spatial splits (paper 4.4): the pieces of a node of the cut, and which child of an
+//! opened node belongs to which side of a plane. Finished leaves are never cut: they are on the side of their centroid.
 
 use crate::builders::binary::node::Node;
 use crate::builders::binary::tree::BinaryTree;
+use crate::builders::split::spatial::split::SpatialSplit;
 use crate::geometry::Aabb;
+
+/// The pieces of a node of the cut on both sides of a spatial split; `of_primitive` clips the primitive in it by the
+/// plane, where that is wanted, instead of its box.
+#[inline]
+pub(super) fn pieces(
+    node: &Node,
+    split: &SpatialSplit,
+    of_primitive: Option<impl FnOnce() -> [Aabb; 2]>,
+) -> [Option<Node>; 2] {
+    let bounds = node.bounds();
+    if node.is_finished() {
+        return split.sides_of_whole(bounds).map(|is_there| is_there.then_some(*node));
+    }
+    let sides = [split.on_left(bounds), split.on_right(bounds)];
+    let pieces = match of_primitive {
+        Some(of_primitive) if sides == [true; 2] => of_primitive(),
+        _ => [split.left_of(bounds), split.right_of(bounds)],
+    };
+    // The primitive may be on one side only of a plane through its box.
+    [0, 1].map(|side| (sides[side] && !pieces[side].is_empty()).then(|| node.with_bounds(pieces[side])))
+}
 
 /// Which boxes of a node's children reach into a clip box.
 ///
-/// A box that merely touches a split plane from one side belongs to that side alone, and one that lies in the
-/// plane belongs to the left, unless its parent began at the plane and so never was there: else an
-/// axis-aligned wall in the plane would be on both sides, or on neither.
+/// A box that merely touches a split plane from one side belongs to that side alone. A box in the plane is left; it is
+/// right only if its parent starts at the plane. Else an axis-aligned wall in the plane would be on both sides, or on
+/// neither.
 pub(super) struct Clipper<'a> {
     pub clip: &'a Aabb,
     pub parent: Aabb,

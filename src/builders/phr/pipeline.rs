@@ -62,9 +62,9 @@ impl<const N: usize, B: LeafBlock> Phr<N, B> {
 
 impl<const N: usize> Phr<N> {
     /// Builds again over `mesh`, that of the build before with vertices moved: the auxiliary tree is fitted to it
-    /// and keeps its topology, so that nothing is sorted, and its cuts are refined as ever. A tree that has not
-    /// moved is built as before, but that a calibration ([`AuxiliaryConfig::calibration`]) measures parts of the scene
-    /// by other references, where the builder put keys into another order. (The paper, 5.6, leaves animation open.)
+    /// and keeps its topology, so that nothing is sorted, and its cuts are refined as ever. An unmoved mesh
+    /// gets the same tree, unless a calibration ([`AuxiliaryConfig::calibration`]) measures other references because
+    /// the builder reordered keys. (The paper, 5.6, leaves animation open.)
     ///
     /// # Errors
     /// A mesh of another number of triangles, and presplit needles ([`AuxiliaryConfig::presplit`]). No memory: the
@@ -93,9 +93,11 @@ impl<const N: usize, G: Geometry> Builder<N, G> for Phr<N, G::Block> {
     fn build(&mut self, geometry: &G) -> Build<N, G::Block> {
         let Self { config, memory, isa, .. } = self;
         let Extensions { auxiliary_tree, auxiliary, .. } = &config.extensions;
-        // Presplit, sort, auxiliary tree.
-        let all = (geometry, geometry.prims());
-        let watch = auxiliary_tree.build(&mut memory.auxiliary, all, auxiliary, *isa);
+        let mut watch = Stopwatch::start(geometry.len());
+        // Presplit and sort.
+        memory.auxiliary.sort(geometry, geometry.prims(), auxiliary, &mut watch);
+        // Auxiliary tree.
+        auxiliary_tree.grow(&mut memory.auxiliary, geometry, auxiliary, *isa, &mut watch);
         // Initial cut, recursion, wide nodes.
         build_from_cuts(memory, geometry, config, *isa, watch)
     }
@@ -114,7 +116,7 @@ pub(crate) fn build_from_cuts<const N: usize, G: Geometry>(
     mut watch: Stopwatch,
 ) -> Build<N, G::Block> {
     // Initial cut.
-    let (recursion, cut) = begin(&memory.auxiliary, geometry, config, isa);
+    let (recursion, cut) = recursion_and_cut(&memory.auxiliary, geometry, config, isa);
     // Recursion: wide nodes are made on the way back.
     let tree = build::build(&recursion, cut, geometry, &mut memory.recursion);
     watch.lap("cuts and nodes");
@@ -122,7 +124,7 @@ pub(crate) fn build_from_cuts<const N: usize, G: Geometry>(
 }
 
 /// The recursion over a scene, refined by the thresholds of equation 2, and the initial cut that it begins with.
-pub(crate) fn begin<'a, G: Geometry>(
+pub(crate) fn recursion_and_cut<'a, G: Geometry>(
     auxiliary: &'a Auxiliary,
     geometry: &'a G,
     config: &'a PhrConfig,
@@ -130,7 +132,7 @@ pub(crate) fn begin<'a, G: Geometry>(
 ) -> (CutRecursion<'a, Threshold, G>, Option<OwnedCut>) {
     let threshold = Threshold::new(auxiliary.scale.scene, config);
     let limits = config.initial_cut_limits(geometry.len(), &threshold);
-    CutRecursion::new(auxiliary, geometry, config, threshold, isa).begin(limits)
+    CutRecursion::new(auxiliary, geometry, config, threshold, isa).with_initial_cut(limits)
 }
 
 impl PhrConfig {

@@ -49,7 +49,7 @@ impl<'a, P: CutPolicy, G: Geometry> CutRecursion<'a, P, G> {
         policy: P,
         isa: Isa,
     ) -> Self {
-        let above = auxiliary.scale.reference * config.spatial_threshold;
+        let above = auxiliary.scale.relative_to * config.spatial_threshold;
         Self {
             tree: &auxiliary.tree,
             order: RefOrder { keys: &auxiliary.order.keys, refs: auxiliary.order.refs(geometry) },
@@ -64,7 +64,7 @@ impl<'a, P: CutPolicy, G: Geometry> CutRecursion<'a, P, G> {
 
     /// The recursion with the initial cut that it begins with (paper 4.1), if there is anything: nodes of a half area
     /// of more than `threshold` are opened, up to a length of the cut.
-    pub fn begin(self, (threshold, len): (f32, usize)) -> (Self, Option<OwnedCut>) {
+    pub fn with_initial_cut(self, (threshold, len): (f32, usize)) -> (Self, Option<OwnedCut>) {
         let cut = self.tree.root.map(|root| {
             let nodes = initial_cut(self.tree, root, threshold, len);
             let most = self.order.refs.geometry.len() * MAX_REFERENCES_PER_TRIANGLE;

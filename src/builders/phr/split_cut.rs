@@ -1,7 +1,7 @@
 //! One split of a cut: find the cheapest object or spatial split (paper 4.2, 4.4), partition the nodes, refine both
 //! sides (4.3).
 
-use super::clip::open;
+use super::clip::{self, open};
 use super::cut::{Cut, CutBuilder, CutLevel, Side};
 use super::memory::CutScratch;
 use super::policy::{CutPolicy, SeenSplit};
@@ -179,20 +179,12 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
 
     /// The pieces of a node on both sides of a spatial split.
     fn pieces(&self, node: &Node, split: &SpatialSplit) -> [Option<Node>; 2] {
-        let bounds = node.bounds();
-        if node.is_finished() {
-            return split.sides_of_whole(bounds).map(|is_there| is_there.then_some(*node));
-        }
-        let sides = [split.on_left(bounds), split.on_right(bounds)];
         let clips_primitive = self.config.extensions.clip_triangles && node.is_leaf() && node.count() == 1;
-        let pieces = if clips_primitive && sides == [true; 2] {
+        let of_primitive = || {
             let prim = self.order.prim(node.run().start);
-            self.order.refs.geometry.split(prim, bounds, split.axis, split.plane)
-        } else {
-            [split.left_of(bounds), split.right_of(bounds)]
+            self.order.refs.geometry.split(prim, node.bounds(), split.axis, split.plane)
         };
-        // The primitive may be on one side only of a plane through its box.
-        [0, 1].map(|side| (sides[side] && !pieces[side].is_empty()).then(|| node.with_bounds(pieces[side])))
+        clip::pieces(node, split, clips_primitive.then_some(of_primitive))
     }
 
     /// Refines one side of a split into a cut of its own; both sides hold `references` in all.

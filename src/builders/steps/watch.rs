@@ -50,10 +50,15 @@ fn watched(
     let Extensions { auxiliary_tree, auxiliary: of_auxiliary, .. } = &cuts.extensions;
     auxiliary_tree.build(&mut auxiliary, (mesh, 0..mesh.len() as u32), of_auxiliary, isa);
     Ok(match config {
-        CutConfig::Phr(_) => tree(phr::begin(&auxiliary, mesh, &cuts, isa), &auxiliary, mesh, watcher),
-        CutConfig::Hunt(config) => {
-            tree(hunt::begin(&auxiliary, mesh, (&cuts, config.cut_length), isa), &auxiliary, mesh, watcher)
+        CutConfig::Phr(_) => {
+            tree(phr::recursion_and_cut(&auxiliary, mesh, &cuts, isa), &auxiliary, mesh, watcher)
         }
+        CutConfig::Hunt(config) => tree(
+            hunt::recursion_and_cut(&auxiliary, mesh, (&cuts, config.cut_length), isa),
+            &auxiliary,
+            mesh,
+            watcher,
+        ),
     })
 }
 

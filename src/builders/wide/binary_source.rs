@@ -77,13 +77,30 @@ pub(crate) trait BinarySource {
         *splits += children.len() as u64 - 1;
         Some(treelet.node(&built))
     }
+
+    /// The same, but of what is too deep nothing is left in the treelet.
+    fn emit_or_roll_back<G: Geometry, const N: usize>(
+        &self,
+        subtree: (&NodeRun, Kind),
+        levels: u32,
+        leaves: &Leaves<'_, G>,
+        treelet: &mut WideTreelet<N, G::Block>,
+        splits: &mut u64,
+    ) -> Option<WideRoot> {
+        let before = [treelet.nodes.len(), treelet.blocks.len()];
+        let emitted = self.emit(subtree, levels, leaves, treelet, splits);
+        if emitted.is_none() {
+            treelet.rollback(before);
+        }
+        emitted
+    }
 }
 
 impl BinarySource for Subtrees {
     #[inline(always)]
     fn children(&self, run: &NodeRun) -> [NodeRun; 2] {
         let [left, right] = self.children(&run.node);
-        [NodeRun { node: left, first: run.first }, NodeRun { node: right, first: run.first + left.count() }]
+        NodeRun::in_a_row([left, right], run.first)
     }
 
     #[inline(always)]

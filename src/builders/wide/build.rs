@@ -1,6 +1,6 @@
 //! The recursion over wide nodes, from the parts of a top-down builder to nodes and leaf blocks.
 
-use super::memory::{Finished, Memory, Scratch, Worker};
+use super::memory::{Arrays, Memory, Scratch, Worker};
 use super::parallel::ParallelBuild;
 use super::top_down::{BinarySplits, TopDown};
 use super::treelet::{self, WideRoot, WideTreelet};
@@ -18,8 +18,8 @@ pub(crate) fn build<T: BinarySplits<Block = G::Block>, G: Geometry, const N: usi
     geometry: &G,
     memory: &mut Memory<T::Scratch, N, G::Block>,
 ) -> WideBvh<N, G::Block> {
-    let finished = memory.arrays(geometry.len());
-    build_over(builder, root, geometry, memory, finished)
+    let arrays = memory.arrays(geometry.len());
+    build_over(builder, root, geometry, memory, arrays)
 }
 
 /// The same behind nodes and blocks that are finished, to which parts may link.
@@ -28,11 +28,11 @@ pub(crate) fn build_over<T: BinarySplits<Block = G::Block>, G: Geometry, const N
     root: Option<T::Task>,
     geometry: &G,
     memory: &mut Memory<T::Scratch, N, G::Block>,
-    finished: Finished<N, G::Block>,
+    arrays: Arrays<N, G::Block>,
 ) -> WideBvh<N, G::Block> {
     let Some(root) = root else { return WideBvh::default() };
     let parallel = ParallelBuild::new(builder, &memory.workers, geometry.len());
-    make(&parallel, parallel.split_tasks::<N>(root), geometry, &memory.treelets, finished)
+    make(&parallel, parallel.split_tasks::<N>(root), geometry, &memory.treelets, arrays)
 }
 
 /// Builds the tree below `root` of a builder that knows the children of each node.
@@ -42,9 +42,9 @@ pub(crate) fn build_known<T: TopDown<Block = G::Block>, G: Geometry, const N: us
     geometry: &G,
     memory: &mut Memory<T::Scratch, N, G::Block>,
 ) -> WideBvh<N, G::Block> {
-    let finished = memory.arrays(geometry.len());
+    let arrays = memory.arrays(geometry.len());
     let parallel = ParallelBuild::new(builder, &memory.workers, geometry.len());
-    make(&parallel, parallel.tasks::<N>(root), geometry, &memory.treelets, finished)
+    make(&parallel, parallel.tasks::<N>(root), geometry, &memory.treelets, arrays)
 }
 
 /// Makes the nodes and blocks of tasks and the nodes above them, behind those that are finished.
@@ -53,7 +53,7 @@ fn make<T: TopDown<Block = G::Block>, G: Geometry, const N: usize>(
     tasks: TaskTree<T::Task>,
     geometry: &G,
     treelets: &Pool<WideTreelet<N, G::Block>>,
-    (mut nodes, mut blocks): Finished<N, G::Block>,
+    (mut nodes, mut blocks): Arrays<N, G::Block>,
 ) -> WideBvh<N, G::Block> {
     let builder = parallel.builder;
     let (tree, built) = parallel.run(tasks, treelets, (&mut nodes, &mut blocks), |part, treelet, worker| {

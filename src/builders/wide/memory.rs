@@ -48,7 +48,7 @@ pub(crate) struct Worker<S> {
 }
 
 /// Nodes and blocks of a tree in the making.
-pub(crate) type Finished<const N: usize, B> = (Vec<WideNode<N>>, Vec<B>);
+pub(crate) type Arrays<const N: usize, B> = (Vec<WideNode<N>>, Vec<B>);
 
 /// Memory of tasks, and a tree no longer used.
 pub(crate) struct Memory<S, const N: usize, B = TriangleBlock> {
@@ -73,7 +73,7 @@ impl<S: Default, const N: usize, B> Memory<S, N, B> {
     }
 
     /// The arrays of a tree over `n` primitives, empty, with the capacity that most trees need.
-    pub fn arrays(&mut self, n: usize) -> Finished<N, B> {
+    pub fn arrays(&mut self, n: usize) -> Arrays<N, B> {
         self.blocks(n);
         let WideBvh { mut nodes, mut blocks, .. } = self.tree.take().unwrap_or_default();
         nodes.clear();

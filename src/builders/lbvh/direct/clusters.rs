@@ -11,7 +11,7 @@ use crate::builders::lbvh::key::{MortonKey, code, key_of, reference};
 use crate::builders::lbvh::sort::SortBits;
 use crate::builders::lbvh::top_tree::top_tree;
 use crate::builders::prims::geometry::Geometry;
-use crate::builders::wide::memory::{Finished, Memory};
+use crate::builders::wide::memory::{Arrays, Memory};
 use crate::builders::wide::treelet::WideTreelet;
 use crate::bvh::{LeafBlock, Link};
 use crate::memory::huge_pages;
@@ -41,10 +41,10 @@ impl<const N: usize, I: Copy + Default + Send> ClusterTreelets<N, I> {
         config: &AuxiliaryConfig,
         memory: &mut Memory<S, N, G::Block>,
         (isa, watch): (Isa, &mut Stopwatch),
-    ) -> Finished<N, G::Block> {
+    ) -> Arrays<N, G::Block> {
         let Auxiliary { order, tree, scale, has_finished_leaves, .. } = auxiliary;
         let prims = geometry.prims();
-        order.presplit(geometry, prims.clone(), config.presplit.as_ref(), watch);
+        order.take_up(geometry, prims.clone(), config.presplit.as_ref(), watch);
         let references = geometry.len() + order.extra_references();
         order.sort(geometry, prims, SortBits::All, memory.blocks(references), watch);
         let mut keys = std::mem::take(&mut order.keys);

@@ -1,10 +1,9 @@
 //! Full leaves: a subtree of a few blocks has as few as hold its references, so that fewer blocks and nodes are
 //! written. The radix tree, which separates references where their codes differ most, leaves three of ten places empty.
 //!
-//! A subtree is still separated where neighbours differ most, but only there where it takes no block more. What may
-//! separate a part of it could have separated all of it: so no delta is greater than the one above it, and the
-//! Cartesian tree of the leaves is the tree of these separations. Of equal deltas the first is above the others in
-//! both.
+//! A subtree is still split where neighbours differ most, but only where that takes no block more. A split allowed in a
+//! part is also allowed in the whole, so deltas fall from top to bottom, and the Cartesian tree of the leaves is the
+//! tree of these splits. Of equal deltas the first is above the others in both.
 
 use crate::builders::lbvh::deltas::Deltas;
 use crate::bvh::limits::BLOCK;

@@ -15,8 +15,8 @@ const FEWEST: usize = 9;
 impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
     /// Whether a cut is of leaves alone, and no extension applies near the leaves.
     pub(in crate::builders::phr) fn is_of_leaves(&self, cut: &Cut) -> bool {
-        // Clipped references are seen otherwise by leaves, and where parts of a triangle meet they count once for the
-        // cheapest wide tree.
+        // Excluded: clipped cuts, and under `collapse` pieces of presplit triangles: a leaf counts those of a triangle
+        // once.
         let may_repeat = !self.order.refs.fragments.is_empty();
         let is_treated_otherwise = P::SEES
             || self.has_finished_leaves

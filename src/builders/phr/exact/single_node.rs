@@ -30,8 +30,7 @@ impl<G: Geometry> BinarySource for SingleNodes<'_, G> {
     #[inline(always)]
     fn children(&self, run: &NodeRun) -> [NodeRun; 2] {
         let [a, b] = self.tree.children(&run.node);
-        let children =
-            [NodeRun { node: *a, first: run.first }, NodeRun { node: *b, first: run.first + a.count() }];
+        let children = NodeRun::in_a_row([*a, *b], run.first);
         let split = ObjectSplit::of_two(a, b, Weight::Nodes.limit(run.node.bounds().half_area(), 2));
         // Without a gain they are halved in the order of the Morton codes.
         let is_swapped = split.left == 1 && split.last == 1;
@@ -109,17 +108,14 @@ impl<P: CutPolicy, G: Geometry> CutRecursion<'_, P, G> {
             return None;
         }
         let leaves = Leaves::of(&self.order.refs, max_leaf);
-        let (checkpoint, source) = ([treelet.nodes.len(), treelet.blocks.len()], self.single_nodes());
+        let source = self.single_nodes();
         let run = NodeRun { node: *node, first: self.tree.run(node).start as u32 };
         let kind = if cut.kind == Kind::Inner { source.kind(&run, max_leaf) } else { cut.kind };
         let mut splits = 0;
-        let subtree = source.emit((&run, kind), self.cut_depth - cut.depth, &leaves, treelet, &mut splits);
-        if subtree.is_none() {
-            treelet.rollback(checkpoint);
-            return None;
-        }
+        let levels = self.cut_depth - cut.depth;
+        let subtree = source.emit_or_roll_back((&run, kind), levels, &leaves, treelet, &mut splits)?;
         counts.splits += splits;
         counts.swept += 2 * splits;
-        subtree
+        Some(subtree)
     }
 }

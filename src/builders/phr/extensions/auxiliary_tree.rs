@@ -49,7 +49,7 @@ impl AuxiliaryTree {
         }
     }
 
-    /// Builds the auxiliary tree of some primitives of a geometry; the stopwatch goes on.
+    /// Sorts some primitives of a geometry and grows the auxiliary tree over them; the stopwatch goes on.
     pub(crate) fn build<G: Geometry>(
         &self,
         auxiliary: &mut Auxiliary,
@@ -59,12 +59,24 @@ impl AuxiliaryTree {
     ) -> Stopwatch {
         let mut watch = Stopwatch::start(prims.len());
         auxiliary.sort(geometry, prims, config, &mut watch);
+        self.grow(auxiliary, geometry, config, isa, &mut watch);
+        watch
+    }
+
+    /// Grows the auxiliary tree over sorted references.
+    pub(crate) fn grow<G: Geometry>(
+        &self,
+        auxiliary: &mut Auxiliary,
+        geometry: &G,
+        config: &AuxiliaryConfig,
+        isa: Isa,
+        watch: &mut Stopwatch,
+    ) {
         if self.is_lbvh() {
-            auxiliary.grow_lbvh(geometry, config, &mut watch);
-            return watch;
+            return auxiliary.grow_lbvh(geometry, config, watch);
         }
         // Memory of trees that are no LBVH is not kept.
-        auxiliary.grow(geometry, config, &mut watch, |refs, keys, rule, tree| {
+        auxiliary.grow(geometry, config, watch, |refs, keys, rule, tree| {
             let mut made = BinaryTree::default();
             let pairs = &mut made.pairs;
             made.root = match self {
@@ -76,7 +88,6 @@ impl AuxiliaryTree {
             *keys = in_order(&made, keys, rule, tree);
             tree.root.expect("there are references")
         });
-        watch
     }
 }
 

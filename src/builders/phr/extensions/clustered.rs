@@ -3,14 +3,14 @@
 //! the top and where needles are.
 
 use crate::builders::api::builder::{Build, Builder, Stopwatch};
-use crate::builders::api::config_error::{ConfigError, check};
+use crate::builders::api::config_error::ConfigError;
 use crate::builders::lbvh::config::{AuxiliaryConfig, Clusters};
 use crate::builders::lbvh::direct::clusters::ClusterTreelets;
 #[cfg(feature = "serde")]
 use crate::builders::phr::config::or_infinite;
 use crate::builders::phr::config::{Extensions, PhrConfig};
 use crate::builders::phr::memory::CutMemory;
-use crate::builders::phr::pipeline::begin;
+use crate::builders::phr::pipeline::recursion_and_cut;
 use crate::builders::prims::geometry::Geometry;
 use crate::builders::prims::presplit::PresplitConfig;
 use crate::builders::wide::build;
@@ -19,8 +19,8 @@ use crate::bvh::{LeafBlock, TriangleBlock, WideBvh};
 use crate::simd::Isa;
 use std::fmt;
 
-/// Parameters of [`ClusteredPhr`]. No [`PhrConfig`], most of whose parameters its cuts do not have: clusters cannot be
-/// opened, clipped or swept.
+/// Parameters of [`ClusteredPhr`]: four of [`PhrConfig`] and two of [`AuxiliaryConfig`]. A [`PhrConfig`] would accept
+/// extensions that clusters cannot follow: they are not opened, clipped or swept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ClusteredPhrConfig {
@@ -72,7 +72,6 @@ impl ClusteredPhrConfig {
     /// A parameter out of range.
     pub(crate) fn of_cuts(&self) -> Result<PhrConfig, ConfigError> {
         let Self { alpha, delta, max_cut, spatial_threshold, clusters, presplit } = *self;
-        check("max_cut", max_cut, 1..=1 << 24)?;
         let speed = PhrConfig::SPEED.extensions;
         let calibration = speed.auxiliary.calibration;
         let auxiliary_leaf = Some(BLOCK);
@@ -169,7 +168,7 @@ impl<const N: usize, G: Geometry> Builder<N, G> for ClusteredPhr<N, G::Block, G:
         let config = &cuts.extensions.auxiliary;
         let clusters = treelets.build(auxiliary, geometry, config, memory, (*isa, &mut watch));
         // Initial cut, recursion, the wide nodes above.
-        let (recursion, cut) = begin(auxiliary, geometry, cuts, *isa);
+        let (recursion, cut) = recursion_and_cut(auxiliary, geometry, cuts, *isa);
         let tree = build::build_over(&recursion, cut, geometry, memory, clusters);
         watch.lap("cuts and nodes");
         self.memory.finish(tree, watch)
