@@ -1,5 +1,6 @@
-//! The one random generator: SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number generators",
-//! 2014). Numbers are the same on every platform.
+//! The one random generator, and the one function that mixes bits, by which scenes and pixels draw by position:
+//! SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014). Numbers are the same on
+//! every platform.
 
 use glam::Vec3;
 

@@ -93,9 +93,9 @@ impl PrimitiveBvh {
 
     /// The closest hit of `ray`. `test` is given a primitive and the ray, which ends (`tfar`) at the closest hit so
     /// far; it returns the distance at which the ray hits the primitive. Only a distance in the ray's interval,
-    /// `tnear < t <= tfar` and finite, is a hit. Primitives come about nearest first, all of a leaf (three to five)
-    /// where the ray meets its box (always where the tree is one leaf), so that some come whose own boxes it misses;
-    /// one that was split may come more than once.
+    /// `tnear < t <= tfar` and finite, is a hit. Primitives come about nearest first, all of a leaf (three to five
+    /// in the mean) where the ray meets its box (always where the tree is one leaf), so that some come whose own boxes
+    /// it misses; one that was split may come more than once.
     #[inline]
     pub fn intersect_with(
         &self,

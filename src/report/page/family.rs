@@ -1,4 +1,4 @@
-//! Families of builders as the page shows them.
+//! Families of builders as the page reads them: those of the plots with the shape as a word.
 
 use crate::report::plot::families::{self, FAMILIES, OTHERS};
 use crate::report::plot::svg::Shape;

@@ -59,8 +59,8 @@ const fn beside(builder: &'static str, measure: Measure) -> Target {
     target(builder, measure, None, None)
 }
 
-/// Of the builders that are faithful to the paper, but for the sort of the auxiliary tree (32 bits, not 12); their trees
-/// are 4-wide.
+/// Of the builders that are faithful to the paper, but for the sort of the auxiliary tree (32 bits, not 12); their
+/// trees are 4-wide.
 const PAPER: [Target; 5] = [
     mean("phr-fast", Build(SAH), 0.48),
     mean("phr-fast", Trace(SAH), 1.09),

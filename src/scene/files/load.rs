@@ -46,7 +46,8 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
 /// Faces of OBJ name vertices given before them; later ones are out of range. Triangles that no builder accepts are
 /// dropped and counted in [`Scene::dropped`], what is no triangle in [`Scene::contents`]. Cameras come from
 /// `views.json` beside the file, or are placed around the geometry where it has none for this scene; those of glTF
-/// are not applied, which is remarked.
+/// are not applied, which is remarked. Coordinates stay as they are; up is y in glTF, in other files as
+/// [`views_around`](crate::scene::views_around) takes it.
 ///
 /// # Errors
 /// [`SceneError`], one line each. A file whose mesh would exceed `limits` is refused, before its memory is taken where

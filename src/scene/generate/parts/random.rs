@@ -1,4 +1,5 @@
-//! Counter-based random numbers and noise: the same on every platform, whatever the order of evaluation.
+//! Counter-based random numbers and noise: the same on every platform, whatever the order of evaluation, and of streams
+//! by name, so that a scene keeps its triangles where another part of it draws more.
 
 use crate::random::{self, GOLDEN};
 use glam::Vec3;
