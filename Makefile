@@ -1,5 +1,7 @@
-# make bench        the table, the plots and the page on the built-in scenes, into results/builtin: seven minutes
-#                   from an empty clone on two cores of an AMD EPYC (Zen 4), its first table after four; eleven on older ones
+# make bench        the table, the plots and the page on the built-in scenes, into results/builtin: from an
+#                   empty clone seven minutes on two cores of an AMD EPYC (Zen 4), with the first table after four; eleven
+#                   minutes on older processors
+# make program      target/release/phr alone
 # make report       the page of results/builtin again, report.html; RESULTS=DIR for another folder
 # make bench-full   the same with more rays and rounds
 # make bench-reference
