@@ -20,6 +20,14 @@ pub enum PlanError {
     /// A scene file that cannot be used.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A scene so large or small that rays lose their hits.
+    #[error("{scene}: {why}")]
+    Size {
+        /// The scene.
+        scene: String,
+        /// Its size and the remedy.
+        why: String,
+    },
     /// Not a builder.
     #[error("no builder is called {name}; there are {known}")]
     NoSuchBuilder {

@@ -41,7 +41,7 @@ impl Answers {
     /// Rays that hit.
     pub fn hits(&self) -> u64 {
         match self {
-            Self::Closest(hits) => hits.iter().filter(|hit| hit.measured().is_hit()).count() as u64,
+            Self::Closest(hits) => trace::hit_count(hits) as u64,
             Self::Any(occluded) => occluded.iter().filter(|&&hit| hit).count() as u64,
         }
     }

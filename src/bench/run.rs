@@ -16,7 +16,6 @@ use super::{contender, memory, rays, rows};
 use crate::geometry::Tracer;
 use crate::random::SplitMix64;
 use crate::scene::Scene;
-use crate::trace::scale::check_size;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -140,7 +139,6 @@ impl Run<'_> {
         }
         progress.at(&format!("{}: reference tree", planned.name));
         let no_reference = |reason| RunError::Reference { scene: planned.name.clone(), reason };
-        check_size(&scene.mesh).map_err(no_reference)?;
         let built = contender::reference(&scene.mesh, &pools.all).map_err(no_reference)?;
         let tree = TreeUnderKernel::new(&built, REFERENCE_KERNEL, settings.threads).map_err(no_reference)?;
         let reference = Some(tree.tracer().map_err(|reason| no_reference(reason.to_owned()))?);

@@ -279,7 +279,7 @@ pub fn hit_hash(hits: &[Hit]) -> u64 {
     })
 }
 
-/// Number of hits.
+/// Number of hits that have a distance.
 pub fn hit_count(hits: &[Hit]) -> usize {
-    hits.iter().filter(|hit| hit.is_hit()).count()
+    hits.iter().filter(|hit| hit.measured().is_hit()).count()
 }

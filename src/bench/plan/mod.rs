@@ -11,7 +11,8 @@ pub mod shard;
 
 use super::cell::{Cell, Kernel};
 use super::error::PlanError;
-use crate::scene::{self, SceneError};
+use crate::scene;
+use crate::trace::scale::check_size;
 use chosen::Chosen;
 use planned_scene::{PlannedScene, Source};
 use regex::Regex;
@@ -132,15 +133,19 @@ impl Plan {
         self.scenes.iter().flat_map(|(scene, cells)| cells.iter().flat_map(|cell| cell.lines(&scene.name)))
     }
 
-    /// Reads every scene file once, so that a broken one is found before anything is timed, and each one's triangles
-    /// and hash are known.
+    /// Reads every scene file once, so that a broken one, or one that cannot be traced, is found before anything is
+    /// timed, and each one's triangles and hash are known.
     ///
     /// # Errors
-    /// The first broken one's.
-    pub fn check_files(&mut self) -> Result<(), SceneError> {
+    /// The first such one's.
+    pub fn check_files(&mut self) -> Result<(), PlanError> {
         for (scene, _) in &mut self.scenes {
             if matches!(scene.source, Source::File(_)) {
                 let loaded = scene.load()?;
+                if !self.settings.build_only {
+                    let refused = |why| PlanError::Size { scene: scene.name.clone(), why };
+                    check_size(&loaded.mesh).map_err(refused)?;
+                }
                 scene.triangles = loaded.mesh.len();
                 scene.sha = Some(loaded.sha);
             }
