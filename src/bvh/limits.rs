@@ -95,8 +95,9 @@ const _: () = assert!(
 );
 /// Trees of refined cuts whose lowest levels are built by one sweep.
 const _: () = assert!(CUT_DEPTH + SUBTREE_DEPTH + halvings(SUBTREE_MOST) <= MAX_DEPTH as u32);
-/// Linear trees. Full leaves add no level: the radix tree over the same references has at least as many leaves and
-/// levels, three at most. But its four leaves may lie in two levels: then the full ones are the same.
+/// Linear trees. Full leaves add no level: two to four of them lie in one to three levels, and the radix tree over the
+/// same references has no fewer leaves, so as many levels at least. Only its four leaves may lie in two: then the full
+/// ones are the same.
 const _: () = assert!(MORTON_BITS + MIDDLE_DEPTH + halvings(MAX_REFERENCES) <= MAX_DEPTH as u32);
 /// The root of a cluster tree: from there on [`follows_clusters`] keeps the bound.
 const _: () = assert!(halvings(MAX_REFERENCES) < MAX_DEPTH as u32);
